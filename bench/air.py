@@ -37,7 +37,7 @@ def wind_speed(
     at: Float[Array, "*n"] | float,
     shear: Float[Array, "*n"] | float,
 ) -> Float[Array, "*n"]:
-    """Wind at a height above the pad; constant in the lowest metre. [m/s]"""
+    """Wind at a height above the pad; constant in the lowest meter. [m/s]"""
     return np.asarray(wind * (np.maximum(height, 1.0) / at) ** shear)
 
 

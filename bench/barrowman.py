@@ -39,7 +39,7 @@ def centre_of_pressure(frame: Airframe) -> float:
 
 
 def cg_for_margin(frame: Airframe, dry_mass: float, motor_mass: float, motor_length: float, margin: float) -> float:
-    """Centre of mass without the motor that gives a static margin in calibres on the pad. [m]"""
+    """Centre of mass without the motor that gives a static margin in calibers on the pad. [m]"""
     loaded = centre_of_pressure(frame) - margin * frame.diameter
     motor = frame.length - motor_length / 2
     return (loaded * (dry_mass + motor_mass) - motor_mass * motor) / dry_mass

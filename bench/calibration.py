@@ -54,7 +54,7 @@ def calibration_error(bins: Sequence[Bin]) -> float:
 
 
 def calibration_lines(results: Sequence[Result]) -> Iterator[str]:
-    """The reliability diagram as a table in Markdown, and the errors; nothing where no probabilities were given."""
+    """The reliability diagram as a table in Markdown, and the errors; nothing if no probabilities were given."""
     if not cases(results):
         return
     bins = reliability(results)

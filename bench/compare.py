@@ -10,7 +10,7 @@ from bench.world import Air, Airframe, Drag, Launch
 
 ROCKETS = (("D12", 0.041, 0.60, 0.15), ("F39T", 0.0546, 0.90, 0.40), ("G64W", 0.066, 1.20, 0.90))
 CONDITIONS = ((0.5, 0.02, 2.0, 9.0), (5.0, 0.0, 2.0, 9.0), (8.0, 0.0, 3.0, 5.0), (2.0, 0.17, 1.3, 9.0))
-"""Wind [m/s], tilt of the rail [rad], static margin [calibre], delay [s]."""
+"""Wind [m/s], angle of the rail [rad], static margin [caliber], delay [s]."""
 
 
 def launches() -> list[Launch]:

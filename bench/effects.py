@@ -96,7 +96,7 @@ def early_ejection(
 
 
 def air_density(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """One site truly lies at `strength` metres: nobody wrote its elevation down, or a wrong one."""
+    """One site truly lies at `strength` meters: nobody wrote its elevation down, or a wrong one."""
     site = _one(rng, [f.site for f in flights])
     wrong = bool(rng.random() < 0.3)
     bent = []
@@ -166,7 +166,7 @@ def thrust_curve(rng: np.random.Generator, strength: float, flights: Sequence[Fl
 
 
 def mach_drag(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Drag rises towards Mach 1, by the part `strength` at its highest."""
+    """Drag rises toward Mach 1, by the part `strength` at its highest."""
     bent = _each(flights, lambda x: replace(x, drag=replace(x.drag, mach_rise=strength)), lambda f: True)
     return bent, {"rise": strength}
 

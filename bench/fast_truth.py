@@ -3,7 +3,7 @@
 Every flight of a batch goes through one Runge-Kutta step at a time. The state is position, velocity, the
 direction of the axis and its rate of turning. Weathercocking is not a rule here: air from the side pushes on
 nose and fins (Barrowman), each at its own local velocity, and the axis turns because these act behind the
-centre of mass. Rail, fuel burnt, thrust, drag by Mach and Reynolds number, sheared wind, updraft and an opening
+center of mass. Rail, fuel burned, thrust, drag by Mach and Reynolds number, sheared wind, updraft and an opening
 parachute are the rest. Checked against RocketPy in `bench.compare`.
 """
 

@@ -1,7 +1,7 @@
 """Seasons and flights to put effects into: everything honest, nothing hidden yet.
 
-A `Flown` is a flight as planned by an all-knowing flyer (`launch`), the luck it meets (`scatter`) and what is
-written down of it (`declared`). Effects bend the launch and leave luck and paper alone.
+A `Flown` is a flight as planned by an all-knowing flyer (`launch`), its random draws (`scatter`) and what is
+written down of it (`declared`). Effects change the launch and leave random draws and records alone.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ ROCKETS = ("Astra", "Bolide", "Corvus", "Draco", "Ember", "Falcon", "Gannet", "H
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """The luck of one flight: factors, and a small lean of the rail."""
+    """The random draws of one flight: factors, and a small launch angle."""
 
     thrust: float = 1.0
     stretch: float = 1.0
@@ -93,7 +93,7 @@ def draw(rng: np.random.Generator, needs: Needs) -> Season:
 
 
 def scattered(flown: Flown) -> Launch:
-    """The launch as luck has it."""
+    """The launch with its random draws."""
     launch, luck = flown.launch, flown.scatter
     lean = np.array([launch.tilt * np.cos(launch.heading), launch.tilt * np.sin(launch.heading)]) + luck.lean
     motor = replace(
@@ -172,7 +172,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
 
 
 def _luck(rng: np.random.Generator, factor: float) -> Scatter:
-    """Honest scatter: thrust 2.5 %, drag 2 %, scale 1 g, delay 7 %, gusts 15 %, a lean up to 2 degrees."""
+    """Honest scatter: thrust 2.5 %, drag 2 %, scale 1 g, delay 7 %, gusts 15 %, a launch angle up to 2 degrees."""
     thrust, stretch, drag, mass, delay, wind = rng.standard_normal(6)
     lean, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))
     return Scatter(

@@ -59,7 +59,7 @@ def main() -> int:
 
 
 def _share(rows: Sequence[dict[str, Any]], which: str) -> float:
-    """Share of flights inside of the model's own interval, or of the corrected one."""
+    """Fraction of flights inside the model's own interval, or the calibrated one."""
     ends = [row["corrected"] if which == "corrected" else (row["p05"], row["p95"]) for row in rows]
     held = [low <= row["flown"] <= high for row, (low, high) in zip(rows, ends, strict=True)]
     return sum(held) / len(held) if held else float("nan")

@@ -1,4 +1,4 @@
-"""`python -m bench.make OUT`: flight tables with an undeclared effect in them, and the labels apart.
+"""`python -m bench.make OUT`: flight tables with an undeclared effect in them, and the labels separately.
 
 A set is `set_NNN.csv` (the history), `set_NNN_future.csv` (flights of the same truth that come later) and an
 entry in `labels.json`. The same seed makes the same sets.
@@ -118,9 +118,9 @@ def _apogees(season: Season, tracks: Sequence[Track]) -> np.ndarray[tuple[int], 
 def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float]:
     """How much of the apogees the effect accounts for, and what a predictor could make of knowing it.
 
-    `shift_*`: apogee with the effect minus without it, luck alike. `blind_mae_m`: error of the effect-free truth
-    without luck, scaled by one number fitted to the flights; `ideal_mae_m`: the same with the effect in it;
-    `naive_mae_m`: that of the effect-free truth as it is.
+    `shift_*`: apogee with the effect minus without it, with common random numbers. `blind_mae_m`: error of the
+    effect-free truth without random draws, scaled by one number fitted to the flights; `ideal_mae_m`: the same with
+    the effect in it; `naive_mae_m`: that of the effect-free truth as it is.
     All against apogees before the altimeter's noise, over all flights and over the future ones.
     """
     now, twin = _apogees(found.bent, tracks["true"]), _apogees(found.honest, tracks["twin"])
@@ -138,7 +138,7 @@ def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float
 
 
 def flown(cases: Sequence[Case], fly: Fly) -> list[dict[str, list[Track]]]:
-    """The tracks of every case: the true ones by `fly`; without the effect; without luck; with both gone."""
+    """The tracks of every case: the true ones by `fly`; without the effect; without random draws; without both."""
     plans: list[dict[str, list[Launch]]] = [
         {
             "true": [scattered(f) for f in c.bent.flights],

@@ -1,4 +1,4 @@
-"""The motors the bench flies: measured thrust curves from the catalogue, at their certified impulse."""
+"""The motors the bench flies: measured thrust curves from the catalog, at their certified impulse."""
 
 from functools import cache
 

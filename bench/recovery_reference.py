@@ -2,7 +2,7 @@
 
 `python -m bench.recovery_reference FILE` writes them.
 
-Each rocket flies a thrust curve of the catalogue with one drag coefficient, opens one parachute or a drogue and a main,
+Each rocket flies a thrust curve of the catalog with one drag coefficient, opens one parachute or a drogue and a main,
 and lands in a wind that grows with height. RocketPy knows six degrees of freedom and none of our own code.
 """
 

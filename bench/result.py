@@ -63,7 +63,7 @@ class Result:
 
     @property
     def right(self) -> bool:
-        """Whether the verdict is the label, or names it as one that these flights cannot tell apart."""
+        """Whether the verdict is the label, or names it as one that these flights cannot distinguish."""
         return effects(self.label) in {effects(name) for name in (self.verdict, *self.also)}
 
 

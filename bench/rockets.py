@@ -31,7 +31,7 @@ class Needs:
     sites: int = 0
     """At least so many; 0: one to three."""
     margin: tuple[float, float] = (1.2, 1.8)
-    """Static margin on the pad. [calibre]"""
+    """Static margin on the pad. [caliber]"""
     rail: tuple[float, float] = (1.5, 2.4)
     conditions: str = ""
     """`all`, `wind` or `none` of the conditions are declared; empty: by chance."""
@@ -70,7 +70,7 @@ class Rocket:
     rail: float
     chute: float
     lean: float
-    """Nominal tilt of the rail, declared. [rad]"""
+    """Nominal angle of the rail, declared. [rad]"""
     combinations: tuple[Combination, ...] = field(default=())
 
 

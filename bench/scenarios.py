@@ -36,7 +36,7 @@ class Scenario:
 
 
 TELLING = ("all", "all", "three")
-"""Readouts for effects of which the apogee alone cannot tell."""
+"""Readouts for effects that the apogee alone cannot show."""
 TEN = ("all",)
 
 WIND = Part("wind", (1.3, 2.3, 3.5))

@@ -10,7 +10,7 @@ from bench.result import WORTH_IT, Errors, Result
 
 
 def table(results: Sequence[Result]) -> str:
-    """A row per scenario and one for all, in Markdown; errors in metres over the future flights."""
+    """A row per scenario and one for all, in Markdown; errors in meters over the future flights."""
     lines = [
         "| scenario | sets | named | right | decidable | right there | before | after | given | ideal "
         "| coverage before | after | said instead |",

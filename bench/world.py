@@ -1,7 +1,7 @@
 """What the two truth simulators share: a rocket as it truly is, the launch, and the track it flies.
 
 Nothing here comes from the product's simulator. SI throughout. Stations are measured from the tip of
-the nose towards the tail; x points downwind, z up.
+the nose toward the tail; x points downwind, z up.
 """
 
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ class Drag:
 
 @dataclass(frozen=True, slots=True)
 class Air:
-    """The air over a pad. Wind blows towards +x and grows with height as a power of it."""
+    """The air over a pad. Wind blows toward +x and grows with height as a power of it."""
 
     elevation: float = 0.0
     """Of the pad above sea level. [m]"""

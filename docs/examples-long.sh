@@ -3,25 +3,25 @@
 fieldkit tui
 # in a browser on this computer
 fieldkit serve --port 8010
-# for a phone in the same network: prints a link with a token
+# for a phone on the same network: prints a link with a token
 fieldkit serve --host 0.0.0.0
 fieldkit demo
 # a rocket that has not flown, from its design
 fieldkit ork skylark.ork
-# the reference flights, next to what was published of them
+# the reference flights, compared with what was published
 fieldkit paper
 fieldkit study reference --out reference-study.md
 fieldkit study rockets --out rockets.md
-# how far rockets, motors and flights differ, from the exports of a club's flyers; each rocket forecast without it
+# how much rockets, motors, and flights vary, from the exports of a club's flyers; cross-validated by rocket
 fieldkit learn anna.csv ben.csv --check --out club.json
 fieldkit learn anna.csv ben.csv --keep
-# the shipped field ensemble, anew, with its verdict
+# the shipped field ensemble again, with its evaluation
 fieldkit train --report --recipe field --schedule published --seed 1 --n-train 1000000 --out DIR
 # the track of a logger with satellite positions, for a map
 fieldkit track flight-dd2afbb08f --out track.kml
-# the network of whole histories that answers loop --quick; cut short, it goes on where it was
+# the network of whole histories behind loop --quick; after an interruption it continues
 fieldkit train --recipe history --schedule published --seed 1 --n-train 14000 --out DIR
-# the reference paper's ensemble, anew: needs the extra named train
+# the reference paper's ensemble again: needs the extra `train`
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
-# one that also reckons with wind and a wrong mass
+# one that includes wind and a wrong mass
 fieldkit train --recipe field --effects wind,mass_offset --out field-wind

@@ -1,12 +1,12 @@
-"""Every error raised on purpose: trouble the flyer can mend, said in one line.
+"""Every error raised on purpose: trouble the flyer can fix, in one line.
 
-The message names the file, the row and the column where there are any, what was found, and what
+The message names the file, the row and the column if there are any, what was found, and what
 would be right. Anything that is not a `FieldkitError` is a fault of the program and keeps its traceback.
 """
 
 
 class FieldkitError(Exception):
-    """Trouble the flyer can mend; `str()` of it is one complete line."""
+    """Trouble the flyer can fix; `str()` of it is one complete line."""
 
 
 class DamagedLog(FieldkitError):
@@ -31,7 +31,7 @@ class DamagedLog(FieldkitError):
 
 
 class UnknownFormat(FieldkitError):
-    """No parser recognises a log, or more than one does."""
+    """No parser recognizes a log, or more than one does."""
 
 
 class BadValue(FieldkitError):
@@ -39,7 +39,7 @@ class BadValue(FieldkitError):
 
 
 class UnknownMotor(FieldkitError):
-    """No motor of the catalogue answers to a name; the message suggests the nearest."""
+    """No motor of the catalog answers to a name; the message suggests the nearest."""
 
 
 class AmbiguousMotor(FieldkitError):

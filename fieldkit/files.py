@@ -53,7 +53,7 @@ def read_own(file: Path) -> str:
 
 
 def _poured(file: Path, most: int) -> bytes | None:
-    """What comes out of a pipe, None where that is more than so many bytes."""
+    """What comes out of a pipe, None if that is more than so many bytes."""
     content = bytearray()
     with file.open("rb") as source:
         while part := source.read(1 << 20):
@@ -79,7 +79,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a name with a zero in it
         raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
     if kept:
-        raise FieldkitError(f"{file}: found {kept} there, which is never written over; expected another name")
+        raise FieldkitError(f"{file}: found {kept} there, which is never overwritten; expected another name")
     if not force and is_taken(file):
         raise _taken(file)
 
@@ -131,19 +131,19 @@ def _write(file: Path, content: bytes, force: bool) -> None:
 
 
 def _name(new: Path, target: Path) -> None:
-    """Give a new file its name. Raises FileExistsError where another one bears it."""
+    """Give a new file its name. Raises FileExistsError if another file has it."""
     try:
         os.link(new, target)
     except FileExistsError:
         raise
-    except OSError:  # a disc without hard links
+    except OSError:  # a disk without hard links
         if target.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
         os.replace(new, target)
 
 
 def _written_beside(file: Path, content: bytes) -> Path:
-    """A new file in the folder of another one, its content on the disc."""
+    """A new file in the folder of another one, its content on the disk."""
     new = file.with_name(f".{file.name[:100]}.{token_hex(8)}.new")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:
@@ -171,9 +171,9 @@ def _kept(target: Path) -> str:
     if _is_ledger(target):
         return "a ledger's name"
     if any(_belongs_to_ledger(place) or _holds_copies(place) for place in (target, *target.parents)):
-        return "what belongs to a ledger"
+        return "a file that belongs to a ledger"
     if any(_same(target, own) or own in target.parents for own in own_files()):
-        return "what fieldkit keeps for you"
+        return "a file that fieldkit manages"
     return ""
 
 
@@ -232,7 +232,7 @@ def replace(file: Path, content: bytes) -> None:
 
 
 def _taken(file: Path) -> FieldkitError:
-    return FieldkitError(f"{file}: found a file there already, expected a new name, or --force to replace it")
+    return FieldkitError(f"{file}: found an existing file, expected a new name, or --force to replace it")
 
 
 def _unwritten(file: Path, error: OSError) -> FieldkitError:

@@ -1,4 +1,4 @@
-"""Long work shared out, each piece kept in a folder as it comes, so that what was cut short goes on where it was.
+"""Resumable parallel jobs: each result is saved in a folder as it comes, so that an interrupted job continues.
 
 Workers are Dask's, the extra `cluster`: processes of this computer, or those of a scheduler on as many machines as
 there are. The piece of a worker that is lost goes to another one. A scheduler runs whatever reaches it: it belongs on
@@ -26,7 +26,7 @@ _LOCAL_ADDRESS = re.compile(r"local(?::(\d{1,3}))?")
 def workers(where: str) -> Iterator[Executor]:
     """Workers: `local` or `local:4` for so many processes of this computer, else those of the scheduler at an address.
 
-    Raises FieldkitError where Dask is not installed or nobody answers, BadValue for no workers.
+    Raises FieldkitError if Dask is not installed or nobody answers, BadValue for no workers.
     """
     try:
         from distributed import Client, LocalCluster

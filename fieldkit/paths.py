@@ -13,7 +13,7 @@ DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons"
 
 
 def data_folder() -> Path:
-    """The folder of the user's data, made where it is not there yet and can be.
+    """The folder of the user's data, made if it is not there yet and can be.
 
     Where it cannot, there is nothing in it to read, and who writes there says why that fails.
     """
@@ -56,7 +56,7 @@ def capture_folder() -> Path:
 
 
 def crash_folder() -> Path:
-    """The folder of what failed in the app, for whoever mends it; it may not be there."""
+    """The folder of crash reports of the app, for its developers; it may not exist."""
     return data_folder() / "crashes"
 
 

@@ -22,6 +22,11 @@ DECIMALS: Mapping[str, int] = MappingProxyType(
 """Digits after the point that are worth reading, by unit."""
 
 
+def counted(count: int, noun: str) -> str:
+    """A count with its noun: `1 flight`, `2 flights`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def spelled(unit: str) -> str:
     """A unit as it is printed: `°C` for `c`."""
     return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)
@@ -40,7 +45,7 @@ def number(column: Column, value: float, system: str) -> str:
 
 
 def measure(column: Column, value: float | None, system: str) -> str:
-    """A value [SI] with its unit: `923 ft`; empty where there is none."""
+    """A value [SI] with its unit: `923 ft`; empty if there is none."""
     if value is None:
         return ""
     return f"{number(column, value, system)} {spelled(unit_of(column, system))}"

@@ -24,7 +24,7 @@ def _picture(char: str) -> str:
 
 
 def printable(text: str) -> str:
-    """A text on one line that can neither move the cursor, nor colour, nor reverse what is around it.
+    """A text on one line that can neither move the cursor, nor color, nor reverse what is around it.
 
     Line breaks and tabs become blanks; an escape sequence shows as `␛[31m`, a mark that changes the
     writing direction or hides itself as its number, `<U+202E>`. Other text is unchanged.

@@ -1,4 +1,4 @@
-"""What a flyer chose once and keeps: units, colours, the height to hit. A small JSON file in the user's folder."""
+"""What a flyer chose once and keeps: units, colors, the height to hit. A small JSON file in the user's folder."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -11,7 +11,7 @@ from fieldkit.paths import settings_file
 UNITS = ("SI", "US", "mixed")
 """Names of the systems of units; see `fieldkit.quantities`."""
 THEMES = ("field", "sun", "night", "terminal")
-"""Names of the colour schemes of the app."""
+"""Names of the color schemes of the app."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +50,9 @@ def _number(saved: object, most: float) -> float | None:
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:
-    """Keep the settings, as a whole or not at all. Raises FieldkitError where the file cannot be written."""
+    """Keep the settings, as a whole or not at all. Raises FieldkitError if the file cannot be written."""
     document = json.dumps(asdict(settings), indent=2) + "\n"
     try:
         replace(file or settings_file(), document.encode())
     except FieldkitError as error:
-        raise FieldkitError(f"{error}, what was chosen holds until you quit") from error
+        raise FieldkitError(f"{error}; the setting applies until you quit") from error

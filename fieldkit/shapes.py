@@ -2,7 +2,7 @@
 
 The checker and the tests (which set FIELDKIT_CHECK_SHAPES) read them through jaxtyping; an ordinary
 run only writes them down, and imports neither jaxtyping nor numpy for it: a command that merely keeps
-records shall not wait for them.
+records should not wait for them.
 """
 
 import os

@@ -174,7 +174,7 @@ def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
 def _bounded(value: float, text: str) -> float:
     """The value itself. Raises BadValue for one beyond everything."""
     if not abs(value) < MAX_TYPED_VALUE:
-        raise BadValue(f"found {text.strip()[:20]!r}, expected a number that something can have")
+        raise BadValue(f"found {text.strip()[:20]!r}, expected a plausible number")
     return value
 
 

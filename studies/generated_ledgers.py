@@ -105,7 +105,7 @@ def _rocket(
 
 @cache
 def _motors() -> tuple[Motor, ...]:
-    """Certified motors of the sizes that fly, in an order that does not depend on the catalogue's."""
+    """Certified motors of the sizes that fly, in an order that does not depend on the catalog's."""
     low, high = IMPULSES
     every = {(m.maker, m.designation): m for m in catalogue().motors if low <= m.total_impulse <= high}
     return tuple(every[name] for name in sorted(every))

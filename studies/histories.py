@@ -1,7 +1,7 @@
 """Every rocket of a ledger: which effect its history calls for, and what that is worth to the flights that came later.
 
 A flight is forecast from those before it alone, by the plain model and by the one that the loop, closed on those
-before it, makes of them. The loop is run anew at every flight, with nothing carried back from later ones.
+before it, makes of them. The loop is run again at every flight, with nothing carried back from later ones.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -148,7 +148,7 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
         "loop's on all of them. Each flight that came after the first "
         f"{MIN_CLEAN_FLIGHTS} was forecast from those before it alone, by the plain model (*before*) and by what the "
         "loop, closed "
-        "anew on those before it, made of that (*after*). Errors are shares of the apogee flown.",
+        "again on those before it, made of that (*after*). Errors are fractions of the flown apogee.",
         118,
     )
     yield ""

@@ -102,7 +102,7 @@ def test_every_command_has_an_example() -> None:
 
 def test_the_pages_that_follow_from_the_program_are_as_it_is_now() -> None:
     for path, text in pages():
-        assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} anew"
+        assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} again"
 
 
 def test_the_first_page_leads_to_all_others_as_the_site_does() -> None:
@@ -181,6 +181,14 @@ def test_the_logger_of_the_manual_is_read() -> None:
     assert reading.stated == {"apogee": pytest.approx(30.48)}
     with pytest.raises(DamagedLog, match=r"row 3: found '0\.05'"):
         skylark.read(b"SKYLARK 2\n0.00,0\n0.05\n")
+
+
+def test_the_helpers_of_the_manual_are_those_that_parsers_use() -> None:
+    rows = re.findall(r"^\| (`.*?) \| `fieldkit/importing/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
+    helpers = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    parsers = [path.read_text(encoding="utf-8") for path in (ROOT / "parsers").glob("*.py")]
+    assert len(helpers) > 8
+    assert [name for name in helpers if sum(f" {name}" in text for text in parsers) < 2] == []
 
 
 def test_the_effect_of_the_manual_bends_the_reading() -> None:

@@ -136,7 +136,7 @@ def test_a_log_that_is_a_pipe_is_not_waited_for(tmp_path: Path, capsys: pytest.C
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "t.csv").write_text("flight_id,rocket,apogee_m,log\n1,Astra,100,pipe.csv\n")
     assert main(["import", str(tmp_path / "t.csv")]) == 0
-    assert "cannot be read (a pipe or a device, not a plain file), taken without it" in capsys.readouterr().err
+    assert "cannot be read (a pipe or a device, not a plain file); imported without it" in capsys.readouterr().err
 
 
 def test_a_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,7 +180,7 @@ def test_a_log_that_unpacks_to_more_than_its_row_says_is_not_unpacked(tmp_path: 
     with engine.begin() as connection:
         connection.execute(text("UPDATE logs SET size = 1000"))
     engine.dispose()
-    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="another size than the 1000 bytes"):
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="differs from the 1000 bytes"):
         ledger.log("1")
 
 

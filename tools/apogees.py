@@ -10,7 +10,7 @@ from tests.analysis.test_real_logs import FLIGHTS, LOGS, flown, robust_apogee
 
 
 def main() -> int:
-    """Print the table; 1 where there are no recordings."""
+    """Print the table; 1 if there are no recordings."""
     if not LOGS.is_dir():
         print(f"no recordings in {LOGS}")
         return 1

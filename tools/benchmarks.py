@@ -58,7 +58,7 @@ def machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
-    """The processor's own name where the system tells, else its kind."""
+    """The processor's own name if the system reports it, else its kind."""
     told = Path("/proc/cpuinfo")
     lines = told.read_text(encoding="utf-8").splitlines() if told.exists() else []
     named = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
@@ -110,7 +110,7 @@ def _line(row: dict[str, Any]) -> str:
 
 
 def _within(row: dict[str, Any]) -> Iterator[str]:
-    """How soon so many of the rounds were over, where a benchmark tells."""
+    """How soon so many of the rounds were over, if a benchmark reports it."""
     for key, value in row.items():
         if key.startswith("within_"):
             _, share, what, _ = key.split("_")

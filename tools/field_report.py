@@ -142,8 +142,8 @@ def calibration(card: dict) -> Iterator[str]:
     yield "## Calibration: ranks and expected coverage"
     yield ""
     yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are even where it is right: the"
-    yield "fullest and the emptiest bin against an even one. The last columns are the share of flights whose truth is"
-    yield "among the nearest 10, 50 and 90 % of the posterior to a random point (TARP)."
+    yield "fullest and the emptiest bin against an even one. The last columns are the fraction of flights whose truth"
+    yield "is among the nearest 10, 50 and 90 % of the posterior to a random point (TARP)."
     yield ""
     rows = []
     for name, one in card["test"].items():
@@ -207,7 +207,7 @@ def rivals() -> Iterator[str]:
         f"`python tools/rivals.py OUT --flights 20000`: {found['flights']:,} flights, log density of",
         f"{found['judged']:,} fresh ones; with {by}. `sbi` is NPE with its",
         "default settings, `zuko` a neural spline flow in the ensemble's own loop, `mixture` the ensemble's members at",
-        "this size, five at once; `shipped` learnt from a million flights. Seconds are of the processor, for training.",
+        "this size, five at once; `shipped` was trained on a million flights. Seconds are processor time of training.",
     )
     names = list(found["shipped"])
     sbi = found["rivals"]["sbi"]["seconds"]
@@ -251,11 +251,11 @@ def journal() -> Iterator[str]:
     again = next(one["median_share"] for one in found["errors"] if one["name"] == "the last flight on the same motor")
     yield from prose(
         "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by.",
-        "If flights scatter alike and independently, the difference of two of them is wider than the scatter of one by",
-        "the root of two: a forecast that knew all of the rocket and the motor would still miss by",
+        "If flights scatter equally and independently, the difference of two of them is wider than the scatter of one",
+        "by the root of two: a forecast that knew all of the rocket and the motor would still miss by",
         f"{percent(again / 2**0.5)} in the median, and one that knows them by the mean of two flights by",
         f"{percent(again / 2**0.5 * 1.5**0.5)}.",
-        "The law that stands for a diameter where there is none, and how far forecasts doubt the simulator and the",
+        "The law that stands for a diameter if there is none, and how far forecasts doubt the simulator and the",
         "device, were set looking at these flights: to that extent this is in-sample.",
     )
     warned = found["guard"]

@@ -1,6 +1,6 @@
 """Writes the pages of the manual that follow from the program: `python tools/manual.py`.
 
-`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
+`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the effects, `models.md` from the
 cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the
 first words of the code. A test compares them with what is there.
 """
@@ -61,13 +61,12 @@ def commands() -> str:
         heads.append(f"| [`{name}`](#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
     return f"""# Every command
 
-Commands that answer take `--json`; `fieldkit COMMAND --help` says the same as this page. The examples are one session,
-`docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or compute for long are in
+Most commands take `--json`; `fieldkit COMMAND --help` prints the same as this page. The examples are one session,
+`docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or run for long are in
 `docs/examples-long.sh`. {WRITTEN_BY}
 
-The exit status is 0 where all is done, 2 for wrong usage and 1 for anything else, with a line on standard error that
-says what was found and what would be right. An `import` that
-rejects a row names it, takes the others in, and has done what it is for: 0.
+The exit status is 0 for success, 2 for wrong usage, and 1 for anything else, with a line on standard error that says
+what was found and what was expected. An `import` that rejects rows lists them, imports the others, and exits with 0.
 
 | command | does |
 |---|---|
@@ -82,29 +81,29 @@ def _first_sentence(text: str) -> str:
 
 
 def effect_table() -> str:
-    """Every effect of the shelf: what it is, its parameter, what is believed of it beforehand, its source."""
+    """Every effect: what it is, its parameter, its prior, its source."""
     rows = [_effect_row(name, effect) for name, effect in effects().items()]
     return f"""# The effects
 
-What the plain model may lack. Each is a file in `models/effects/`, found by itself ([how to add one](extending.md));
-each has one strength, which is zero where the effect is not there. [The physics](physics.md) has the equations that
-they bend, [the loop](loop.md) how one is chosen. Priors are normal distributions, cut off at their bounds; where what
-is fitted is the square of the strength, it is the square that the prior speaks of. {WRITTEN_BY}
+What the plain model may lack. Each is a file in `models/effects/` ([how to add one](extending.md)); each has one
+strength, which is zero if the effect is absent. [The physics](physics.md) has the equations that they change,
+[the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the square of the
+strength is fitted, the prior is of the square. {WRITTEN_BY}
 
-| effect | what it is | strength | prior | one for | bends | source |
+| effect | description | strength | prior | one for | changes | source |
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-## Which flight tells one from another
+## Which flight distinguishes one from another
 
-| effect | what a flyer sees | what would tell |
+| effect | what a flyer sees | how to find out |
 |---|---|---|
 {chr(10).join(f"| `{name}` | {effect.explains} | {effect.tell_apart} |" for name, effect in effects().items())}
 """
 
 
 def _effect_row(name: str, effect: Effect) -> str:
-    bends = {"the set-up": effect.setup, "the flight": effect.acceleration, "the reading": effect.reading}
+    bends = {"the setup": effect.setup, "the flight": effect.acceleration, "the reading": effect.reading}
     strength = f"({effect.unit})²" if effect.squared else effect.unit
     one_for = f"a {effect.per}" if effect.per and not effect.everywhere else f"all, or a {effect.per}"
     cells = (
@@ -134,17 +133,17 @@ def model_cards() -> str:
     parts = [_card(name, read_card(trained_folder(name))) for name in trained()]
     return f"""# The trained ensembles
 
-Networks that give drag and thrust from what an altimeter showed. Each is one ONNX graph, never a pickle, whose digest
-its card pins: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained on simulated
-flights alone, of no real flyer. How good the field ensemble is, on what readouts, and where it is not, stands in
-[its verdict](field-ensemble.md); what it is for and what not, at the end of this page. {WRITTEN_BY}
+Networks that estimate drag and thrust from altimeter readouts. Each is one ONNX graph, never a pickle, whose digest
+is in its card: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained only on
+simulated flights, of no real flyer. [Its evaluation](field-ensemble.md) says how good the field ensemble is, on which
+readouts, and where it fails; the end of this page says what the ensembles are for. {WRITTEN_BY}
 
 {(chr(10) * 2).join(parts)}
 
 ## What they are for, and what not
 
 For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
-of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight unlike those of the training is
+of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight outside the training set is
 answered with a warning, or not at all. Cd here is that of the altimeter's whole flight, on the frontal area of the
 body, fins and base included. Forecasts are advice: at the field the range safety officer decides.
 """
@@ -213,12 +212,12 @@ def prior_table() -> str:
 
 The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
 rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
-deviations of these effects are the hyperprior. *Start* are the round figures that learning begins from, *learned* what
-real flights made of them, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop takes as
-given while it looks for an effect: motors, masses and devices as their papers say, so that an effect and not the plain
-model has to account for what is off. {WRITTEN_BY}
+deviations of these effects are the hyperprior. *Start* are the round figures that the fit starts from, *learned* the
+result of fitting real flights, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop assumes
+while it searches for an effect: motors, masses and devices within their specifications, so that an effect and not the
+plain model has to explain a misfit. {WRITTEN_BY}
 
-| of | differs by | start | learned | search | what it is of, and its source |
+| quantity | differs by | start | learned | search | definition and source |
 |---|---|---|---|---|---|
 {chr(10).join(rows)}
 
@@ -229,8 +228,8 @@ model has to account for what is off. {WRITTEN_BY}
 Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
 factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
 by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
-follow a Student t with {card.tail:g} degrees of freedom. A readout with a standard deviation of its own has that
-instead.
+follow a Student t with {card.tail:g} degrees of freedom. If a readout has a standard deviation of its own, that is
+used.
 
 | readout | learned | search |
 |---|---|---|
@@ -270,15 +269,15 @@ def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
     if not scores:
         return
     yield """
-## Rockets left out
+## Held-out rockets
 
 Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
-that rocket. What the other rockets of its flyer had flown before is known. In per cent of the apogee flown; the
+that rocket. What the other rockets of its flyer had flown before is known. In percent of the flown apogee; the
 interval score is of the 90 % interval."""
     for flyer, tables in scores.items():
         for title, rows in tables.items():
             yield f"\n### {flyer.replace('_', ' ')}: {title}\n"
-            yield "| forecast by | flights | median error | mean error | bias | CRPS | interval score | coverage |"
+            yield "| method | flights | median error | mean error | bias | CRPS | interval score | coverage |"
             yield "|---|---|---|---|---|---|---|---|"
             for row in rows:
                 figures = (
@@ -318,7 +317,7 @@ first lines what it is for.
 | `sample_logs/` | a log or more for every parser, `PARSER__what_happened.suffix` |
 | `studies/` | the reference paper, exact posteriors, what histories call for; not in the wheel |
 | `bench/` | a simulator of its own, what [judges the loop](undeclared-effects.md) by it, [the fault bench](faults.md) |
-| `tools/` | what makes pages, pictures, the motor catalogue and the samples |
+| `tools/` | what makes pages, pictures, the motor catalog and the samples |
 | `tests/` | the tree of `fieldkit/` again: laws, contracts over every plug-in, golden figures, screens; `benchmarks/` |
 """
 

@@ -1,4 +1,4 @@
-"""Turns the npm package `thrustcurve-db` into the catalogue that fieldkit ships.
+"""Turns the npm package `thrustcurve-db` into the catalog that fieldkit ships.
 
     python tools/motors.py [thrustcurve-db.json]
 
@@ -95,7 +95,7 @@ def _corrected(motor: Row, corrections: Sequence[Correction]) -> Row:
 
 
 def row(motor: Row) -> Row:
-    """A motor of the source with the names and the knots of the catalogue; masses may be None yet.
+    """A motor of the source with the names and the knots of the catalog; masses may be None yet.
 
     Raises BadValue that says why its samples are of no use.
     """
@@ -133,7 +133,7 @@ def row(motor: Row) -> Row:
 
 
 def certified_average(motor: Row) -> float | None:
-    """The average thrust that the source states, None where it only repeats the number of the name. [N]"""
+    """The average thrust that the source states, None if it only repeats the number of the name. [N]"""
     stated: float | None = motor.get("avgThrustN")
     number = motor["commonName"].lstrip("1/248").lstrip("ABCDEFGHIJKLMNO")
     return None if stated is None or f"{stated:g}" == number else stated
@@ -253,7 +253,7 @@ def _added(one: dict[str, str]) -> Row:
 
 
 def build(motors: list[Row], digest: str, corrections: Corrections | None = None, added: Sequence[Row] = ()) -> Row:
-    """The catalogue as one document: where it is from, what was left out, and a row per motor."""
+    """The catalog as one document: where it is from, what was left out, and a row per motor."""
     rows: list[Row] = []
     left_out: dict[str, list[str]] = defaultdict(list)
     corrections = corrections or {}

@@ -22,7 +22,7 @@ STEPS = 3
 
 
 def demo() -> str:
-    """What `fieldkit demo` prints in a terminal 80 columns wide, with its colours."""
+    """What `fieldkit demo` prints in a terminal 80 columns wide, with its colors."""
     environment = {**os.environ, "COLUMNS": str(WIDTH), "FORCE_COLOR": "1", "TERM": "xterm-256color"}
     command = [sys.executable, "-m", "fieldkit.cli.main", "demo"]
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
@@ -63,7 +63,7 @@ PAGES = {
 }
 SIZE = (120, 44)
 """Of the terminal in the pictures."""
-"""Pages of the app that the README shows: their colours, and the keys that lead there; `_` waits."""
+"""Pages of the app that the README shows: their colors, and the keys that lead there; `_` waits."""
 
 
 async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:

@@ -1,6 +1,6 @@
 """What the published logs say of the force along a climb: `python tools/real_forces.py LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log that bears a climb: whether the push was felt, what
+LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was felt, what
 is known of rocket and motor, and so whether a missing force can be had; where mass and motor are known, the law that
 this one flight asks for, beside a drag of its own. Of every coast, drag area over mass, which needs neither.
 """
@@ -87,7 +87,7 @@ HEAD = [
 
 
 def recorded(path: Path) -> Recorded | None:
-    """The flight in a log, or None where the file is no log of heights over time."""
+    """The flight in a log, or None if the file is no log of heights over time."""
     try:
         readings = [one for one in read_recordings(path.read_bytes(), path.name) if one.describes == "flight"]
     except FieldkitError:

@@ -37,7 +37,7 @@ LogDensity = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def scaler(columns: np.ndarray) -> Callable[[np.ndarray], torch.Tensor]:
-    """Features as every rival is shown them: standardised and clipped as the ensemble does."""
+    """Features as every rival is shown them: standardized and clipped as the ensemble does."""
     mean, sd = columns.mean(axis=0), columns.std(axis=0) + 1e-6
     return lambda values: torch.from_numpy(
         ((values - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
@@ -63,7 +63,7 @@ def by_sbi(observed: np.ndarray, target: np.ndarray) -> tuple[LogDensity, dict]:
 
 
 def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensity, dict]:
-    """A neural spline flow of zuko, by the ensemble's loop: flights observed afresh each epoch, one cycle of Adam."""
+    """A neural spline flow of zuko, by the ensemble's loop: flights observed again each epoch, one cycle of Adam."""
     import zuko
 
     scale = scaler(first)

@@ -8,7 +8,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 MOST = 6
-"""Folders of an archive that are told."""
+"""Folders of an archive that are listed."""
 
 
 def contents(archive: Path) -> Iterator[tuple[str, int]]:

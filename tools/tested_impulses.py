@@ -3,7 +3,7 @@
     python tools/tested_impulses.py TESTS.csv thrustcurve-db.json
 
 TESTS.csv has a row per test: manufacturer, designation, tested_impulse_ns, tested_peak_n, source and note, where the
-note begins with `basis=letter`, `basis=stated` or `basis=curve` and tells the `file class`. Printed are rows of
+note begins with `basis=letter`, `basis=stated` or `basis=curve` and states the `file class`. Printed are rows of
 `fieldkit/data/motor_corrections.csv`.
 
 The rule: an impulse is nominal where it is the upper limit of its class (2.5, 5, 10 ... N s). It gives way to the best
@@ -62,7 +62,7 @@ def scatter(tests: Iterable[Test]) -> float:
 
 
 def replacement(motor: Motor, tests: Sequence[Test], sd: float) -> Test | None:
-    """The test whose impulse replaces that of a motor, None where it stays."""
+    """The test whose impulse replaces that of a motor, None if it stays."""
     total = motor["totImpulseNs"]
     if not tests or not nominal(total):
         return None

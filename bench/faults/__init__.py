@@ -1,1 +1,1 @@
-"""The fault bench: what is left of a ledger after kills, full discs, two writers, odd clocks and damaged files."""
+"""The fault bench: what is left of a ledger after kills, full disks, two writers, odd clocks and damaged files."""

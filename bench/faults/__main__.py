@@ -35,8 +35,8 @@ from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 PAGE = ROOT / "docs" / "faults.md"
 SEED = 8
 MEMORY = Path("/dev/shm")
-"""A file system in memory, where there is one: what is killed is a process and not the machine, so that nothing hangs
-on what has reached a disc, and waiting for one would be most of the time."""
+"""A file system in memory, if there is one: what is killed is a process and not the machine, so that nothing hangs
+on what has reached a disk, and waiting for one would be most of the time."""
 
 
 Part = tuple[str, Callable[[], Outcome]]
@@ -54,7 +54,7 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
         yield "full_disc", partial(discs.full_disc, next(folders), step=max(1, 64 // others))
         yield "read_only", partial(discs.read_only, next(folders))
     else:
-        missing = Outcome("full disc, read-only file system", "skipped: mounting a small file system takes root")
+        missing = Outcome("full disk, read-only file system", "skipped: mounting a small file system takes root")
         yield "discs", lambda: missing
     yield from _of_calls(scratch / "calls", others)
     yield "two_commands", partial(writers.two_commands, next(folders), others // 4)
@@ -110,7 +110,7 @@ def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
 
 
 def _commit() -> str:
-    """The commit that is checked out, empty where git does not tell."""
+    """The commit that is checked out, empty if git does not know it."""
     command = ["git", "rev-parse", "--short", "HEAD"]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
 

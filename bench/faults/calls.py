@@ -1,7 +1,7 @@
 """System calls that fail: a command in a process of its own, under strace, which lets its n-th call go wrong.
 
 strace stands between a process and the system, so the calls of SQLite's own code fail as Python's do, and nothing of
-the program is replaced. A call that does its work in part, as on a disc that is nearly full, is had by a limit on the
+the program is replaced. A call that does its work in part, as on a disk that is nearly full, is had by a limit on the
 size of files instead, which the system itself keeps.
 """
 
@@ -113,7 +113,7 @@ def _poured(pipe: tuple[int, int]) -> str:
 
 
 def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None) -> None:
-    """The forked process: it waits for whoever looks at it, and does its work."""
+    """The forked process: it waits for its tracer, and does its work."""
     status = TRACEBACK
     try:
         for number, stream in enumerate(streams, start=1):
@@ -170,7 +170,7 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """What is to go wrong: each call refused by the disc, writes for want of room too, reads that bring nothing, and
+    """What is to go wrong: each call refused by the disk, writes for want of room too, reads that bring nothing, and
     the process killed at each; of calls of one kind at most so many, evenly over the command."""
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():

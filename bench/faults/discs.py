@@ -1,4 +1,4 @@
-"""Full discs and read-only file systems: a small tmpfs is mounted for them, which takes root."""
+"""Full disks and read-only file systems: a small tmpfs is mounted for them, which takes root."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ def can_mount() -> bool:
 
 @contextmanager
 def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
-    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError where that is not allowed."""
+    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError if that is not allowed."""
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
     try:
@@ -31,8 +31,8 @@ def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
 
 
 def full_disc(folder: Path, step: int = 4) -> Outcome:
-    """Import onto a disc with 0, `step`, 2 `step`, ... free pages, until one import goes through with its backup."""
-    outcome = Outcome("full disc", "import")
+    """Import onto a disk with 0, `step`, 2 `step`, ... free pages, until one import goes through with its backup."""
+    outcome = Outcome("full disk", "import")
     arguments = ("import", str(TABLE), str(LOG), "--set", "rocket=Comet")
     with mounted(folder / "small") as small:
         template, file, filler = folder / "template.db", small / "ledger.db", small / "filler"
@@ -92,6 +92,6 @@ def _empty(small: Path) -> None:
 
 
 def _fill(filler: Path, free: int) -> None:
-    """Take all room on a disc but so much. [byte]"""
+    """Take all room on a disk but so much. [byte]"""
     room = os.statvfs(filler.parent)
     filler.write_bytes(bytes(max(0, room.f_bavail * room.f_frsize - free)))

@@ -87,7 +87,7 @@ class Bench:
         return "refused in a line", "" if len(lines) <= 3 else f"refused in {len(lines)} lines"
 
     def torn(self) -> str:
-        """The file that was asked for and is there in part; empty where each is whole or not there."""
+        """The file that was asked for and is there in part; empty if each is whole or not there."""
         for name, content in self.files().items():
             whole = self.asked.get(name)
             if name.startswith("."):
@@ -143,7 +143,7 @@ HISTORY = (
 
 
 def history(folder: Path, steps: int, seed: int) -> Outcome:
-    """A history of commands, some call of each gone wrong, and the same replayed on a ledger where none does."""
+    """A history of commands, some call of each gone wrong, and the same replayed on a ledger on which none does."""
     outcome, rng = Outcome("a call fails", f"histories of {steps} commands, replayed"), random.Random(seed)
     desk, notes, clean = folder / "desk", folder / "notes", folder / "clean" / "ledger.db"
     clean.parent.mkdir(parents=True)

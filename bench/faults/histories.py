@@ -1,7 +1,7 @@
 """Histories of several processes on one ledger, checked as Jepsen does: what was acknowledged must be somewhere.
 
-Each writer notes in a file of its own what it was told is kept, and notes it after it was told. At the end every such
-flight must be in the ledger, or in a copy that a restore kept of what it replaced; nothing may be there twice.
+Each writer notes in a file of its own what was acknowledged, and notes it after the acknowledgment. At the end every
+such flight must be in the ledger, or in a copy that a restore kept of what it replaced; nothing may be there twice.
 """
 
 import multiprocessing
@@ -16,7 +16,7 @@ from bench.faults.ledgers import Outcome, fieldkit, season, unsound
 from fieldkit.ledger import backups
 
 ENOUGH = 10_000
-"""So many copies are kept here, lest rotation be taken for a loss. [1]"""
+"""Number of copies kept here, so that rotation is not mistaken for a loss. [1]"""
 
 
 def restores_beside_writers(folder: Path, writers: int, each: int, restores: int) -> Outcome:

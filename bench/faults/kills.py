@@ -5,7 +5,7 @@ A command is the real one, run by `fieldkit.cli.main`. It goes on up to where it
 long computation before is done once, and every kill falls where there is something to lose. Other trials fork before
 the first line of the command. The moment of each SIGKILL is drawn evenly over 1.1 times what that part takes when
 it is left alone, as measured just before; a trial that was done by then is repeated and not counted.
-A SIGKILL takes the process and not the machine: what the system has taken over reaches the disc.
+A SIGKILL takes the process and not the machine: what the system has taken over reaches the disk.
 """
 
 import json
@@ -68,7 +68,7 @@ def _with_an_import(file: Path) -> None:
 
 SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
 ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
-"""With its time: else it is that of the trial, and no two ledgers are alike."""
+"""With its time: else it is that of the trial, and every ledger differs."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
@@ -186,7 +186,7 @@ class _Bench:
     def _fresh(self) -> None:
         put(self.template, self.file)
         shutil.rmtree(capture_folder(), ignore_errors=True)
-        if self.rng.random() < 0.5:  # else a backup is there already, and the command makes none
+        if self.rng.random() < 0.5:  # else a backup exists, and the command makes none
             shutil.rmtree(folder_of(self.file), ignore_errors=True)
 
     def _forked(self, delay: float | None) -> bool:

@@ -1,7 +1,7 @@
 """The same on PostgreSQL: commands killed, and the server itself killed while they are in the middle of a change.
 
 A server of the bench's own runs on a free port of this computer, with its data in a scratch folder and
-synchronised to the disc as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
+synchronized to the disk as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
 the server without a word to anybody, as a crash would; it recovers when it is started again.
 """
 
@@ -39,7 +39,7 @@ TRACEBACK = 99
 
 
 def binaries() -> Path | None:
-    """Where PostgreSQL's programs are, None where there are none."""
+    """Where PostgreSQL's programs are, None if there are none."""
     found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
     return Path(found).parent if found else None
 
@@ -94,7 +94,7 @@ def server(folder: Path) -> Iterator[Server]:
 def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
     """A server's process may be killed inside; call what is given to wait until it has recovered from that.
 
-    A connection from before tells when the server has seen it, and ends that too: until then it takes new ones as if
+    A connection from before shows when the server has seen it, and ends that too: until then it takes new ones as if
     nothing had been.
     """
     import psycopg

@@ -65,7 +65,7 @@ def _judged(as_before: bool, said: str, what: str) -> tuple[str, str]:
 
 
 def _failure(ledger: Ledger, change: Change) -> str:
-    """What a ledger says when it cannot be changed, empty where it was."""
+    """What a ledger says when it cannot be changed, empty if it was."""
     try:
         change(ledger)
     except LedgerError as error:

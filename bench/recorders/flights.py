@@ -74,7 +74,7 @@ class Path:
 
 
 def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: float = 0.0) -> list[Path]:
-    """Flights as sport flyers make them, or such as pass Mach 1; from rails that lean so much, or as they do. [rad]"""
+    """Flights as sport flyers make them, or such as pass Mach 1; from rails at this angle, or at a random one. [rad]"""
     launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
     launches = [replace(one, tilt=lean or one.tilt) for one in launches]
     return [_path(launch, track) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
@@ -102,7 +102,7 @@ def _sonic(rng: np.random.Generator) -> Launch:
 def _launch(
     rng: np.random.Generator, burning: Motor, diameter: float, mass: float, fastest: float = 0.0
 ) -> Launch | None:
-    """A launch of a stable rocket; None where it would not leave its rail well, or is too slow."""
+    """A launch of a stable rocket; None if it would not leave its rail well, or is too slow."""
     frame = Airframe(
         diameter,
         diameter * float(rng.uniform(13, 22)),

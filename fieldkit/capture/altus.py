@@ -20,7 +20,7 @@ def silence_echo(link: Link) -> Dialogue[None]:
 
 
 def version(link: Link) -> Dialogue[dict[str, str]]:
-    """The answer to `v`, key to value; nothing where it does not come to its end."""
+    """The answer to `v`, key to value; nothing if it does not come to its end."""
     found: dict[str, str] = {}
     link.send(b"v\n")
     ends = time.monotonic() + NOISE * ANSWER

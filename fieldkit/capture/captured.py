@@ -30,14 +30,14 @@ class Response:
 
 @dataclass(frozen=True, slots=True)
 class Captured:
-    """A capture as it is on the disc, whatever happened to the program that wrote it."""
+    """A capture as it is on the disk, whatever happened to the program that wrote it."""
 
     file: Path
     raw: bytes
     marks: tuple[TapeMark, ...] = ()
 
     def fact(self, name: str) -> object:
-        """The newest value that the journal has for a name, None where it has none."""
+        """The newest value that the journal has for a name, None if it has none."""
         return next((mark.facts[name] for mark in reversed(self.marks) if name in mark.facts), None)
 
     @property
@@ -138,5 +138,5 @@ def captures(folder: Path) -> list[Path]:
 
 
 def unfinished(folder: Path) -> Path | None:
-    """The newest capture that something is missing from, None where there is none."""
+    """The newest capture that something is missing from, None if there is none."""
     return next((file for file in reversed(captures(folder)) if not read_capture(file).whole), None)

@@ -1,4 +1,4 @@
-"""What a capture tells while it runs, for whatever shows it: a line in a terminal, a screen, a test."""
+"""Events that a running capture reports to whatever shows them: a line in a terminal, a screen, a test."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -69,7 +69,7 @@ class Progress:
     damaged: int = 0
     """Pieces that did not: a wrong checksum, a torn line, noise."""
     share: float | None = None
-    """Of all that is to come, where that is known. [1]"""
+    """Of all that is to come, if that is known. [1]"""
     sample: Sample | None = None
 
 
@@ -100,7 +100,7 @@ class Ended:
     why: str
     whole: bool
     about: Mapping[str, str] = field(default_factory=dict)
-    """What the unit said of itself."""
+    """What the unit reports about itself."""
 
 
 Event = PortOpened | Recognised | Instruction | FlightsListed | Progress | Lost | Back | Ended

@@ -40,12 +40,12 @@ class SerialLine:
             self._go_on()
             self._port.write(command)
         except _faults() as error:
-            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+            raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def _go_on(self) -> None:
         """Undo an XOFF that noise held, which would hold back every command: none is too long for a unit.
 
-        Linux goes on after an XOFF only if it was told to stop as well.
+        Linux goes on after an XOFF only if it was asked to stop as well.
         """
         if self._port.xonxoff:
             self._port.set_output_flow_control(False)
@@ -59,7 +59,7 @@ class SerialLine:
                 chunk += self._port.read(self._port.in_waiting)
         except _faults() as error:
             self.tape.tick()
-            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+            raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
         if chunk:
             self.tape.heard(chunk)
         else:
@@ -72,7 +72,7 @@ class SerialLine:
             self._port.baudrate = settings.baud
             self._port.xonxoff = settings.xonxoff
         except _faults() as error:
-            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+            raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def close(self) -> None:
         """Let go of the port, also of one that is gone."""
@@ -118,7 +118,7 @@ def _reason(error: Exception) -> str:
 def _advice(error: Exception) -> str:
     number = getattr(error, "errno", None)
     if number == 13:
-        return "on Linux your account needs the group that owns the port, often dialout or uucp"
+        return "on Linux your account must be in the group that owns the port, often dialout or uucp"
     if number == 2:
-        return "`fieldkit capture --list` shows the ports there are"
+        return "`fieldkit capture --list` shows the ports"
     return "is another program using it?"

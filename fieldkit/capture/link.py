@@ -74,7 +74,7 @@ class Link:
         if self.stop():
             raise Stopped("stopped")
         if time.monotonic() >= self.ends:
-            raise Stopped("the time is up")
+            raise Stopped("time limit reached")
         if self._pending:
             chunk = bytes(self._pending)
             self._pending.clear()
@@ -105,7 +105,7 @@ class Link:
             if chunk:
                 self.push_back(chunk)
                 return
-        raise PortTrouble(f"{self.line.name}: heard nothing in {wait:.0f} s; {asked}")
+        raise PortTrouble(f"{self.line.name}: received nothing in {wait:.0f} s; {asked}")
 
     def piece(self, mark: bytes, silence: float) -> Dialogue[bytes | None]:
         """The bytes up to the next mark, without it; None after silence, or four times that of noise. [s]"""

@@ -57,7 +57,7 @@ class Port:
 
     @property
     def device(self) -> str:
-        """The protocol that the numbers prove, empty where they do not."""
+        """The protocol that the numbers prove, empty if they do not."""
         from fieldkit.capture.protocol import known_devices
 
         named = (name for name, protocol in known_devices().items() if (self.vendor, self.product) in protocol.usb)
@@ -81,7 +81,7 @@ def ports() -> list[Port]:
 
 
 def again(unit: Port, here: Iterable[Port]) -> str | None:
-    """The port on which a unit is again, by its numbers or, where it has none, by its port's name.
+    """The port on which a unit is again, by its numbers or, if it has none, by its port's name.
 
     A port that the system does not list, as a pseudo-terminal, is there where its name is.
     """

@@ -48,7 +48,7 @@ def as_it_came(captured: Captured) -> list[Log]:
 
 
 def unheard(heard: bytes) -> bool:
-    """Nothing tells this protocol from others before it is asked."""
+    """Nothing distinguishes this protocol from others until the unit is asked."""
     return False
 
 

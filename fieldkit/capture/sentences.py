@@ -19,7 +19,7 @@ class Sentence:
 
 
 def sentence(piece: bytes) -> Sentence | None:
-    """The sentence at the end of what came before a semicolon, None where there is none."""
+    """The sentence at the end of what came before a semicolon, None if there is none."""
     start = piece.rfind(b"$")
     if start < 0:
         return None

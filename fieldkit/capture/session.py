@@ -44,9 +44,9 @@ def capture(
 ) -> Iterator[Event]:
     """Capture what is on a port into a folder; what happens comes as events, the last of them `Ended`.
 
-    Every byte is on the disc before it is looked at. Without a device, what the port's numbers prove is taken,
-    else what is recognised by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
-    named. Raises PortTrouble where a port cannot be opened or a unit does not answer; the capture is kept then too.
+    Every byte is on the disk before it is looked at. Without a device, what the port's numbers prove is taken,
+    else what is recognized by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
+    named. Raises PortTrouble if a port cannot be opened or a unit does not answer; the capture is kept then too.
     """
     name = _name(device or port.device)
     settings = _settings(name, wishes)
@@ -70,7 +70,7 @@ def resume(
 ) -> Iterator[Event]:
     """Go on with a capture, on the port where its unit is now; what it has already is not read again.
 
-    Raises CaptureTrouble where there is no such capture or its unit is not found, and what `capture` raises.
+    Raises CaptureTrouble if there is no such capture or its unit is not found, and what `capture` raises.
     """
     captured = read_capture(file)
     numbers = (captured.fact("vendor"), captured.fact("product"))
@@ -81,12 +81,12 @@ def resume(
         found = again(unit, here)
         if found is None:
             known = ", ".join(one.name for one in here) or "none"
-            raise CaptureTrouble(f"{file.name}: its unit was on {unit.name} and is not found; ports now: {known}")
+            raise CaptureTrouble(f"{file.name}: its unit was on {unit.name} and is not found; current ports: {known}")
         port = replace(unit, name=found)
     name = _name(device or captured.device)
     settings = _settings(name, wishes)
     if captured.began is None:
-        raise CaptureTrouble(f"{file.name}: its journal is damaged; import it, and begin another capture")
+        raise CaptureTrouble(f"{file.name}: its journal is damaged; import it and start another capture")
     with go_on(captured.file, captured.began) as tape:
         tape.note(
             device=name, port=port.name, vendor=port.vendor, product=port.product, serial=port.serial, whole=False
@@ -123,7 +123,7 @@ def _run(
     try:
         yield PortOpened(port.name, name, tape.file)
         whole = yield from _to_the_end(link, port, settings, wishes, look)
-        why = "all is read" if whole and not link.open_ended else "it went silent"
+        why = "complete" if whole and not link.open_ended else "it went silent"
     except Stopped as stopped:
         why, whole = str(stopped), link.open_ended and link.samples > 0
     except PortLost as lost:
@@ -131,7 +131,7 @@ def _run(
     except FieldkitError:
         raise
     except Exception:
-        yield Instruction("a fault of this program; what the unit still sends is kept all the same")
+        yield Instruction("an error in fieldkit; what the unit still sends is saved")
         yield from _kept(link, wishes.silence)
         raise
     finally:
@@ -143,9 +143,9 @@ def _run(
 
 
 def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
-    """Talk until a unit has told what it has, over cables that are pulled; whether it is whole.
+    """Run the dialogue until a unit has sent what it has, across reconnections; whether the capture is complete.
 
-    Raises PortLost where it stays away, or is lost again and again and says nothing between.
+    Raises PortLost if it stays away, or is lost again and again and says nothing between.
     """
     losses, at_loss = 0, -1
     while True:
@@ -201,7 +201,7 @@ def _reopened(
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
-    yield Instruction("listening for a unit that talks by itself; one that has to be asked is named with --device")
+    yield Instruction("listening for a unit that sends by itself; name one that must be asked with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
     heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0
@@ -219,9 +219,9 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
         if nonsense > 64 and len(rates) > 1:
             at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
             link.line.retune(PortSettings(rates[at_rate]))
-    what = "nothing" if not link.heard else f"{link.heard} bytes that no protocol knows"
+    what = "nothing" if not link.heard else f"{link.heard} bytes that match no protocol"
     names_of = ", ".join(known_devices())
-    raise PortTrouble(f"{link.line.name}: heard {what} in {patience:.0f} s; name the unit with --device: {names_of}")
+    raise PortTrouble(f"{link.line.name}: received {what} in {patience:.0f} s; name the unit with --device: {names_of}")
 
 
 _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))

@@ -3,7 +3,7 @@
 `NAME.raw` holds the bytes as they came, nothing else. `NAME.jsonl` holds one JSON object a line: first the device,
 the port, the settings and the time, then what was sent, when bytes arrived, when the port was lost and opened
 again; each with `at`, the number of bytes on tape by then, and `t`, seconds since the capture began. Both are only
-appended to and synchronised with the disc a few times a second, so neither a kill nor a power cut takes more than
+appended to and synchronized with the disk a few times a second, so neither a kill nor a power cut takes more than
 the last instant.
 """
 
@@ -20,7 +20,7 @@ from types import TracebackType
 from fieldkit.errors import CaptureTrouble
 
 SYNC = 0.25
-"""Bytes are on the disc at most this long after they came. [s]"""
+"""Bytes are on the disk at most this long after they came. [s]"""
 GRAIN = 0.02
 """Arrivals closer together than this share one line of the journal. [s]"""
 BYTES, JOURNAL = ".raw", ".jsonl"
@@ -51,7 +51,7 @@ class Tape:
         self.close()
 
     def heard(self, chunk: bytes) -> None:
-        """Keep bytes that arrived just now. Raises CaptureTrouble where the disc takes no more."""
+        """Keep bytes that arrived just now. Raises CaptureTrouble if the disk takes no more."""
         self._append(self._raw, chunk)
         self.size += len(chunk)
         self.tick()
@@ -64,14 +64,14 @@ class Tape:
         self._append(self._journal, json.dumps(line).encode() + b"\n")
 
     def tick(self) -> None:
-        """Note when bytes came, bring to the disc what is due; to be called also when nothing arrives."""
+        """Note when bytes came, bring to the disk what is due; to be called also when nothing arrives."""
         if self.size != self._marked_size and time.monotonic() - self._marked >= GRAIN:
             self.note()
         if self._dirty and time.monotonic() - self._synced >= SYNC:
             self._sync()
 
     def close(self) -> None:
-        """Bring everything to the disc and let go of the files."""
+        """Bring everything to the disk and let go of the files."""
         if not self._raw.closed:
             self._sync()
             self._raw.close()
@@ -91,7 +91,7 @@ class Tape:
                 content = content[file.write(content) :]
         except OSError as error:
             raise CaptureTrouble(
-                f"{self.file}: cannot be written ({error.strerror}); what came before is kept"
+                f"{self.file}: cannot be written ({error.strerror}); what came before is saved"
             ) from error
 
     def _sync(self) -> None:
@@ -101,7 +101,7 @@ class Tape:
 
 
 def begin(folder: Path, about: Mapping[str, object]) -> Tape:
-    """A new capture in a folder, made where it is not there, named after the time.
+    """A new capture in a folder, made if it is not there, named after the time.
 
     `about` is the first line of its journal. Raises CaptureTrouble.
     """
@@ -111,7 +111,7 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
         file, raw = _new(folder, f"{began:%Y%m%d-%H%M%S}")
         journal = FileIO(file.with_suffix(JOURNAL), "x")
     except OSError as error:
-        raise CaptureTrouble(f"{folder}: no capture can be kept here ({error.strerror})") from error
+        raise CaptureTrouble(f"{folder}: no capture can be saved here ({error.strerror})") from error
     tape = Tape(file, raw, journal, began, _start=time.monotonic())
     tape.note(capture=1, began=began.isoformat(timespec="milliseconds"), **about)
     tape._sync()
@@ -120,7 +120,7 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
 
 
 def _sync_names(folder: Path) -> None:
-    """Bring the names of new files to the disc, on systems where that is a step of its own."""
+    """Bring the names of new files to the disk, on systems where that is a step of its own."""
     if os.name == "posix":
         names = os.open(folder, os.O_RDONLY)
         try:
@@ -146,7 +146,7 @@ def go_on(file: Path, began: datetime) -> Tape:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")
     except OSError as error:
-        raise CaptureTrouble(f"{file}: cannot go on ({error.strerror})") from error
+        raise CaptureTrouble(f"{file}: cannot continue ({error.strerror})") from error
     passed = max(0.0, (datetime.now().astimezone() - began).total_seconds())
     tape = Tape(file, raw, journal, began, raw.seek(0, os.SEEK_END), time.monotonic() - passed)
     tape._marked_size = tape.size

@@ -19,14 +19,12 @@ app = typer.Typer()
 
 def add(
     context: typer.Context,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a flight typed halfway, without asking.")
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue an unfinished flight, without asking.")] = False,
     **given: str | None,
 ) -> None:
-    """Type a flight in. Enter takes what is offered, < goes back, ? helps, - is "not recorded".
+    """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
 
-    With any option of a flight nothing is asked. Without a terminal, answers are read a line each.
+    With any flight option nothing is asked. Without a terminal, answers are read from standard input, one per line.
     """
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
@@ -38,9 +36,7 @@ def add(
             _add(ledger, *_from_answers(ledger, resume=resume))
 
 
-takes_columns(
-    add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight; numbers may be typed with their unit, as 923ft"
-)
+takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight; a number may have a unit, as in 923ft")
 app.command()(add)
 
 
@@ -82,7 +78,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     if person and conversation.units != before:
         ledger.keep_draft(UNITS, conversation.units)
     if not finished and person:
-        complain("kept as it is; `fieldkit add` goes on with it")
+        complain("saved as a draft; run `fieldkit add` to continue it")
         raise typer.Exit(1)
     return with_offers(ledger, conversation.flight, set(conversation.answers)), DRAFT if conversation.keeps else None
 
@@ -95,13 +91,13 @@ def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resu
     if resume:
         conversation.answers |= draft
     elif conversation.patient:
-        answer = conversation.listen(f"A flight was typed halfway ({named}). Go on with it? [Y/n]: ")
+        answer = conversation.listen(f"A flight is unfinished ({named}). Continue it? [Y/n]: ")
         if answer is None:
             raise typer.Exit(1)
         if not answer.strip().lower().startswith("n"):
             conversation.answers |= draft
     else:
-        complain(f"note: a flight was typed halfway ({named}); `fieldkit add --resume` goes on with it")
+        complain(f"note: a flight is unfinished ({named}); run `fieldkit add --resume` to continue it")
         conversation.keeps = False
 
 
@@ -134,7 +130,7 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
-        complain("it is in the ledger already")
+        complain("duplicate: it is already in the ledger")
         return
     print_card(flight, added.new[0])
     print_prediction(prediction_of(ledger, flight))
@@ -142,4 +138,4 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
         say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
     for line in implausible_flights([flight], MotorCheck().catalogue):
         complain(f"note: {line}")
-    complain("added; `fieldkit undo` takes it back")
+    complain(f"Saved flight {added.new[0]}. `fieldkit undo` to undo.")

@@ -1,4 +1,4 @@
-"""`fieldkit backups`: the copies of the ledger that are kept, and putting one back."""
+"""`fieldkit backups`: list the backups of the ledger, and restore one."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +16,7 @@ app.add_typer(backups, name="backups")
 
 @backups.callback()
 def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
-    """List the copies of the ledger that are kept, newest first; `backups restore` puts one back."""
+    """List the backups of the ledger, newest first; `backups restore` restores one."""
     if context.invoked_subcommand:
         return
     from fieldkit.services.backups import copies
@@ -31,18 +31,18 @@ def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", h
         ]
         print_table(("no.", "made", "flights", "changes", "size"), rows, numbers=["no.", "flights", "changes", "size"])
     else:
-        complain(f"no backup of {file} is kept yet; the first is made before the first change of a day")
+        complain(f"no backups of {file} yet; the first is made before the first change of the day")
 
 
 @backups.command()
 def restore(
     context: typer.Context,
     number: Annotated[
-        int | None, typer.Argument(help="As `backups` lists it; by default the newest.", show_default=False)
+        int | None, typer.Argument(help="Number from `fieldkit backups`; default: the newest.", show_default=False)
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
 ) -> None:
-    """Put a copy in the ledger's place. What is there now is kept: a sound ledger as the newest copy."""
+    """Replace the ledger with a backup. The current ledger is saved first, as the newest backup if it is sound."""
     from fieldkit.ledger.backups import restore
     from fieldkit.services.backups import chosen_copy
 
@@ -50,12 +50,12 @@ def restore(
     when = f"{chosen.at.astimezone():%Y-%m-%d %H:%M}"
     if not yes:
         typer.confirm(
-            f"Put back backup {chosen.number} of {when}, with {_flights(chosen)} flights?", abort=True, err=True
+            f"Restore backup {chosen.number} of {when}, with {_flights(chosen)} flights?", abort=True, err=True
         )
     left = restore(file, chosen)
-    say(f"the ledger is as it was at {when}, with {_flights(chosen)} flights")
+    say(f"restored the ledger of {when}, with {_flights(chosen)} flights")
     if left:
-        complain(f"what was there is kept in {left}")
+        complain(f"the previous ledger is saved as {left}")
 
 
 def _flights(backup: "Backup") -> str:

@@ -10,6 +10,7 @@ import typer
 
 from fieldkit.cli.screen import complain, print_json, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.capture import CaptureOptions, Ended, Event, Port, Stored
@@ -23,28 +24,33 @@ def capture(
     context: typer.Context,
     where: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[PORT]", help="The port; with --resume also the capture.", show_default=False),
+        typer.Argument(metavar="[PORT]", help="The port; with --resume, also the capture.", show_default=False),
     ] = None,
-    list_: Annotated[bool, typer.Option("--list", help="List the ports, and the devices there are words for.")] = False,
-    device: Annotated[str | None, typer.Option(help="What is on the port, where it is not recognised.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with a capture, the newest unfinished one.")] = False,
-    flight: Annotated[list[int] | None, typer.Option(help="Only this flight, as listed; can be repeated.")] = None,
-    live: Annotated[bool, typer.Option("--live", help="Follow telemetry, where a unit has memory too.")] = False,
-    frequency: Annotated[float | None, typer.Option(metavar="MHZ", help="Tune a TeleDongle.")] = None,
-    baud: Annotated[int | None, typer.Option(help="The port's speed, where the unit is set to another.")] = None,
-    wait: Annotated[float | None, typer.Option(metavar="SECONDS", help="For a unit's first word.")] = None,
-    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="That end a stream.")] = None,
-    seconds: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop after so many.")] = None,
-    reconnect: Annotated[float, typer.Option(metavar="SECONDS", help="To wait for a lost unit.")] = 20.0,
+    list_: Annotated[bool, typer.Option("--list", help="List serial ports and supported devices.")] = False,
+    device: Annotated[str | None, typer.Option(help="The device on the port, if it is not recognized.")] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue a capture; default: the newest unfinished one.")
+    ] = False,
+    flight: Annotated[list[int] | None, typer.Option(help="Read only this flight, as listed; can be repeated.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="Record telemetry instead of reading the memory.")] = False,
+    frequency: Annotated[float | None, typer.Option(metavar="MHZ", help="Frequency to tune a TeleDongle to.")] = None,
+    baud: Annotated[int | None, typer.Option(help="Speed of the port, if the unit is not set to its default.")] = None,
+    wait: Annotated[float | None, typer.Option(metavar="SECONDS", help="How long to wait for the first byte.")] = None,
+    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="How long a silence ends a stream.")] = None,
+    seconds: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop after this time.")] = None,
+    reconnect: Annotated[float, typer.Option(metavar="SECONDS", help="How long to wait for a lost unit.")] = 20.0,
     import_: Annotated[
-        bool | None, typer.Option("--import/--no-import", help="Into the ledger, without asking.", show_default=False)
+        bool | None,
+        typer.Option(
+            "--import/--no-import", help="Import into the ledger, or do not, without asking.", show_default=False
+        ),
     ] = None,
     given: Annotated[
-        list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="What logs leave open: rocket=Astra.")
+        list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the logs lack: rocket=Astra.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Read a logger on a serial port; Ctrl-C ends it. Every byte is kept; nothing in it is ever changed."""
+    """Read a logger on a serial port; Ctrl-C stops. Every byte is saved; nothing on the logger is ever changed."""
     from fieldkit.capture import CaptureOptions
     from fieldkit.cli.live import View
 
@@ -109,7 +115,7 @@ def _unfinished() -> Path:
 
     found = unfinished(capture_folder())
     if found is None:
-        raise CaptureTrouble(f"{capture_folder()}: found no capture that is unfinished, expected one to go on with")
+        raise CaptureTrouble(f"{capture_folder()}: found no unfinished capture, expected one to continue")
     return found
 
 
@@ -150,7 +156,7 @@ def _chooser(
         pause()
         for flight in flights:
             complain(f"  {flight.number:3d}  {flight.about}")
-        typed = typer.prompt("Which flights, by number? Enter takes all", default="", show_default=False, err=True)
+        typed = typer.prompt("Which flights, by number? Enter for all", default="", show_default=False, err=True)
         return [int(text) for text in typed.replace(",", " ").split() if text.isdigit()] or there
 
     return choose
@@ -182,9 +188,9 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 def _tell(end: "Ended") -> None:
     """Say how a capture ended and, where something is missing, how to go on."""
     kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
-    complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing came")
+    complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
-        complain(f"something is missing; `fieldkit capture --resume {end.file.name}` goes on with it")
+        complain(f"incomplete; run `fieldkit capture --resume {end.file.name}` to continue")
 
 
 def _received(
@@ -196,7 +202,7 @@ def _received(
     if wanted is None and end.whole and sys.stdin.isatty() and not json:
         wanted = typer.confirm("Import it now?", default=True, err=True)
     if not (end.whole if wanted is None else wanted):
-        complain(f"not imported; `fieldkit import {end.file}` does it")
+        complain(f"not imported; run `fieldkit import {end.file}` to import it")
         return None
     with open_ledger(context) as ledger:
         check = MotorCheck()
@@ -207,7 +213,9 @@ def _received(
     for note in receipt.notes:
         complain(f"note: {note}")
     if not json:
-        say(f"{len(receipt.ids)} imported, {receipt.duplicates} there already, {len(receipt.rejected)} rejected")
+        say(
+            f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
+        )
     return receipt
 
 

@@ -1,4 +1,4 @@
-"""`fieldkit compare`: recordings of one flight beside each other."""
+"""`fieldkit compare`: recordings of one flight compared."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,11 +17,11 @@ app = typer.Typer()
 @app.command()
 def compare(
     context: typer.Context,
-    what: Annotated[list[str], typer.Argument(metavar="A B...", help="Logs, simulation exports or flight ids.")],
-    format: Annotated[str | None, typer.Option(help="The parser to read the files with.")] = None,
+    what: Annotated[list[str], typer.Argument(metavar="A B...", help="Logs, simulation exports, or flight ids.")],
+    format: Annotated[str | None, typer.Option(help="The parser for the files.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Compare recordings of one flight: two devices, or a flight with a simulation; the first is the measure."""
+    """Compare recordings of one flight: two devices, or a flight and a simulation; the first is the reference."""
     from pathlib import Path
 
     from fieldkit.analysis.compare import compare as against
@@ -49,10 +49,10 @@ def compare(
 
 
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
-    """A table of figures, a column a recording, with what is how far apart."""
+    """A table of figures, a column per recording, with their differences."""
     from fieldkit.analysis.labels import TITLES, spoken
 
-    headers = ["", *(recording.name for recording in found), *("apart" for _ in compared)]
+    headers = ["", *(recording.name for recording in found), *("difference" for _ in compared)]
     rows = []
     for name, title in TITLES.items():
         figures = [recording.recorded.figures.get(name) for recording in found]
@@ -65,10 +65,10 @@ def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
         if comparison.rms is not None and comparison.shift is not None:
             say(
                 f"{recording.name}: heights differ by {comparison.rms:.3g} m rms "
-                f"over {comparison.seconds:.3g} s of ascent, its clock put forward by {comparison.shift:.2f} s"
+                f"over {comparison.seconds:.3g} s of ascent, after shifting its clock by {comparison.shift:.2f} s"
             )
         else:
-            say(f"{recording.name}: no samples to lay over those of {found[0].name}")
+            say(f"{recording.name}: no samples to compare with those of {found[0].name}")
 
 
 def _apart(name: str, value: float, apart: float | None) -> str:

@@ -37,7 +37,7 @@ def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def motor_names(context: typer.Context, incomplete: str) -> list[str]:
-    """Motors flown before, then those of the catalogue with the delays they are sold with."""
+    """Motors flown before, then those of the catalog with the delays they are sold with."""
     from math import isfinite
 
     from fieldkit.motors.own import known_motors
@@ -58,7 +58,7 @@ def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:
 
 
 def _ledger(context: typer.Context) -> "Ledger | None":
-    """The ledger that the half-typed command names, None where it is not there: a TAB makes none."""
+    """The ledger that the half-typed command names, None if it is not there: a TAB makes none."""
     from fieldkit.ledger import Ledger
     from fieldkit.ledger.whereabouts import location
 

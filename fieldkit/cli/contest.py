@@ -21,15 +21,17 @@ app = typer.Typer()
 def finals(
     context: typer.Context,
     season: Annotated[int, typer.Option(help="2019 to 2027.")],
-    targets: Annotated[str | None, typer.Option(help="Lowest and highest, in feet: 775-825.")] = None,
-    window: Annotated[str | None, typer.Option(help="Seconds as announced that day: 37-40.")] = None,
-    lightest: Annotated[str | None, typer.Option(help="The least dry mass possible: 480g.")] = None,
-    card: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it as one card: .png, .pdf, .svg.")] = None,
+    targets: Annotated[str | None, typer.Option(help="Lowest and highest target, in feet: 775-825.")] = None,
+    window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
+    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g.")] = None,
+    card: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
+    ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Solve mass and parachute together for each target that finals may have."""
+    """Find the mass and parachute for each target that the finals may announce."""
     from dataclasses import replace
 
     from fieldkit import files
@@ -77,20 +79,20 @@ app.command()(finals)
 def contest(
     context: typer.Context,
     season: Annotated[int, typer.Option(help="2019 to 2027.")],
-    target: Annotated[str | None, typer.Option(help="As announced that day: 785ft.")] = None,
-    window: Annotated[str | None, typer.Option(help="Seconds as announced that day: 37-40.")] = None,
+    target: Annotated[str | None, typer.Option(help="Target announced that day: 785ft.")] = None,
+    window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     parachute: Annotated[
-        str | None, typer.Option(help="Area over that of the parachute flown: 85% or 0.85; plan with --motor.")
+        str | None, typer.Option(help="Parachute area relative to the one flown: 85% or 0.85; needs --motor.")
     ] = None,
-    reef: Annotated[str | None, typer.Option(help="Share of the area that reefing takes out: 10%.")] = None,
-    rocket_length: Annotated[str | None, typer.Option(help="Of the rocket: 700mm.")] = None,
-    cut: Annotated[float | None, typer.Option(help="Points that qualify; asks for --motor.")] = None,
-    declared: Annotated[str | None, typer.Option(help="Flights whose best are summed: 4,5,6.")] = None,
-    own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of yours, to check and change.")] = False,
+    reef: Annotated[str | None, typer.Option(help="Fraction of the area removed by reefing: 10%.")] = None,
+    rocket_length: Annotated[str | None, typer.Option(help="Length of the rocket: 700mm.")] = None,
+    cut: Annotated[float | None, typer.Option(help="Points that qualify; needs --motor.")] = None,
+    declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
+    own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Score flights by the rule of a season and, with --motor, say what points a plan can expect."""
+    """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import allowed, approved_motors, copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
@@ -98,9 +100,9 @@ def contest(
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:
-        complain(f"your own rule, used from now on: {copy_season(season, data_folder() / 'seasons')}")
+        complain(f"your own rule, in use from now on: {copy_season(season, data_folder() / 'seasons')}")
     if cut is not None and given.get("motor") is None:
-        raise typer.BadParameter("found --cut without --motor, expected both: the chance is that of a plan")
+        raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     rule = season_rule(season).announced(length(target), read_window(window) if window else None)
     area = _share(parachute, 1.0) * (1 - _share(reef, 0.0))
     ahead, lines = None, []
@@ -124,12 +126,12 @@ def contest(
         print_json(document)
         return
     if not scored and ahead is None:
-        complain("found no flight with an apogee to score; with --motor a plan is")
+        complain("found no flight with an apogee to score; use --motor to score a plan")
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
     for flight, points in scored:
         if why := why_no_score(flight):
-            say(f"  {flight.flight_id:>8}  no score      {why}; it counts as an attempt")
+            say(f"  {flight.flight_id:>8}  no score      {why}; counts as an attempt")
             continue
         say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
     if total is not None:
@@ -147,7 +149,7 @@ def _flown(flight: "Flight") -> str:
     from fieldkit.planning.contest_flight import judged_duration, whole_feet
 
     duration = judged_duration(flight)
-    lasted = "height alone" if duration is None else f"{duration:.2f} s"
+    lasted = "altitude only" if duration is None else f"{duration:.2f} s"
     return f"{whole_feet(flight.apogee or 0.0):.0f} ft, {lasted}"
 
 
@@ -159,7 +161,7 @@ def _share(text: str | None, default: float) -> float:
         return default
     share = parse(text, "fraction", "fraction")
     if not 0 <= share < 10 or (share == 0 and default):
-        raise typer.BadParameter(f"found {text!r}, expected a share such as 85%")
+        raise typer.BadParameter(f"found {text!r}, expected a percentage such as 85%")
     return share
 
 

@@ -21,9 +21,9 @@ app = typer.Typer()
 
 @app.command()
 def demo(context: typer.Context) -> None:
-    """Show it all on twelve flights of one rocket: import, infer, predict, close the loop.
+    """Show everything on twelve flights of one rocket: import, infer, predict, close the loop.
 
-    Your own ledger is left alone: the demo keeps its flights in a temporary one, or in the empty one
+    Your own ledger is not touched: the demo uses a temporary one, or the empty one
     that --ledger names.
     """
     from fieldkit.ledger import Ledger
@@ -43,7 +43,7 @@ def demo(context: typer.Context) -> None:
     _loop(found)
     _profile(paper)
     if named is None:
-        say("The flights were kept in a temporary ledger. To keep them and go on from here:")
+        say("These flights are in a temporary ledger. To save them and continue from here:")
         say("  fieldkit --ledger demo.db demo")
 
 
@@ -57,8 +57,8 @@ def _named_ledger(context: typer.Context) -> str | None:
 def _import(found: "Demo") -> None:
     clean = sum(flight.clean for flight in found.flights)
     say_wrapped(
-        f"1. {len(found.flights)} flights of {found.rocket} imported. {clean} are clean and teach the model; "
-        f"{len(found.flights) - clean} bear a tag such as weak_launch and only stay on record.",
+        f"1. {len(found.flights)} flights of {found.rocket} imported. {clean} are clean and used in the model; "
+        f"{len(found.flights) - clean} have a tag such as weak_launch and are not used.",
         "   ",
     )
     say()
@@ -66,12 +66,12 @@ def _import(found: "Demo") -> None:
 
 def _infer(found: "Demo") -> None:
     say_wrapped(
-        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone can hardly "
-        "tell them apart: hence the spread, which the reference paper's network (last two) does not know.",
+        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone hardly "
+        "separates them: hence the wide ±, which the reference paper's network (last two columns) lacks.",
         "   ",
     )
     say()
-    headers = ("flight", "motor", "apogee", "Cd", "alpha", "tag", "its Cd", "alpha")
+    headers = ("flight", "motor", "apogee", "Cd", "alpha", "tag", "paper Cd", "paper alpha")
     rows = [
         (
             f"{one.flight.flight_id} {one.flight.config}",
@@ -90,9 +90,9 @@ def _infer(found: "Demo") -> None:
 
 
 def _predict(found: "Demo") -> None:
-    say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean ones with certified thrust")
+    say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean flights with certified thrust")
     say()
-    headers = ("motor", "config", "apogee", "", "90 % between", "ejection")
+    headers = ("motor", "config", "apogee", "", "90 % interval", "ejection")
     rows = []
     for one in found.predictions:
         p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())
@@ -103,8 +103,8 @@ def _predict(found: "Demo") -> None:
                 one.plan.config,
                 f"{p50:.0f} m",
                 f"{p50 / FOOT:.0f} ft",
-                f"{p05:.0f} and {p95:.0f} m",
-                "no delay known"
+                f"{p05:.0f} to {p95:.0f} m",
+                "delay unknown"
                 if eject is None
                 else f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee",
             )
@@ -116,7 +116,7 @@ def _predict(found: "Demo") -> None:
 def _loop(found: "Demo") -> None:
     from fieldkit.presentation.loop_text import report
 
-    say("4. The loop closed: what the model gets wrong, and what could be missing")
+    say("4. The loop: what the model gets wrong, and what may be missing from it")
     say()
     say_report(report(found.loop))
     say()
@@ -133,15 +133,15 @@ def _paper(on_progress: ReportProgress) -> "PaperReport | None":
 
 
 def _profile(paper: "PaperReport | None") -> None:
-    say("5. What the thrust profile costs that the reference paper published")
+    say("5. What the reference paper's published thrust profile costs")
     say()
     if paper is None:
-        say_wrapped(f"   Computed by the studies, which are not part of the installed program; {HOW}")
+        say_wrapped(f"   Computed by the studies, which are not in the installed program; {HOW}")
         say()
         return
     profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]
     count = paper.reconstruction["n"]
-    headers = ("motor", "certified", "profile delivers", "too much")
+    headers = ("motor", "certified", "profile delivers", "excess")
     rows = [
         (
             one["motor"],
@@ -155,16 +155,16 @@ def _profile(paper: "PaperReport | None") -> None:
     say()
     below = profile["below_lowest_apogee_of_prior"]
     say_wrapped(
-        f"   Apogees rebuilt with it are {bias['published']:+.1f} m off in the mean of the {count} clean flights, "
+        f"   Apogees simulated with it are biased by {bias['published']:+.1f} m over the {count} clean flights, "
         f"and {bias['certified']:+.1f} m with certified curves; {below['published']} of the {count} lie below the "
-        f"lowest apogee that its prior can make, {below['certified']} with certified curves."
+        f"lowest apogee that its prior allows, {below['certified']} with certified curves."
     )
     say()
     missed = {rule["rule"]: rule for rule in paper.rules}
     before, after = missed["published_carried_over"], missed["hierarchical_certified"]
     say_wrapped(
-        f"   Each clean flight forecast from the others, left out: {before['mae_m']:.1f} m off in the mean (bias "
+        f"   Each clean flight forecast from the others (leave-one-out): mean error {before['mae_m']:.1f} m (bias "
         f"{before['bias_m']:+.1f} m) with the published profile and parameters, {after['mae_m']:.1f} m (bias "
-        f"{after['bias_m']:+.1f} m) with certified curves. `fieldkit paper` tells the rest."
+        f"{after['bias_m']:+.1f} m) with certified curves. `fieldkit paper` has the rest."
     )
     say()

@@ -20,10 +20,10 @@ def page_names(incomplete: str = "") -> list[str]:
 @app.command()
 def docs(
     page: Annotated[
-        str, typer.Argument(metavar="[PAGE]", help="Its name or how it begins.", autocompletion=page_names)
+        str, typer.Argument(metavar="[PAGE]", help="Name of the page, or its first letters.", autocompletion=page_names)
     ] = "",
 ) -> None:
-    """Print a page of the manual, or without one list the pages."""
+    """Print a page of the manual; without a page, list them."""
     from rich.console import Console
     from rich.markdown import Markdown
 
@@ -32,7 +32,7 @@ def docs(
     if not page:
         print_table(("page", ""), [(name, _title(name)) for name in page_names()])
         say()
-        say("fieldkit docs PAGE prints one, such as: fieldkit docs start")
+        say("To print a page: fieldkit docs start")
         return
     found = [page] if page in page_names() else page_names(page)
     if len(found) != 1:

@@ -32,23 +32,25 @@ class ModelVersion(StrEnum):
 def predict(
     context: typer.Context,
     flights: Annotated[
-        Path | None, typer.Option(help="A table of planned flights.", exists=False, show_default=False)
+        Path | None, typer.Option(help="Table of planned flights.", exists=False, show_default=False)
     ] = None,
-    model: Annotated[ModelVersion, typer.Option(help="Without or with what the loop added.")] = ModelVersion.after,
+    model: Annotated[
+        ModelVersion, typer.Option(help="Without or with the effects that the loop found.")
+    ] = ModelVersion.after,
     quick: Annotated[
-        bool, typer.Option("--quick", help="The apogee alone, from the network, at once; nothing is kept.")
+        bool, typer.Option("--quick", help="Apogee only, from the network, at once; nothing is saved.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Predict the apogee of the next flight, from the rocket's clean flights so far."""
+    """Forecast the apogee of the next flight from the rocket's clean flights so far."""
     from fieldkit.services.forecast_record import forecast_record
     from fieldkit.services.forecasts import predict_plans
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
         if flights is not None and given.get("motor"):
-            raise typer.BadParameter("give --flights or --motor, not both")
+            raise typer.BadParameter("use --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         if quick:
             _print_quick(ledger, check, plans, json=json)

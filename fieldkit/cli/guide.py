@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MAX_CHECKED_MOTORS = 12
 """Motors whose checks are printed unless all are asked for. [1]"""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
-"""Delays of a motor listed beside it: as many as fit a line of 80 characters, or all of them. [1]"""
+"""Delays of a motor listed next to it: as many as fit a line of 80 characters, or all of them. [1]"""
 
 
 def print_guide(
@@ -52,12 +52,10 @@ def print_guide(
     else:
         say("  none of these is safe and sensible for this rocket")
     if weak:
-        say_wrapped(
-            f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
-        )
+        say_wrapped(f"left out, thrust below {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  ")
     say()
-    delays = "each delay on sale" if every else "the delays on sale nearest to it, --all tells each"
-    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {ADVICE_NOTE}")
+    delays = "every delay sold" if every else "the delays sold that are nearest to it; --all lists every one"
+    say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
@@ -69,7 +67,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
 
     mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config)
     if mount is None:
-        raise UnknownMotor("found no flights to know the motor mount from, expected --mount such as 29mm")
+        raise UnknownMotor("found no flights that show the motor mount, expected --mount such as 29mm")
     return Wanted(
         mount=mount,
         length=length(fit["max_length"], "mm") or math.inf,
@@ -110,23 +108,24 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
     say(f"{len(choices)} of {of} motors of {(wanted.mount or 0.0) * 1e3:g} mm fit: safe and sensible for it")
-    say_wrapped(f"rests on {rests_in_words(said)}")
+    say_wrapped(f"based on {rests_in_words(said)}")
     print_conditions(said.plan, plan.rocket.starts)
     say()
     _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
 def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> None:
-    """A line for each check that fails, of as many motors as `shown`; what is not known of any motor is told once."""
+    """A line for each check that fails, of as many motors as `shown`; what is unknown for every motor is listed
+    once."""
     unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
     if unknown and not every:
-        say_wrapped(f"  ? not known, for what they ask was not given: {', '.join(unknown)} (--all tells more)", "    ")
+        say_wrapped(f"  ? not checked, inputs missing: {', '.join(unknown)} (details: --all)", "    ")
     for choice in choices[:shown]:
         for line in choice.lines:
             if line.verdict != "ok" and (every or line.name not in unknown):
                 say_wrapped(f"  {_name(choice, choices)}: {line.words()}", "    ")
     if len(choices) > shown:
-        say_wrapped(f"  and {len(choices) - shown} more whose checks --all tells")
+        say_wrapped(f"  and {len(choices) - shown} more; --all lists their checks")
 
 
 def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> None:
@@ -136,7 +135,7 @@ def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> No
         for line in choice.why_not:
             reasons.setdefault(line.name, []).append(_name(choice, choices))
     for reason, names in reasons.items():
-        say_wrapped(f"  do not fit by {reason}: {', '.join(names)}", "    ")
+        say_wrapped(f"  excluded by {reason}: {', '.join(names)}", "    ")
 
 
 def _unknown(choice: "MotorChoice", name: str) -> bool:
@@ -181,6 +180,6 @@ def _table(choices: "list[MotorChoice]", most: int) -> None:
         )
     print_table(headers, rows, numbers=headers[1:9])
     say_wrapped(
-        "*: not flown by this rocket. shown: apogee on the altimeter, true: in truth, m. rail, top: m/s. "
-        "T/W: thrust to weight, first half second and average. ✗: checks that fail."
+        "*: not flown by this rocket. shown: apogee on the altimeter [m], true: true apogee [m]. rail, top: [m/s]. "
+        "T/W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks."
     )

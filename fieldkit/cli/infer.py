@@ -24,12 +24,12 @@ def infer(
     context: typer.Context,
     flights: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False, autocompletion=flight_ids),
+        typer.Argument(metavar="[FLIGHT]...", help="Default: all.", show_default=False, autocompletion=flight_ids),
     ] = None,
-    model: Annotated[EnsembleName, typer.Option(help="The ensemble to ask.")] = EnsembleName.field,
+    model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.field,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""
+    """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
     from fieldkit.errors import NoFlights
     from fieldkit.services.inferred import infer_flights
 
@@ -38,7 +38,7 @@ def infer(
     for line in found.left_out:
         complain(f"left out: {line}")
     if not found.inferred:
-        raise NoFlights("no flight could be inferred")
+        raise NoFlights("no flight could be used for inference")
     if json:
         print_json({"flights": [one.json() for one in found.inferred]})
         return

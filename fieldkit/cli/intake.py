@@ -13,6 +13,7 @@ from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.importing import ColumnChoice, Rejected
@@ -36,18 +37,18 @@ class ExportFormat(StrEnum):
     JSON = "json"
 
 
-Files = Annotated[list[Path], typer.Argument(help="Logs and flight tables, or folders of them.", show_default=False)]
-Format = Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")]
+Files = Annotated[list[Path], typer.Argument(help="Logs, flight tables, or folders of them.", show_default=False)]
+Format = Annotated[str | None, typer.Option(help="The parser, if the format is not recognized.")]
 Given = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
+    typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the files lack: rocket=Astra."),
 ]
 Columns = Annotated[
     list[str] | None,
     typer.Option(
         "--map",
         metavar="CHANNEL=COLUMN",
-        help="What a column is: 'altitude=Alt [ft]' of samples, 'apogee=Reached [ft]' of flights. Remembered for "
+        help="Meaning of a column: 'altitude=Alt [ft]' for samples, 'apogee=Reached [ft]' for flights. Saved for "
         "tables with these headers.",
     ),
 ]
@@ -58,7 +59,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 def inspect(
     files: Files, format: Format = None, given: Given = None, columns: Columns = None, json: AsJson = False
 ) -> None:
-    """Say what logs and flight tables are, before anything is stored.
+    """Show what logs and flight tables contain, without storing anything.
 
     The format and why it was taken, the columns and their units, the readouts with how sure they are and which sensor
     they rest on beside what the device states, the events, and what an import would store.
@@ -109,12 +110,14 @@ def import_(
     format: Format = None,
     given: Given = None,
     columns: Columns = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Show what would happen without changing anything.")
+    ] = False,
     json: AsJson = False,
 ) -> None:
-    """Take logs and flight tables into the ledger; what is there already changes nothing.
+    """Import logs and flight tables into the ledger; duplicates change nothing.
 
-    What cannot be taken in is named, and the rest goes in.
+    Rejected rows and files are listed; the rest is imported.
     """
     from fieldkit.importing.tables.mapping import remember
     from fieldkit.services.imports import take_in
@@ -122,7 +125,7 @@ def import_(
     gathered, choices, motors = _gathered(files, format, given, columns)
     with open_ledger(context) as ledger:
         receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
-        foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
+        forecasts = [] if json or dry_run or not receipt.ids else list(_forecast_lines(ledger, receipt.ids))
     for mapped in receipt.mapped:
         if mapped.chosen and not dry_run:
             remember(mapped.choice)
@@ -130,7 +133,7 @@ def import_(
     if json:
         print_json(_document(receipt))
     else:
-        _say(receipt, "would be imported" if dry_run else "imported", foretold)
+        _say(receipt, "Would import" if dry_run else "Imported", forecasts)
     _fail_for(receipt.unusable)
 
 
@@ -150,7 +153,7 @@ def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
 
 
 def _document(receipt: "Receipt") -> dict[str, object]:
-    """What came in, under the contract's keys."""
+    """What was imported, under the contract's keys."""
     from dataclasses import asdict
 
     from fieldkit.presentation.import_view import receipts
@@ -166,24 +169,24 @@ def _document(receipt: "Receipt") -> dict[str, object]:
 
 
 def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
-    """What came in, in a line; what each file was; and beside it what had been forecast."""
+    """Print how much was imported, a line per file, and the forecasts of what was imported."""
     from fieldkit.presentation.import_view import in_a_line
 
-    counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-    joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
-    say(f"{len(receipt.ids)} {done}, {joined}{counts}")
+    counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
+    joined = f"{len(receipt.joined)} added to existing flights, " if receipt.joined else ""
+    say(f"{done} {len(receipt.ids)}, {joined}{counts}")
     for one in receipt.files[:FILES]:
         say_wrapped(in_a_line(one), "  ")
     if len(receipt.files) > FILES:
-        say(f"and {len(receipt.files) - FILES} more files; --json lists all")
+        say(f"and {len(receipt.files) - FILES} more files; --json lists them all")
     for line in forecasts[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
     if len(forecasts) > MAX_COMPARED_FLIGHTS:
         say(f"and {len(forecasts) - MAX_COMPARED_FLIGHTS} more with a forecast; see `fieldkit predictions`")
 
 
-def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
-    """What was foretold of flights that came in, a line for each of which something was."""
+def _forecast_lines(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
+    """A line for each imported flight that had a forecast: forecast and flown."""
     if not ledger.predictions():
         return
     from fieldkit.cli.session import known_motors
@@ -199,14 +202,14 @@ def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
 @app.command()
 def export(
     context: typer.Context,
-    file: Annotated[Path | None, typer.Argument(help="The file to write; without one, the screen.")] = None,
-    format: Annotated[ExportFormat | None, typer.Option(help="By default what the file's name says, or csv.")] = None,
+    file: Annotated[Path | None, typer.Argument(help="The file to write; default: standard output.")] = None,
+    format: Annotated[ExportFormat | None, typer.Option(help="Default: from the file's suffix, else csv.")] = None,
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
     force: Force = False,
 ) -> None:
-    """Write flights as a table or as JSON, to be imported again or opened in a spreadsheet."""
+    """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
     import json
     import sys
 
@@ -229,4 +232,4 @@ def export(
         sys.stdout.write(text)
     else:
         write(file, text.encode(), force=force)
-        complain(f"{len(flights)} flights written to {file}")
+        complain(f"Wrote {counted(len(flights), 'flight')} to {file}")

@@ -12,7 +12,7 @@ app = typer.Typer()
 
 @app.command()
 def undo(context: typer.Context) -> None:
-    """Take back the last change; any number of times."""
+    """Undo the last change; can be repeated."""
     with open_ledger(context) as ledger:
         change = ledger.undo()
     say(f"undone: {change.command} {change.what}")
@@ -20,19 +20,19 @@ def undo(context: typer.Context) -> None:
 
 @app.command()
 def redo(context: typer.Context) -> None:
-    """Do again what was undone last."""
+    """Redo the last change that was undone."""
     with open_ledger(context) as ledger:
         change = ledger.redo()
-    say(f"done again: {change.command} {change.what}")
+    say(f"redone: {change.command} {change.what}")
 
 
 @app.command()
 def history(
     context: typer.Context,
-    last: Annotated[int | None, typer.Option(min=1, help="Only so many of the latest changes.")] = None,
+    last: Annotated[int | None, typer.Option(min=1, help="Only this many of the latest changes.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List what was changed and when, the latest last."""
+    """List all changes with their times, oldest first."""
     with open_ledger(context) as ledger:
         changes = ledger.history()[-last if last else 0 :]
         name = ledger.name
@@ -53,4 +53,4 @@ def history(
         ]
         print_table(("no.", "when", "command", "what", ""), rows, numbers=["no."])
     else:
-        complain(f"nothing was changed in {name} yet")
+        complain(f"no changes in {name} yet")

@@ -1,4 +1,4 @@
-"""`fieldkit landing`, `track`: where a plan lands and how to lean the rail; a track by satellite as KML."""
+"""`fieldkit landing`, `track`: where a plan lands and which rail angle is best; a GPS track as KML."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,17 +22,19 @@ CARD_LINES = 30
 
 def landing(
     context: typer.Context,
-    kml: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the ellipse as KML; with --pad.")] = None,
+    kml: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the landing ellipse as KML; needs --pad.")
+    ] = None,
     pad: Annotated[str | None, typer.Option(help="Latitude and longitude of the pad: 47.5,8.7.")] = None,
     card: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the range card: a page with all of it, .png, .pdf, .svg.")
+        Path | None, typer.Option(metavar="FILE", help="Write a one-page range card: .png, .pdf, .svg.")
     ] = None,
-    wind_from: Annotated[float, typer.Option(help="Where the wind is from, degrees from north.")] = 270.0,
+    wind_from: Annotated[float, typer.Option(help="Direction the wind blows from, in degrees from north.")] = 270.0,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Say where a plan lands, how long it flies, and which rail angle brings it back."""
+    """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
     from fieldkit.planning.descent import fall_of
     from fieldkit.planning.forecasts import forecasts
@@ -42,7 +44,7 @@ def landing(
     from fieldkit.presentation.landing_text import landing_in_words
 
     if (kml is None) != (pad is None):
-        raise typer.BadParameter("found one of --kml and --pad, expected both: a map wants to know where the pad is")
+        raise typer.BadParameter("found one of --kml and --pad, expected both: a map needs the position of the pad")
     place = None if pad is None else read_place(pad)
     if card is not None:
         from fieldkit.presentation.report.finals_card import check_card
@@ -79,7 +81,7 @@ def landing(
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:
-    """The fraction of landings on a field of a size [m] whose middle the pad is in, None where it is not known."""
+    """The fraction of landings on a field of a size [m] whose middle the pad is in, None if it is not known."""
     return None if size is None else float((down.away <= size / 2).mean())
 
 
@@ -90,11 +92,11 @@ app.command()(landing)
 @app.command()
 def track(
     context: typer.Context,
-    flight: Annotated[str, typer.Argument(help="The flight's id.")],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .kml.", show_default=False)],
+    flight: Annotated[str, typer.Argument(help="Flight id.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write; ends in .kml.", show_default=False)],
     force: Force = False,
 ) -> None:
-    """Write the track by satellite of a flight's log as KML."""
+    """Write the GPS track of a flight's log as KML."""
     from fieldkit import files
     from fieldkit.errors import BadValue
     from fieldkit.presentation.kml import track_kml
@@ -110,4 +112,4 @@ def track(
             files.write(out, content, force=force)
             say(f"{out}: the track of flight {flight}")
             return
-    raise BadValue(f"{flight}: found no positions by satellite, expected a flight with the log of a tracker")
+    raise BadValue(f"{flight}: found no GPS positions, expected a flight with the log of a tracker")

@@ -21,36 +21,40 @@ app = typer.Typer()
 def learn(
     exports: Annotated[
         list[Path],
-        typer.Argument(help="A flight table of each flyer, or a folder of the files of one.", exists=True),
+        typer.Argument(help="One flight table per flyer, or a folder of one flyer's files.", exists=True),
     ],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the card there.", show_default="the screen")
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="Write the card to this file.", show_default="the screen"),
     ] = None,
-    keep: Annotated[bool, typer.Option("--keep", help="Use it for your forecasts from now on.")] = False,
+    keep: Annotated[bool, typer.Option("--keep", help="Use the card for your forecasts from now on.")] = False,
     check: Annotated[
-        bool, typer.Option("--check", help="Forecast each rocket from a card learned without it: minutes.")
+        bool,
+        typer.Option(
+            "--check", help="Cross-validate: forecast each rocket with a card fitted without it; takes minutes."
+        ),
     ] = False,
     from_start: Annotated[
-        bool, typer.Option("--afresh", help="Begin from judgments, not from the card in use.")
+        bool, typer.Option("--afresh", help="Start from the expert priors, not from the card in use.")
     ] = False,
     cluster: Annotated[
         str,
-        typer.Option(help="Check on Dask workers: local, local:4, or a scheduler's address.", show_default=False),
+        typer.Option(help="Run --check on Dask workers: local, local:4, or a scheduler's address.", show_default=False),
     ] = "",
     since: Annotated[
         datetime | None,
         typer.Option(
             formats=["%Y-%m-%d"],
-            help="Leave out what was flown before, when heights were estimated.",
+            help="Leave out earlier flights, such as those with estimated altitudes.",
             show_default=False,
         ),
     ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Learn how far rockets, motors and flights differ from the flights of several flyers; `export` makes the tables.
+    """Fit how much rockets, motors, and flights vary, from the flights of several flyers (tables from `export`).
 
-    Every forecast starts from this card, and from it your own flights lead on.
+    Every forecast starts from this card and is then updated by your own flights.
     """
     from dataclasses import replace
     from json import dumps
@@ -71,7 +75,10 @@ def learn(
             flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress
         )
     if check:
-        with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as on_progress:
+        with (
+            workers(cluster) if cluster else nullcontext() as pool,
+            progress("cross-validating each rocket") as on_progress,
+        ):
             checked = left_out(flyers, found, from_start=from_start, pool=pool, on_progress=on_progress)
         found = replace(found, about={**found.about, "scores": scores(checked)})
     text = dumps(found.json(), indent=1, sort_keys=False)
@@ -82,7 +89,7 @@ def learn(
         own = hyperprior_file()
         own.parent.mkdir(parents=True, exist_ok=True)
         replace_file(own, (text + "\n").encode())
-        complain(f"forecasts start from it now; remove {own} to go back")
+        complain(f"forecasts now start from it; delete {own} to go back")
     if json:
         print_json(found.json())
     elif out is None:
@@ -94,14 +101,14 @@ def _print(found: "Hyperprior") -> None:
     flights = sum(one["flights"] for one in found.about["data"])
     evidence = found.about["log_evidence"]
     say_wrapped(
-        f"Learned from {flights} flights of {len(found.about['data'])} flyers: log evidence "
+        f"Fitted to {flights} flights of {len(found.about['data'])} flyers: log evidence "
         f"{evidence['before']:.1f} before, {evidence['after']:.1f} after."
     )
     print_table(["quantity", "differs by", "sd"], [_row(name, sd) for name, sd in found.sds.items()], ["sd"])
     for flyer, tables in found.about.get("scores", {}).items():
         for title, rows in tables.items():
             say()
-            say_wrapped(f"{flyer}, each rocket forecast by a card learned without it: {title}")
+            say_wrapped(f"{flyer}, each rocket forecast with a card fitted without it: {title}")
             print_table(
                 ["forecast by", "flights", "median", "mean", "CRPS", "interval score", "coverage"],
                 [_scored(row) for row in rows],

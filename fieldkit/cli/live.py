@@ -1,4 +1,4 @@
-"""A capture while it runs: counts and altitude, drawn where there is a terminal, told in lines where there is none."""
+"""A capture while it runs: counts and altitude, drawn in a terminal, otherwise reported in lines."""
 
 import sys
 import time
@@ -71,10 +71,10 @@ class View:
             case capture.FlightsListed(flights, chosen):
                 self._say(f"{len(flights)} in memory, reading {len(chosen)}")
             case capture.Lost(_, why):
-                self._say(f"{why}; all that came is kept, waiting for it to come back")
+                self._say(f"{why}; everything received is saved, waiting for the unit to return")
             case capture.Back(port):
                 self.port = port
-                self._say(f"it is back on {port}")
+                self._say(f"reconnected on {port}")
             case capture.Progress():
                 self._draw(event)
 
@@ -112,7 +112,7 @@ def printable_lines(lines: list[str]) -> str:
 
 
 def counts(progress: "Progress") -> str:
-    """How much has come: bytes, samples, what was damaged, the share of all."""
+    """How much was received: bytes, samples, damaged samples, the fraction of all."""
     parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
     if progress.damaged:
         parts.append(f"{progress.damaged:,} damaged")
@@ -125,7 +125,7 @@ def flight_line(sample: "Sample", age: float) -> str:
     """What else the stream says of the flight, and how old it is where that is long. [s]"""
     parts = [f"{sample.speed:+.1f} m/s"] if sample.speed is not None else []
     parts += [sample.state] if sample.state else []
-    parts += [f"heard {age:.0f} s ago"] if age > STALE_ALTITUDE_AGE else []
+    parts += [f"received {age:.0f} s ago"] if age > STALE_ALTITUDE_AGE else []
     return "   ".join(parts)
 
 

@@ -18,30 +18,32 @@ app = typer.Typer()
 def loop(
     context: typer.Context,
     rocket: Annotated[
-        str | None, typer.Option(help="By default the one flown last.", show_default=False, autocompletion=rocket_names)
+        str | None, typer.Option(help="Default: the one flown last.", show_default=False, autocompletion=rocket_names)
     ] = None,
     effect: Annotated[
         str | None,
-        typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
+        typer.Option(
+            help="Include this effect regardless of the evidence; several: wind+mass_offset.", show_default=False
+        ),
     ] = None,
     decline: Annotated[
         str | None,
-        typer.Option(help="Leave this effect out of account, several as wind+mass_offset.", show_default=False),
+        typer.Option(help="Exclude this effect; several: wind+mass_offset.", show_default=False),
     ] = None,
-    look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
+    look: Annotated[bool, typer.Option("--look", help="Show only; do not change the model.")] = False,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Probabilities from the network, at once; keep the model as it is.")
+        bool, typer.Option("--quick", help="Probabilities from the network, at once; do not change the model.")
     ] = False,
     page: Annotated[
         Path | None,
         typer.Option(
-            "--report", metavar="FILE", help="Write a page with pictures too: .html or .png.", show_default=False
+            "--report", metavar="FILE", help="Also write a page with pictures: .html or .png.", show_default=False
         ),
     ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
+    """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""
     if quick:
         _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
         return
@@ -59,7 +61,7 @@ def loop(
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         given, declined = (said.split("+") if said else [] for said in (effect, decline))
-        with progress("looking for an effect") as on_progress:
+        with progress("searching for missing effects") as on_progress:
             found = close_loop.look(
                 ledger, known_motors(), name, on_progress, accept=not look, given=given, declined=declined
             )
@@ -80,7 +82,7 @@ def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, 
     from fieldkit.services.quick_look import look_quickly
 
     if given := [option for option, value in refused.items() if value is not None]:
-        raise BadValue(f"{given[0]}: found it with --quick, expected one of the two")
+        raise BadValue(f"{given[0]}: found together with --quick, expected one of the two")
     with open_ledger(context) as ledger:
         found = look_quickly(ledger, known_motors(), which_rocket(ledger, rocket))
     if json:
@@ -93,13 +95,11 @@ def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, 
 def model(
     context: typer.Context,
     rocket: Annotated[
-        str | None, typer.Option(help="By default the one flown last.", show_default=False, autocompletion=rocket_names)
+        str | None, typer.Option(help="Default: the one flown last.", show_default=False, autocompletion=rocket_names)
     ] = None,
-    use: Annotated[
-        int | None, typer.Option(min=0, help="Predict with this version from now on; 0 is the plain model.")
-    ] = None,
+    use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is the plain model.")] = None,
 ) -> None:
-    """List the model versions of a rocket, or go back to one."""
+    """List the model versions of a rocket, or switch to one."""
     from fieldkit.services.forecasts import version_adds, which_rocket
 
     with open_ledger(context) as ledger:
@@ -120,4 +120,4 @@ def model(
                 "in use" if version.active else "",
             )
         )
-    print_table(("version", "made", "adds", "unseen flights", ""), rows)
+    print_table(("version", "made", "adds", "held-out MAE", ""), rows)

@@ -110,17 +110,20 @@ def options(
         typer.Option(
             envvar="FIELDKIT_LEDGER",
             metavar="PATH_OR_URL",
-            help="Where flights are kept; without it, a file in your data folder.",
+            help="The ledger that holds your flights; default: a file in your data folder.",
         ),
     ] = None,
     version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_version, is_eager=True, help="Say which fieldkit and which ensembles these are."
+            "--version",
+            callback=_version,
+            is_eager=True,
+            help="Show the version of fieldkit and the digests of its ensembles.",
         ),
     ] = False,
 ) -> None:
-    """From the altimeter's readouts to the next apogee. Without a command, the app."""
+    """From the altimeter's readouts to the next apogee. Without a command, opens the app."""
     context.obj = ledger
     if context.invoked_subcommand is None:
         if not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -143,9 +146,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return 1  # who read along has seen enough
     except OSError as error:
-        found = f"{error.filename or 'the output'}: found {error.strerror}, expected to read or write there"
+        found = f"{error.filename or 'the output'}: found {error.strerror}, expected a file that can be read or written"
         if not error.filename:
-            found += "; what was asked may be done all the same, `fieldkit history` tells"
+            found += "; the command may have finished, check `fieldkit history`"
     from fieldkit.cli.screen import complain
 
     complain(found)

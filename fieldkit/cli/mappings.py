@@ -11,14 +11,16 @@ app = typer.Typer()
 
 @app.command()
 def mappings(
-    forget: Annotated[int | None, typer.Option(help="Forget the mapping of this number.", metavar="NUMBER")] = None,
-    edit: Annotated[int | None, typer.Option(help="Change the one of this number to --map.", metavar="NUMBER")] = None,
+    forget: Annotated[int | None, typer.Option(help="Forget the mapping with this number.", metavar="NUMBER")] = None,
+    edit: Annotated[
+        int | None, typer.Option(help="Replace the mapping with this number by --map.", metavar="NUMBER")
+    ] = None,
     columns: Annotated[
-        list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help="Its columns from now on, with --edit.")
+        list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help="The new columns; needs --edit.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List which columns of which tables are remembered as what, change one, or forget it."""
+    """List, change, or delete saved column mappings of tables."""
     from fieldkit.services.imports.mappings import edit as change
     from fieldkit.services.imports.mappings import forget as drop
     from fieldkit.services.imports.mappings import in_words, list_mappings
@@ -42,4 +44,4 @@ def mappings(
             [(str(number), *in_words(one)) for number, one in enumerate(known, start=1)],
         )
     else:
-        say("no mappings are remembered; --map of import and inspect makes one")
+        say("no saved mappings; `fieldkit import --map` saves one")

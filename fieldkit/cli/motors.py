@@ -25,53 +25,58 @@ MAX_CORRECTED_MOTORS = 3
 
 def motors(
     context: typer.Context,
-    search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
-    about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
+    search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case, or a propellant.")] = None,
+    about: Annotated[bool, typer.Option("--about", help="Show the source of the motor data.")] = False,
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
     ] = None,
     compare: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Hold the motors against a table of tests (CSV).")
+        Path | None, typer.Option(metavar="FILE", help="Compare the motors with a table of test results (CSV).")
     ] = None,
     corrections: Annotated[
-        bool, typer.Option("--corrections", help="Say where your own corrections and lots are kept; begin the file.")
+        bool,
+        typer.Option("--corrections", help="Show the file of your own corrections and lots; create it if missing."),
     ] = False,
     shortlist_for: Annotated[
         str | None,
         typer.Option(
-            metavar="ROCKET", help="Put what is found on this rocket's shortlist.", autocompletion=rocket_names
+            metavar="ROCKET", help="Add what is found to this rocket's shortlist.", autocompletion=rocket_names
         ),
     ] = None,
     fit: Annotated[
         str | None,
         typer.Option(
             metavar="ROCKET",
-            help="Fly each motor that fits this rocket.",
+            help="Forecast every motor that fits this rocket.",
             rich_help_panel=GUIDE,
             autocompletion=rocket_names,
         ),
     ] = None,
-    target: Annotated[str | None, typer.Option(help="Apogee wanted: 250m, 800ft.", rich_help_panel=GUIDE)] = None,
-    class_: Annotated[str, typer.Option("--class", help="D, or D-F.", rich_help_panel=GUIDE)] = "",
+    target: Annotated[str | None, typer.Option(help="Target apogee: 250m, 800ft.", rich_help_panel=GUIDE)] = None,
+    class_: Annotated[str, typer.Option("--class", help="Impulse class: D, or D-F.", rich_help_panel=GUIDE)] = "",
     mount: Annotated[str | None, typer.Option(help="Motor mount: 29mm.", rich_help_panel=GUIDE)] = None,
     adapter: Annotated[
-        bool, typer.Option("--adapter", help="Also motors narrower than the mount.", rich_help_panel=GUIDE)
+        bool, typer.Option("--adapter", help="Include motors narrower than the mount.", rich_help_panel=GUIDE)
     ] = False,
-    max_length: Annotated[str | None, typer.Option(help="Longest motor: 124mm.", rich_help_panel=GUIDE)] = None,
-    max_impulse: Annotated[float | None, typer.Option(help="In N s.", rich_help_panel=GUIDE)] = None,
+    max_length: Annotated[
+        str | None, typer.Option(help="Longest motor that fits: 124mm.", rich_help_panel=GUIDE)
+    ] = None,
+    max_impulse: Annotated[
+        float | None, typer.Option(help="Total impulse range, in N s.", rich_help_panel=GUIDE)
+    ] = None,
     retired: Annotated[
-        bool, typer.Option("--retired", help="Also motors no longer made.", rich_help_panel=GUIDE)
+        bool, typer.Option("--retired", help="Include motors no longer made.", rich_help_panel=GUIDE)
     ] = False,
     shortlist: Annotated[
         bool, typer.Option("--shortlist", help="Only motors on the shortlist.", rich_help_panel=GUIDE)
     ] = False,
     every: Annotated[
-        bool, typer.Option("--all", help="Tell the checks of every motor.", rich_help_panel=GUIDE)
+        bool, typer.Option("--all", help="Show the checks of every motor.", rich_help_panel=GUIDE)
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Search the motors, add your own, or with --fit fly each that fits a rocket."""
+    """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 
@@ -111,14 +116,14 @@ app.command()(motors)
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
-    """Add motors to a rocket's shortlist. More than a table holds are refused, as a slip."""
+    """Add motors to a rocket's shortlist. More than fit in one table are refused as a likely mistake."""
     from fieldkit.planning.motor_guide import label
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.planning import keep_shortlist, shortlist
 
     if len(found) > MAX_LISTED_MOTORS:
         raise typer.BadParameter(
-            f"found {len(found)} motors to put by, expected at most {MAX_LISTED_MOTORS}; a longer name narrows"
+            f"found {len(found)} motors for the shortlist, expected at most {MAX_LISTED_MOTORS}; use a longer name"
         )
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
@@ -137,7 +142,7 @@ def _added(file: Path) -> "list[Motor]":
 
 
 def _compared(file: Path, json: bool) -> None:
-    """Print the figures that a table of tests has otherwise, the furthest off first."""
+    """Print the figures that differ from a table of tests, largest difference first."""
     from fieldkit.motors.comparison import compare_tests
     from fieldkit.services.imports import read_file
 
@@ -161,13 +166,13 @@ def _compared(file: Path, json: bool) -> None:
     print_table(headers, rows, numbers=headers[2:5])
     complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5 %")
     if len(found.differences) > MAX_LISTED_MOTORS:
-        complain(f"the {MAX_LISTED_MOTORS} furthest off are listed, --json has all")
+        complain(f"the {MAX_LISTED_MOTORS} largest differences are listed, --json has all")
     if found.unknown:
-        complain(f"not in the catalogue: {', '.join(found.unknown[:5])}{' and more' if len(found.unknown) > 5 else ''}")
+        complain(f"not in the catalog: {', '.join(found.unknown[:5])}{' and more' if len(found.unknown) > 5 else ''}")
 
 
 def _own_corrections(json: bool) -> None:
-    """Print the flyer's own corrections and where they are kept; the file is begun where there is none."""
+    """Print the flyer's own corrections and their file, which is created if missing."""
     from fieldkit import files
     from fieldkit.motors.own_corrections import FILE_NAME, HEADER, read_own_corrections
     from fieldkit.paths import motor_folder
@@ -187,7 +192,7 @@ def _own_corrections(json: bool) -> None:
         lot = f" lot {one.lot}" if one.lot else ""
         say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.correction.text()}")
     if not rows:
-        say(f"  a row for each figure: {HEADER.strip()}")
+        say(f"  one row per figure: {HEADER.strip()}")
 
 
 def _about(json: bool) -> None:
@@ -228,7 +233,7 @@ def _list(found: "list[Motor]") -> None:
     ]
     print_table(headers, rows, numbers=headers[1:6])
     if len(found) > MAX_LISTED_MOTORS:
-        complain(f"and {len(found) - MAX_LISTED_MOTORS} more; a longer name or a diameter such as 24mm narrows it")
+        complain(f"and {len(found) - MAX_LISTED_MOTORS} more; narrow it by a longer name or a diameter such as 24mm")
     for motor in found if len(found) <= MAX_CORRECTED_MOTORS else ():
         for one in motor.corrections:
             complain(f"{motor.maker} {motor.designation}: {one.text()}")

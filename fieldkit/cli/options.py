@@ -17,14 +17,14 @@ SETUP, CONDITIONS, READOUTS = (
 )
 """Columns of the flight table that are options of commands."""
 OPTION_HELP = {
-    "flight_id": "Its number or name; the next free number by itself.",
-    "date_time": "Of lift-off, 2026-05-01T10:30; now by itself.",
-    "rocket": "Its name.",
-    "config": "The build of it, such as A or ballast.",
-    "motor": "As printed on it: F24-4W.",
-    "site": "Name of the field.",
-    "tags": "Apart by ;, such as off_axis; weak_launch.",
-    "notes": "Anything else.",
+    "flight_id": "Number or name of the flight; default: the next free number.",
+    "date_time": "Date and time of lift-off, 2026-05-01T10:30; default: now.",
+    "rocket": "Name of the rocket.",
+    "config": "Name of the build, such as A or ballast.",
+    "motor": "Motor as printed on it: F24-4W.",
+    "site": "Name of the launch site.",
+    "tags": "Tags separated by ;, such as off_axis; weak_launch.",
+    "notes": "Free text.",
 }
 """What the texts of a flight are."""
 COMPLETIONS = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
@@ -48,21 +48,21 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
 
 PLAN_TEXTS = ("motor", "config", "rocket", "site")
 """Texts of a plan that are options of the commands that plan."""
-PLAN = "The plan; numbers may be typed with their unit, as 8mph"
+PLAN = "The plan; a number may have a unit, as in 8mph"
 """Over the options of a plan in a command's help."""
-RECOVERY = "The way down; numbers may be typed with their unit, as 500ft"
+RECOVERY = "Descent; a number may have a unit, as in 500ft"
 """Over the options of a recovery in a command's help."""
 FIELD = (
-    ("motor_temperature", "Of the motor as it is loaded; in °C."),
-    ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
-    ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
-    ("lift_off_mass", "As weighed on the pad with the motor in it: 620g; in place of the dry mass."),
-    ("kit", "A kit of yours in kits.toml, for mass, diameter and mount."),
-    ("people", "From the pad to the people at the launch: 30m. That of the site, where not said."),
-    ("bystanders", "To persons and property that have no part in it: 500m. That of the site, where not said."),
-    ("rules", "Whose rules govern the launch: NAR,FAA or UKRA. Those of the site, where not said."),
+    ("motor_temperature", "Temperature of the motor when loaded; in °C."),
+    ("waiver", "Ceiling above the pad: 500m. Default: saved with the site."),
+    ("field_size", "Shorter side of the field: 300m. Default: saved with the site."),
+    ("lift_off_mass", "Mass on the pad with the motor: 620g; replaces the dry mass."),
+    ("kit", "One of your kits in kits.toml: sets mass, diameter, and motor mount."),
+    ("people", "Distance from the pad to the people at the launch: 30m. Default: saved with the site."),
+    ("bystanders", "Distance to people and property not involved in the launch: 500m. Default: saved with the site."),
+    ("rules", "Rules that govern the launch: NAR,FAA or UKRA. Default: saved with the site."),
 )
-"""Options of a plan that no column of a flight stands for; safety lines are told by them."""
+"""Options of a plan that are not columns of a flight; the safety lines use them."""
 
 
 def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:

@@ -18,13 +18,13 @@ app = typer.Typer()
 @app.command()
 def ork(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(help="An OpenRocket design, .ork.", show_default=False)],
-    rocket: Annotated[str | None, typer.Option(help="By default the name in the file.", show_default=False)] = None,
-    config: Annotated[str, typer.Option(help="What this build is called, such as A.")] = "",
-    look: Annotated[bool, typer.Option("--look", help="Look only; keep nothing.")] = False,
+    file: Annotated[Path, typer.Argument(help="OpenRocket design, .ork.", show_default=False)],
+    rocket: Annotated[str | None, typer.Option(help="Default: the name in the file.", show_default=False)] = None,
+    config: Annotated[str, typer.Option(help="Name of this build, such as A.")] = "",
+    look: Annotated[bool, typer.Option("--look", help="Show only; save nothing.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Start a rocket from its OpenRocket design: mass without motor, diameter, length and Cd, until it has flown."""
+    """Start a rocket from its OpenRocket design (mass without motor, diameter, length, Cd) until it has flown."""
     from fieldkit.errors import BadValue
     from fieldkit.flight.start import Start
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
@@ -48,7 +48,7 @@ def ork(
     for note in design.notes:
         complain(f"note: {note}")
     if not look:
-        complain(_done(start) if saved else "it is kept already")
+        complain(_done(start) if saved else "duplicate: it is already saved")
 
 
 def _lines(start: "Start", design: "Design") -> list[str]:
@@ -70,7 +70,7 @@ def _lines(start: "Start", design: "Design") -> list[str]:
 def _done(start: "Start") -> str:
     name = f'"{start.rocket}"' if " " in start.rocket else start.rocket
     config = f" --config {start.config}" if start.config else ""
-    return f"kept; `fieldkit predict --rocket {name}{config} --motor M` starts from it, `fieldkit undo` takes it back"
+    return f"Saved. Next: `fieldkit predict --rocket {name}{config} --motor MOTOR`. `fieldkit undo` to undo."
 
 
 def _document(start: "Start", design: "Design", *, saved: bool) -> dict[str, object]:

@@ -15,7 +15,7 @@ app = typer.Typer()
 
 @app.command()
 def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
-    """Put the reference paper to the test on its own twelve flights."""
+    """Test the reference paper on its own twelve flights."""
     need_studies()
     from studies.paper.report import report
     from studies.paper.text import findings
@@ -37,8 +37,8 @@ def _flights(report: "PaperReport") -> None:
     say()
     print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
     say()
-    say("publ.: published. left out: forecast from the same motor's other valid flights.")
-    say("*: tagged as an anomaly and not counted below.")
+    say("publ.: published. left out: forecast from the other valid flights on the same motor.")
+    say("*: tagged as an anomaly, not counted below.")
     say()
 
 
@@ -59,7 +59,7 @@ def _errors(report: "PaperReport") -> None:
         ("rebuilt, here", *_three(report.reconstruction)),
         ("rebuilt, published", *_three(report.published["reconstruction"])),
         ("next flight, left out, here", *_three(report.next_flight)),
-        ("OpenRocket column, by its own numbers", *_three(report.openrocket)),
+        ("OpenRocket column, recomputed", *_three(report.openrocket)),
         ("OpenRocket, as stated", f"{stated['openrocket_mae_m']}", f"{stated['openrocket_rmse_m']}", ""),
     ]
     headers = (f"Errors on the {report.reconstruction['n']} valid flights [m]", "MAE", "RMSE", "bias")
@@ -84,7 +84,7 @@ def _synthetic(report: "PaperReport") -> None:
         )
         for name, title in (("cd", "Cd"), ("alpha", "alpha"))
     ]
-    headers = (f"MAE on {found['n']} simulated flights", "here", "±", "published", "possible", "in spread")
+    headers = (f"MAE on {found['n']} simulated flights", "here", "±", "published", "possible", "within 1 sd")
     print_table(headers, rows, numbers=headers[1:])
     say()
 
@@ -103,7 +103,7 @@ def _rules(report: "PaperReport") -> None:
     ]
     print_table(headers, rows, numbers=headers[1:])
     say()
-    say("±: standard error. How each forecast is made stands in fieldkit paper --json.")
+    say("±: standard error. How each forecast is made: fieldkit paper --json.")
     say()
 
 

@@ -13,12 +13,14 @@ app = typer.Typer()
 
 def delay(
     context: typer.Context,
-    limit: Annotated[str | None, typer.Option(help="Too fast at ejection: 15m/s.")] = None,
-    cuts: Annotated[str | None, typer.Option(help="Seconds your tool can take off the longest delay: 2,4,6,8.")] = None,
+    limit: Annotated[str | None, typer.Option(help="Speed that is too fast at ejection: 15m/s.")] = None,
+    cuts: Annotated[
+        str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Choose the ejection delay to buy or drill, from how long the rocket coasts."""
+    """Choose the ejection delay to buy or drill, from the coast time."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
@@ -60,16 +62,20 @@ app.command()(delay)
 
 def ballast(
     context: typer.Context,
-    target: Annotated[str | None, typer.Option(help="Apogee wanted, as the altimeter shows it: 800ft.")] = None,
-    within: Annotated[str, typer.Option(help="The band about the target that counts as met.")] = "10ft",
-    season: Annotated[int | None, typer.Option(help="Expect the fewest points by its rule: 2027.")] = None,
-    lightest: Annotated[str | None, typer.Option(help="The least dry mass possible: 280g.")] = None,
-    heaviest: Annotated[str | None, typer.Option(help="The most: 420g.")] = None,
-    miss: Annotated[bool, typer.Option("--miss", help="Minimise the mean miss, not the chance to miss.")] = False,
+    target: Annotated[str | None, typer.Option(help="Target apogee, as the altimeter shows it: 800ft.")] = None,
+    within: Annotated[str, typer.Option(help="Tolerance around the target that counts as a hit.")] = "10ft",
+    season: Annotated[
+        int | None, typer.Option(help="Minimize the expected points by this season's rule: 2027.")
+    ] = None,
+    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 280g.")] = None,
+    heaviest: Annotated[str | None, typer.Option(help="Highest possible dry mass: 420g.")] = None,
+    miss: Annotated[
+        bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Find the dry mass that best meets a target, and the grams to add or take off."""
+    """Find the dry mass that best meets a target, and the grams to add or remove."""
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
     from fieldkit.planning.contest import allowed

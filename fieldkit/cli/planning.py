@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.limits import Limit
 
 Given = Mapping[str, str | None]
-"""Options of a plan as typed, None where not given."""
+"""Options of a plan as typed, None if not given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class PlanContext:
 
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
-            raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
+            raise UnknownMotor(f"{self.flight.rocket}: found no flights to take a motor from, expected --motor")
         return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
@@ -69,7 +69,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
         name = known_rocket(ledger, given)
-        on_progress(f"flying {name} on what its flights taught", 0.3)
+        on_progress(f"forecasting {name} from its flights", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         kit = _kit(given)
@@ -197,7 +197,7 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 
 def season_rule(year: int) -> "Season":
-    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 
@@ -228,7 +228,7 @@ def safety_of(
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
-    """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
+    """What JSON adds to a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
 

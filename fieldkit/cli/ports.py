@@ -36,11 +36,11 @@ def print_ports(json: bool) -> None:
         return
     rows = [(port.name, _numbers(port), port.about or port.described, port.device) for port in here]
     if rows:
-        print_table(("port", "numbers", "what is known of it", "device"), rows)
+        print_table(("port", "numbers", "identified as", "device"), rows)
     else:
-        say("no serial port is there; plug the logger or its adapter in")
+        say("no serial ports found; plug in the logger or its adapter")
     say()
-    print_table(("device", "what it is"), [(name, one.title) for name, one in known_devices().items()])
+    print_table(("device", "description"), [(name, one.title) for name, one in known_devices().items()])
     for name, text in NOT_PUBLIC.items():
         complain(f"{name}: {text}")
 

@@ -1,4 +1,4 @@
-"""`fieldkit predictions`: what was foretold, what became of it, and what has changed since."""
+"""`fieldkit predictions`: saved forecasts, their outcome, and what has changed since."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,11 +18,13 @@ app = typer.Typer()
 @app.command()
 def predictions(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="Of this rocket only.", show_default=False)] = None,
-    every: Annotated[bool, typer.Option("--all", help="Those too that were replaced, or lapsed unflown.")] = False,
+    rocket: Annotated[str | None, typer.Option(help="Predictions of this rocket only.", show_default=False)] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Include predictions that were replaced or that lapsed without a flight.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List the predictions kept: those still open, those that became stale and why, and those flown."""
+    """List saved predictions: open, stale (with the reason), and flown."""
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
 
@@ -35,7 +37,7 @@ def predictions(
         print_json({"predictions": [one.json() for one in shown]})
         return
     if not found:
-        complain(f"no predictions kept in {where} yet; `fieldkit predict` makes one")
+        complain(f"no predictions saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in found}
     headers = ["no", "made", "flight", "motor", "apogee m", "90 %", "flown", "miss", ""]
@@ -77,7 +79,7 @@ def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
 
 
 def print_prediction(said: "SavedForecast | None") -> None:
-    """Print the forecast of a flight beside what it flew, if there is one."""
+    """Print the forecast of a flight and its flown apogee, if there is a forecast."""
     if said is None:
         return
     from fieldkit.services.saved_forecasts import in_words

@@ -93,7 +93,7 @@ def _unit(conversation: Conversation, question: Question) -> str:
 
 
 def _answered(conversation: Conversation, question: Question, text: str) -> bool:
-    """Take an answer if it can be read and, where it is odd, is kept on being asked."""
+    """Accept an answer if it can be read and, if it is unusual, is confirmed."""
     text = text.strip() or offer(conversation, question)
     while True:
         try:
@@ -105,8 +105,8 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
             conversation.flight, question.name, manual_entry.usual(conversation.ledger, conversation.flight)
         )
         for phrase in odd:
-            complain(f"  odd: {phrase}")
-        again = conversation.listen("  Enter keeps it, or type it again: ") if odd and conversation.patient else ""
+            complain(f"  unusual: {phrase}")
+        again = conversation.listen("  Enter to accept it, or type it again: ") if odd and conversation.patient else ""
         if not again or not again.strip():
             break
         if again.strip() == BACK:
@@ -143,7 +143,7 @@ def _with_unit(conversation: Conversation, question: Question, text: str) -> str
 
 def _look_up(conversation: Conversation, text: str) -> None:
     if _several(text):
-        complain("Motor: several at once; the tag `cluster` keeps the flight from teaching the model")
+        complain("Motor: several at once; with the tag `cluster` the flight is not used in the model")
         return
     for note in conversation.motors.catalogue.resolve(text).notes:
         complain(f"Motor: {note}")

@@ -20,10 +20,10 @@ app = typer.Typer()
 FlightId = Annotated[
     str,
     typer.Argument(
-        metavar="FLIGHT", help="Its flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+        metavar="FLIGHT", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
     ),
 ]
-Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Such as weak_launch.", show_default=False)]
+Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Tag, such as weak_launch.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
@@ -36,7 +36,7 @@ def flights(
     tag: Annotated[str | None, typer.Option(help="Flights with this tag only.")] = None,
     json: AsJson = False,
 ) -> None:
-    """List the flights of the ledger."""
+    """List the flights in the ledger."""
     from fieldkit.cli.stream import stream_json, stream_table
     from fieldkit.presentation.export import document
 
@@ -45,7 +45,7 @@ def flights(
         if json:
             stream_json("flights", (document(flight) for page in pages for _, flight in page))
         elif (first := next(pages, None)) is None:
-            complain(f"no such flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
+            complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
             rows = ([_listed(id, flight) for id, flight in page] for page in chain([first], pages))
@@ -67,7 +67,7 @@ def _listed(id: str, flight: "Flight") -> tuple[str, ...]:
 
 @app.command()
 def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None:
-    """Show all that is known of a flight."""
+    """Show everything recorded about a flight."""
     from fieldkit.presentation.export import document
 
     with open_ledger(context) as ledger:
@@ -89,11 +89,13 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):
-            complain(f"note: fieldkit measures this log otherwise now; `fieldkit remeasure {id}` takes that over")
+            complain(
+                f"note: this version measures the log differently; run `fieldkit remeasure {id}` to update the flight"
+            )
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
-    """The samples of a flight, None where they cannot be read again: the card is printed all the same."""
+    """The samples of a flight, None if they cannot be read again: the card is printed all the same."""
     from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recording_of
@@ -138,24 +140,24 @@ def edit(
     flight: FlightId,
     changes: Annotated[
         list[str],
-        typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft, notes=; an empty value clears."),
+        typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft; an empty value clears: notes=."),
     ],
 ) -> None:
     """Change columns of a flight.
 
-    A readout has a standard deviation and a source, too: apogee_sd_m=2, apogee_source=gps.
+    A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
     """
     settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)
         after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
-    say(f"{id} changed" if after != before else f"{id} is so already")
+    say(f"{id} changed" if after != before else f"{id} unchanged")
 
 
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
-    """Put tags on a flight; one that marks an anomaly keeps it from teaching the model."""
+    """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
     from fieldkit.flight import read_tags
 
     with open_ledger(context) as ledger:
@@ -164,7 +166,7 @@ def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
 
 @app.command()
 def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
-    """Take tags off a flight."""
+    """Remove tags from a flight."""
     from fieldkit.flight import read_tags
 
     with open_ledger(context) as ledger:
@@ -176,7 +178,7 @@ def remove(
     context: typer.Context,
     flights: Annotated[list[str], typer.Argument(metavar="FLIGHT...", show_default=False, autocompletion=flight_ids)],
 ) -> None:
-    """Take flights out of the ledger; undo brings them back."""
+    """Remove flights from the ledger. Can be undone."""
     with open_ledger(context) as ledger:
         gone = ledger.remove(*flights)
-    say(f"{len(gone)} removed; `fieldkit undo` brings {'it' if len(gone) == 1 else 'them'} back")
+    say(f"{len(gone)} removed. `fieldkit undo` to undo.")

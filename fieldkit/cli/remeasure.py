@@ -19,13 +19,15 @@ app = typer.Typer()
 def remeasure(
     context: typer.Context,
     flights: Annotated[
-        list[str] | None, typer.Argument(metavar="[FLIGHT...]", help="By default all.", show_default=False)
+        list[str] | None, typer.Argument(metavar="[FLIGHT...]", help="Default: all.", show_default=False)
     ] = None,
     rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.", show_default=False)] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would change, change nothing.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Show what would change without changing anything.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Read the logs of flights again; what you typed or edited stays, and undo takes the rest back."""
+    """Measure the logs of flights again; what you typed or edited is not changed. Can be undone."""
     from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
@@ -64,18 +66,18 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
         for name, (old, new) in one.changes.items():
             rows.append((one.id, TITLES[name], _figure(name, old, one.flight), _figure(name, new, one.renewed)))
         if one.others and not one.changes:
-            rows.append((one.id, "what is told of it", "", ", ".join(one.others)))
+            rows.append((one.id, "notes", "", ", ".join(one.others)))
         for name in one.kept:
-            complain(f"note: {one.id}: {TITLES[name].lower()} was typed or edited, and stays")
+            complain(f"note: {one.id}: {TITLES[name].lower()} was typed or edited; not changed")
     if rows:
-        print_table(("flight", "", "there", "now"), rows)
+        print_table(("flight", "", "before", "now"), rows)
     done = "would change" if dry_run else "changed"
-    after = "" if dry_run or not changed else "; `fieldkit undo` takes it back"
-    say(f"{changed} {done}, {len(found) - changed} as before, {without} without samples{after}")
+    after = "" if dry_run or not changed else ". `fieldkit undo` to undo."
+    say(f"{changed} {done}, {len(found) - changed} unchanged, {without} without samples{after}")
 
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
-    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash where there is none."""
+    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash if there is none."""
     from fieldkit.analysis.labels import spoken
 
     return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0))
@@ -110,7 +112,7 @@ def _document(
 
 
 def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
-    """A readout and its standard deviation in the unit of the flight table, None where there is none."""
+    """A readout and its standard deviation in the unit of the flight table, None if there is none."""
     from fieldkit.analysis.labels import at_the_edge
 
     if value is None:

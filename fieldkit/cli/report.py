@@ -17,12 +17,14 @@ def report(
     context: typer.Context,
     what: Annotated[
         str,
-        typer.Argument(metavar="FLIGHT|ROCKET|DAY", help="A flight's id, a rocket, or a day such as 2026-05-01."),
+        typer.Argument(metavar="FLIGHT|ROCKET|DAY", help="Flight id, rocket, or day such as 2026-05-01."),
     ],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .html, .pdf, .png or .md.", show_default=False)],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="File to write; ends in .html, .pdf, .png, or .md.", show_default=False)
+    ],
     force: Force = False,
 ) -> None:
-    """Write a flight card, or a day's or a rocket's report with what the loop finds, for the log book."""
+    """Write a report for the log book: a flight, a day, or a rocket with the loop's result."""
     from fieldkit.presentation.report.book import book
     from fieldkit.presentation.report.write import check_report, write_report
     from fieldkit.progress import part

@@ -21,15 +21,15 @@ app = typer.Typer()
 def score(
     context: typer.Context,
     rocket: Annotated[
-        str | None, typer.Option(help="By default every rocket.", show_default=False, autocompletion=rocket_names)
+        str | None, typer.Option(help="Default: every rocket.", show_default=False, autocompletion=rocket_names)
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),
+        typer.Option(metavar="FILE", help="Also plot the calibration: .png, .svg, or .pdf.", show_default=False),
     ] = None,
     hyperprior: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Forecast with this hyperprior; nothing is kept.", hidden=True),
+        typer.Option(metavar="FILE", help="Forecast with this hyperprior; nothing is saved.", hidden=True),
     ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -42,13 +42,13 @@ def score(
 
         check_picture(out)
         force = settled(out, force)
-    with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as on_progress:
+    with open_ledger(context) as ledger, progress("forecasting each flight from earlier ones") as on_progress:
         found = score_forecasts(ledger, known_motors(), rocket, hyperprior, on_progress)
     if out is not None:
         from fieldkit.presentation.report.score import write_picture
 
         write_picture(found, out, force=force)
-        complain(f"calibration drawn to {out}")
+        complain(f"calibration plot: {out}")
     if json:
         from fieldkit.presentation.json_documents import scores_document
 
@@ -82,10 +82,10 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     )
 
     print_table(WAYS, way_rows(found), numbers=WAYS[1:])
-    say_wrapped(f"all in percent of the apogee flown; fieldkit's CRPS is {found.crps:.1f} m")
+    say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {found.crps:.1f} m")
     say()
     print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
-    say_wrapped("90 % bootstrap intervals in percent of the apogee flown, * where zero is outside")
+    say_wrapped("90 % bootstrap intervals in percent of the flown apogee; * excludes zero")
     for line in (*verdict_lines(found), *against_the_bar(found)):
         say_wrapped(line, "  ")
     if not placed:

@@ -45,7 +45,7 @@ def say_report(lines: Iterable[str]) -> None:
 
 
 def complain(text: str) -> None:
-    """Print a message, a line or a few, where it is not taken for a result."""
+    """Print a message, a line or a few, on stderr, apart from results."""
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
 
 
@@ -55,7 +55,7 @@ def print_json(document: Mapping[str, object]) -> None:
 
 
 def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[str] = ()) -> None:
-    """Print a table fitted to the terminal's width, or to 80 columns where there is none."""
+    """Print a table fitted to the terminal's width, or to 80 columns if there is none."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -115,9 +115,9 @@ def in_both_units(name: str, value: float | None) -> str:
 
 @contextmanager
 def progress(title: str) -> Iterator[ReportProgress]:
-    """A bar on stderr, where that is a terminal, told of what is being done and the share done.
+    """A progress bar on stderr if that is a terminal; the callback takes the current step and the fraction done.
 
-    It is drawn when it is told something and at no other time.
+    It is drawn only when progress is reported.
     """
     if not sys.stderr.isatty():
         yield no_op

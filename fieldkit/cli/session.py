@@ -31,7 +31,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             for line in ledger.remarks[:REMARKS]:
                 complain(f"note: {line}")
             if len(ledger.remarks) > REMARKS:
-                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are left out of every fit")
+                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 
@@ -73,7 +73,7 @@ def read_settings(
 
 
 class MotorCheck:
-    """Says what is wrong with a motor's name; the catalogue is read when the first name comes."""
+    """Says what is wrong with a motor's name; the catalog is read when the first name comes."""
 
     def __init__(self) -> None:
         self._catalogue: Catalogue | None = None
@@ -85,5 +85,5 @@ class MotorCheck:
         return self._catalogue
 
     def __call__(self, name: str) -> str | None:
-        """A complaint in one line, or None where there is such a motor, or several."""
+        """A complaint in one line, or None if there is such a motor, or several."""
         return self.catalogue.complaint(name)

@@ -35,16 +35,19 @@ def simulate(
         float, typer.Option(min=0.001, max=50.0, callback=_number, help="Drag coefficient.", show_default=False)
     ],
     alpha: Annotated[
-        float, typer.Option(min=0.01, max=10.0, callback=_number, help="Thrust over declared thrust.")
+        float, typer.Option(min=0.01, max=10.0, callback=_number, help="Thrust relative to certified thrust.")
     ] = 1.0,
-    physics: Annotated[Physics, typer.Option(help="The field's, or the reference paper's.")] = Physics.field,
+    physics: Annotated[
+        Physics, typer.Option(help="fieldkit's simulator (field), or the reference paper's.")
+    ] = Physics.field,
     booster_mass: Annotated[
-        str | None, typer.Option(help="Of the lower of two stages without its motor: 60g; with D12-0/C6-7.")
+        str | None,
+        typer.Option(help="Mass of the lower of two stages without its motor: 60g; for motors such as D12-0/C6-7."),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Fly one rocket once: needs motor, dry mass, diameter and Cd. Recorded wind turns it fully."""
+    """Simulate one flight from motor, dry mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
@@ -57,7 +60,9 @@ def simulate(
             raise typer.BadParameter(f"found no --{_dashed(name)}, expected one")
     unused = [f"--{_dashed(name)}" for name in said if name not in BODY]
     if physics is Physics.paper and unused:
-        raise BadValue(f"{', '.join(unused)}: found a value, the paper's physics knows no delay and no conditions")
+        raise BadValue(
+            f"{', '.join(unused)}: found a value, expected none: the paper's physics has no delay and no conditions"
+        )
     plan = Flight().with_changes(**read_changes(Flight(), said))
     if physics is Physics.paper:
         result = paper_flight(plan, cd, alpha)
@@ -84,5 +89,5 @@ def _dashed(name: str) -> str:
     return name.replace("_", "-")
 
 
-takes_columns(simulate, ("motor",), (*SETUP, *CONDITIONS), "The flight; numbers may be typed with their unit, as 923ft")
+takes_columns(simulate, ("motor",), (*SETUP, *CONDITIONS), "The flight; a number may have a unit, as in 923ft")
 app.command()(simulate)

@@ -14,18 +14,18 @@ app = typer.Typer()
 @app.command()
 def sites(
     context: typer.Context,
-    name: Annotated[str | None, typer.Argument(help="The site to save what follows of.")] = None,
-    elevation: Annotated[str | None, typer.Option(help="Of the pad above sea level: 212m.")] = None,
-    size: Annotated[str | None, typer.Option(help="The field's shorter side: 400m.")] = None,
-    ceiling: Annotated[str | None, typer.Option(help="Above the pad, by waiver or rule: 3000ft.")] = None,
-    people: Annotated[str | None, typer.Option(help="From the pad to the people at the launch: 30m.")] = None,
+    name: Annotated[str | None, typer.Argument(help="Name of the site to save.")] = None,
+    elevation: Annotated[str | None, typer.Option(help="Elevation of the pad above sea level: 212m.")] = None,
+    size: Annotated[str | None, typer.Option(help="Shorter side of the field: 400m.")] = None,
+    ceiling: Annotated[str | None, typer.Option(help="Ceiling above the pad, by waiver or rule: 3000ft.")] = None,
+    people: Annotated[str | None, typer.Option(help="Distance from the pad to the people at the launch: 30m.")] = None,
     bystanders: Annotated[
-        str | None, typer.Option(help="From the pad to persons and property that have no part in it: 500m.")
+        str | None, typer.Option(help="Distance from the pad to people and property not involved in the launch: 500m.")
     ] = None,
-    rules: Annotated[str | None, typer.Option(help="Whose rules govern it: NAR,FAA or UKRA.")] = None,
+    rules: Annotated[str | None, typer.Option(help="Rules that govern it: NAR,FAA or UKRA.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List launch sites, or save elevation, size, ceiling, distances and rules of one."""
+    """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
     from fieldkit.flight.site import SITE_LENGTHS
     from fieldkit.ledger.sites import keep_site
     from fieldkit.ledger.sites import sites as sites_of
@@ -36,7 +36,7 @@ def sites(
         check_rules(rules)
     changed = rules is not None or any(value is not None for value in given.values())
     if name is None and changed:
-        raise typer.BadParameter("found what to save and no site, expected its name first")
+        raise typer.BadParameter("found values and no site, expected its name first")
     with open_ledger(context) as ledger:
         if name is not None and changed:
             keep_site(ledger, name, rules=rules, **given)

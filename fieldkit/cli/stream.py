@@ -45,7 +45,7 @@ def _widest(column: Sequence[str]) -> int:
 
 
 def _room() -> int:
-    """Cells of a line of the terminal, 80 where there is none."""
+    """Cells of a line of the terminal, 80 if there is none."""
     from shutil import get_terminal_size
 
     return get_terminal_size().columns

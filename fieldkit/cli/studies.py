@@ -1,4 +1,4 @@
-"""The studies stand beside the program in a checkout and in no wheel: whether they are here, and what to do if not."""
+"""The studies are in a checkout and in no wheel: whether they are here, and what to do if not."""
 
 from importlib.util import find_spec
 
@@ -18,4 +18,4 @@ def studies_are_here() -> bool:
 def need_studies() -> None:
     """Raise FieldkitError that says what to install where the studies are missing."""
     if not studies_are_here():
-        raise FieldkitError(f"the studies are not part of the installed program; {HOW}")
+        raise FieldkitError(f"the studies are not in the installed program; {HOW}")

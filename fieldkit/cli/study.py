@@ -1,4 +1,4 @@
-"""`fieldkit study`: what the flights at hand teach, as a page that is computed from the first word to the last."""
+"""`fieldkit study`: what the flights show, as a page whose every figure is computed."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +14,7 @@ study = typer.Typer(no_args_is_help=True, help="Compute a page about the referen
 app.add_typer(study, name="study")
 
 Out = Annotated[
-    Path | None, typer.Option("--out", metavar="FILE", help="Write the page there.", show_default="the screen")
+    Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file.", show_default="the screen")
 ]
 
 
@@ -45,7 +45,7 @@ def rockets(
     from studies.histories import histories, page
 
     force = out is not None and settled(out, force)
-    with open_ledger(context) as ledger, progress("closing the loop of every rocket") as on_progress:
+    with open_ledger(context) as ledger, progress("running the loop for every rocket") as on_progress:
         motors = known_motors()
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
         found = histories(known, part(on_progress, 0.0, 0.7))

@@ -1,4 +1,4 @@
-"""Files that commands write where the flyer says: what is there already is replaced only after a yes or `--force`."""
+"""Files that commands write where the flyer says: an existing file is replaced only after a yes or `--force`."""
 
 import sys
 from pathlib import Path
@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there already.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
 
 
 def settled(file: Path, force: bool) -> bool:
-    """Whether a file may be replaced: as the option says or, where one is there and somebody sits here, as they answer.
+    """Whether a file may be replaced: as the option says or, if one is there and somebody sits here, as they answer.
 
     Called before the work whose result goes there. Raises FieldkitError for a file that must not be written.
     """
@@ -19,5 +19,5 @@ def settled(file: Path, force: bool) -> bool:
     asks = is_taken(file) and not force and sys.stdin.isatty() and sys.stderr.isatty()
     check_target(file, force=force or asks)
     if asks:
-        typer.confirm(f"{file} is there already. Replace it?", abort=True, err=True)
+        typer.confirm(f"{file} already exists. Replace it?", abort=True, err=True)
     return force or asks

@@ -30,9 +30,10 @@ class TrainingLength(StrEnum):
 def train(
     out: Annotated[Path, typer.Option(help="A new folder for the ensemble and its card.", show_default=False)],
     recipe: Annotated[Recipe, typer.Option(help="What to train.")] = Recipe.paper,
-    seed: Annotated[int, typer.Option(min=0, help="Of the simulated flights and the networks.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the simulated flights and the networks.")] = 1,
     schedule: Annotated[
-        TrainingLength, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
+        TrainingLength,
+        typer.Option(help="The paper's 100 epochs (published), or 10 that reach the same errors (quick)."),
     ] = TrainingLength.quick,
     n_train: Annotated[
         int | None,
@@ -42,7 +43,7 @@ def train(
         ),
     ] = None,
     effects: Annotated[
-        str, typer.Option(help="Effects that act in the field recipe's flights, apart by commas.", show_default=False)
+        str, typer.Option(help="Effects in the field recipe's flights, separated by commas.", show_default=False)
     ] = "",
     cluster: Annotated[
         str,
@@ -51,10 +52,10 @@ def train(
             show_default=False,
         ),
     ] = "",
-    report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's whole verdict.")] = False,
+    report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's full evaluation.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Train an ensemble on simulated flights; needs the extra named train."""
+    """Train an ensemble on simulated flights; needs the extra `train`."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -66,7 +67,7 @@ def train(
         ("--cluster", cluster, (Recipe.field, Recipe.history)),
     ):
         if value and recipe not in known:
-            raise BadValue(f"{option}: found it with the recipe {recipe.value}, expected --recipe {known[0].value}")
+            raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
     train_by_recipe = trainer(recipe.value)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
@@ -89,7 +90,7 @@ def train(
         return
     what = "rockets" if recipe is Recipe.history else "flights"
     say(f"trained {summary['recipe']} on {summary['n_train']} simulated {what} in {summary['seconds']:.0f} s")
-    say(f"mean absolute error on unseen ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
+    say(f"mean absolute error on held-out ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)
     if report and recipe is Recipe.field:

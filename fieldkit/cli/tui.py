@@ -18,7 +18,7 @@ def open_app(ledger: str | None) -> None:
 
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
     if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise FieldkitError("the app needs a terminal; without one, the commands do all that it does: fieldkit --help")
+        raise FieldkitError("the app needs a terminal; the commands do everything it does: fieldkit --help")
     from fieldkit.tui.app import run
 
     run(ledger)
@@ -26,7 +26,7 @@ def open_app(ledger: str | None) -> None:
 
 @app.command()
 def tui(context: typer.Context) -> None:
-    """Open the app: flights, typing in, importing, the next flight, the loop, all by keys or mouse."""
+    """Open the app: flights, entry, import, next flight, and loop, by keys or mouse."""
     open_app(context.find_root().obj)
 
 
@@ -34,11 +34,11 @@ def tui(context: typer.Context) -> None:
 def serve(
     context: typer.Context,
     host: Annotated[
-        str, typer.Option(help="Where to listen; 0.0.0.0 lets a phone in the same network in.")
+        str, typer.Option(help="Address to listen on; 0.0.0.0 also serves phones on the same network.")
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=1, max=65535, help="The port.")] = 8000,
+    port: Annotated[int, typer.Option(min=1, max=65535, help="Port.")] = 8000,
 ) -> None:
-    """Show the app in a browser, on this computer or with --host elsewhere, by a link with a token."""
+    """Serve the app in a browser, on this computer or with --host on the network, by a link with a token."""
     import secrets
 
     from fieldkit.errors import FieldkitError
@@ -50,8 +50,8 @@ def serve(
     open_to_all = not is_loopback(host)
     server = GuardedServer(host, port, secrets.token_urlsafe(16), context.find_root().obj)
     if open_to_all:
-        complain("warning: whoever has this link can read and change your flights, and what is sent is not encrypted")
-    complain(f"open {server.link} in a browser; Ctrl-C ends it")
+        complain("warning: anyone with this link can read and change your flights; the connection is not encrypted")
+    complain(f"open {server.link} in a browser; Ctrl-C stops the server")
     try:
         server.serve()
     except OSError as error:

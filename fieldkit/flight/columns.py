@@ -69,12 +69,12 @@ SETUP = (
         "Weighed at the pad with recovery and payload, no motor.",
     ),
     _column("diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."),
-    _column("delay", "time", "s", "Ejection delay", 0, 20, "From burnout to the ejection charge."),
+    _column("delay", "time", "s", "Ejection delay", 0, 20, "Time from burnout to the ejection charge."),
 )
 
 CONDITIONS = (
-    _column("site_elevation", "length", "m", "Site elevation", -430, 5000, "Pad above sea level."),
-    _column("temperature", "temperature", "c", "Temperature", -40, 50, "Air at the pad."),
+    _column("site_elevation", "length", "m", "Site elevation", -430, 5000, "Elevation of the pad above sea level."),
+    _column("temperature", "temperature", "c", "Temperature", -40, 50, "Air temperature at the pad."),
     _column(
         "pressure",
         "pressure",
@@ -82,18 +82,20 @@ CONDITIONS = (
         "Pressure",
         800,
         1060,
-        "Reduced to sea level (QNH), as weather reports say.",
+        "Air pressure reduced to sea level (QNH), as in weather reports.",
     ),
     _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
     _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
-    _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Of the rod or rail the rocket is guided by."),
-    _column("rail_angle", "angle", "deg", "Rail angle", -30, 30, "Of the rod or rail from vertical, into the wind."),
+    _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Length of the launch rod or rail."),
+    _column(
+        "rail_angle", "angle", "deg", "Rail angle", -30, 30, "Angle of the rod or rail from vertical, into the wind."
+    ),
 )
 
 READOUTS = (
     _column("apogee", "length", "m", "Apogee", 5, 10000, "Highest point above the pad."),
     _column("top_speed", "speed", "m/s", "Top speed", 3, 700, "Highest speed, reached as thrust ends."),
-    _column("burn_time", "time", "s", "Burn time", 0.1, 15, "From lift-off to top speed."),
+    _column("burn_time", "time", "s", "Burn time", 0.1, 15, "Time from lift-off to top speed."),
     _column(
         "peak_accel",
         "acceleration",
@@ -112,7 +114,7 @@ READOUTS = (
         40,
         "Top speed over burn time, net of gravity.",
     ),
-    _column("coast_to_apogee", "time", "s", "Coast to apogee", 0.1, 60, "From top speed to apogee."),
+    _column("coast_to_apogee", "time", "s", "Coast to apogee", 0.1, 60, "Time from top speed to apogee."),
     _column(
         "apogee_to_eject",
         "time",
@@ -120,11 +122,11 @@ READOUTS = (
         "Apogee to ejection",
         -10,
         20,
-        "Negative when ejection came before apogee.",
+        "Time from apogee to ejection; negative if before apogee.",
     ),
     _column("eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."),
-    _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Under the parachute or streamer."),
-    _column("duration", "time", "s", "Duration", 1, 1200, "From lift-off to landing."),
+    _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Speed under the parachute or streamer."),
+    _column("duration", "time", "s", "Duration", 1, 1200, "Time from lift-off to landing."),
 )
 """The ten readouts, in the order in which the AltimeterTwo shows them."""
 
@@ -133,7 +135,7 @@ LOGGED = (
         "coast_drag",
         "per length",
         "1/km",
-        "Drag of the coast",
+        "Drag in the coast",
         0.02,
         50,
         "Air density at the pad times Cd times frontal area over twice the mass after burnout.",

@@ -55,11 +55,11 @@ class Flight:
 
     @property
     def clean(self) -> bool:
-        """Whether the flight carries no anomaly tag, so that it may teach the model."""
+        """Whether the flight carries no anomaly tag, so that it is used in the fit."""
         return not any(tag in TAGS for tag in self.tags)
 
     def number(self, name: str) -> float | None:
-        """The SI value of one of `COLUMNS`, or None where it was not recorded."""
+        """The SI value of one of `COLUMNS`, or None if it was not recorded."""
         value: float | None = getattr(self, name)
         return value
 
@@ -68,7 +68,7 @@ class Flight:
         return {c.name: v for c in MEASURED if (v := self.number(c.name)) is not None}
 
     def readout(self, name: str) -> Readout | None:
-        """A readout with how well it is known, and by what; None where it was not recorded. [SI]"""
+        """A readout with how well it is known, and by what; None if it was not recorded. [SI]"""
         value = self.number(name)
         return None if value is None else Readout(value, self.sd.get(name), self.source.get(name, ""))
 

@@ -1,7 +1,7 @@
 """What the figures of a flight can be at all, and which of them contradict each other.
 
 `Column.low` and `high` say what is usual. Here are the bounds beyond which a number is a slip of the
-pen, and the relations that the ten readouts of one flight obey. A figure that is merely odd is taken.
+pen, and the relations that the ten readouts of one flight obey. A figure that is merely unusual is accepted.
 What no rocket on a flight's motor can do is `implausible`: the flight is kept, named and left out of every fit.
 """
 
@@ -53,7 +53,7 @@ rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
 PLAUSIBLE_RATIO = (0.5, 2.0)
 """A readout over the middle of the same rocket's on the same motor: outside of this something is mistyped. [1]
 
-Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for metres, by more.
+Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for meters, by more.
 """
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts about zero, which no ratio can judge."""
@@ -65,7 +65,8 @@ MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
 READ_TOO_HIGH = 1.2
 """No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
 MAX_LAUNCH_ANGLE = math.radians(45)
-"""A rail leans less: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes up. [rad]"""
+"""A rail is closer to vertical: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes
+up. [rad]"""
 MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
 
@@ -99,10 +100,10 @@ def check(column: Column, value: float) -> float:
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
-    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None where one can.
+    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None if one can.
 
     A plan is judged by what it says, a flight also by what its altimeter showed. Bounds are of physics, with room for
-    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely odd passes.
+    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely unusual passes.
     """
     found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
     return next((reason for reason in found if reason), None)
@@ -180,7 +181,7 @@ def _at_fault(name: str, flight: Flight) -> str:
 
 
 def identity(flight: Flight) -> float | None:
-    """Top speed over average acceleration times burn time, or None where one is missing or zero. [1]"""
+    """Top speed over average acceleration times burn time, or None if one is missing or zero. [1]"""
     if not (flight.top_speed and flight.avg_accel and flight.burn_time):
         return None
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
@@ -201,12 +202,20 @@ def doubts(flight: Flight, usual: Mapping[str, float] = MappingProxyType({})) ->
     found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(f"top speed is {ratio:.3g} times average acceleration times burn time, expected about 1")
+        found.append(_inconsistent(flight, ratio))
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
     return [phrase for phrase in (*found, *_unlike(flight, usual)) if phrase]
+
+
+def _inconsistent(flight: Flight, ratio: float) -> str:
+    """A phrase for a top speed that is not average acceleration times burn time."""
+    off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
+    acceleration = _figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
+    burn = _figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
+    return f"top speed looks {100 * off:.0f} % {way} for {acceleration} over {burn}; check all three"
 
 
 def _unlike(flight: Flight, usual: Mapping[str, float]) -> Iterator[str]:

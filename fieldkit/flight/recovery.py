@@ -1,4 +1,5 @@
-"""How a flight is to come down, and where its rail leans: extra columns of a flight table, beside those of `COLUMNS`.
+"""How a flight is to come down, and which way its rail points: extra columns of a flight table, in addition to
+`COLUMNS`.
 
 A flight keeps them as text, as every column that only some flights have, with the unit in the column's name.
 """
@@ -14,24 +15,28 @@ from fieldkit.flight.flight import Flight
 Device = Literal["parachute", "streamer"]
 DEVICES: tuple[Device, ...] = ("parachute", "streamer")
 RECOVERY_COLUMNS = {
-    "drogue_speed": ("speed", "mps", "Under the drogue, near the ground: 20m/s; from then on two devices are flown."),
-    "main_altitude": ("length", "m", "Above the pad, where the main opens: 500ft."),
-    "opening_time": ("time", "s", "From the charge to an open parachute; half a second by itself."),
-    "wind_aloft": ("speed", "mps", "Wind at a height, beside that at the pad: 10m/s."),
-    "wind_aloft_height": ("length", "m", "Above the pad, of the wind aloft: 300m."),
-    "wind_aloft_turn": ("angle", "deg", "How far the wind aloft blows to the right of that at the pad."),
+    "drogue_speed": (
+        "speed",
+        "mps",
+        "Descent speed under the drogue, near the ground: 20m/s; implies drogue and main.",
+    ),
+    "main_altitude": ("length", "m", "Height above the pad at which the main opens: 500ft."),
+    "opening_time": ("time", "s", "Time from the charge to an open parachute; default: half a second."),
+    "wind_aloft": ("speed", "mps", "Wind aloft, in addition to that at the pad: 10m/s."),
+    "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m."),
+    "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
 }
 """Numbers of a recovery: quantity, unit at the edge, and what each is."""
 RECOVERY_TEXTS = {
     "recovery": "parachute or streamer.",
-    "rail_direction": "The rail: into, away from or across the wind, or degrees from into it.",
+    "rail_direction": "Direction of the rail: into, away, or across the wind, or degrees from into it.",
 }
 """Texts of a recovery, and what each is."""
 RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
 DIRECTIONS = {"into": 0.0, "away": 180.0, "across": 90.0}
 """Directions of a rail by name. [deg]"""
 OPENING_TIME = 0.5
-"""From the charge to an open parachute where nobody said: an assumption. [s]"""
+"""From the charge to an open parachute if nobody said: an assumption. [s]"""
 
 
 def recovery_header(name: str) -> str:
@@ -40,7 +45,7 @@ def recovery_header(name: str) -> str:
 
 
 def recovery_figure(flight: Flight, name: str) -> float | None:
-    """An extra number of a flight in SI, None where it was not recorded. Raises BadValue that names the column."""
+    """An extra number of a flight in SI, None if it was not recorded. Raises BadValue that names the column."""
     quantity, unit, _ = RECOVERY_COLUMNS[name]
     for header, text in flight.extra.items():
         if header.startswith(name) and text.strip():
@@ -79,18 +84,20 @@ def recovery_of(flight: Flight) -> Recovery:
         raise BadValue(f"recovery: found {device!r}, expected one of {', '.join(DEVICES)}")
     drogue, main = recovery_figure(flight, "drogue_speed"), recovery_figure(flight, "main_altitude")
     if drogue is not None and main is None:
-        raise BadValue("drogue_speed: found one without main_altitude, expected where the main opens, such as 500ft")
+        raise BadValue(
+            "drogue_speed: found one without main_altitude, expected the height at which the main opens, such as 500ft"
+        )
     for name, value in (("drogue_speed", drogue), ("main_altitude", main)):
         if value is not None and value <= 0:
-            raise BadValue(f"{name}: found {value:g}, expected more than nothing")
+            raise BadValue(f"{name}: found {value:g}, expected more than zero")
     opening = recovery_figure(flight, "opening_time")
     return Recovery(found, drogue, main, OPENING_TIME if opening is None else max(opening, 0.0))
 
 
 def rail_direction(flight: Flight) -> float:
-    """Where the rail leans: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
+    """Direction of the rail: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
 
-    A rail of which nobody says it leans into the wind, as flyers set it.
+    The default is into the wind, as flyers set it.
     """
     text = flight.extra.get("rail_direction", "").strip().lower()
     if not text:

@@ -12,7 +12,7 @@ class Series:
     `time` [s] is the log's own, never runs backwards, and has its zero where the logger put it: at its launch
     detection, or at its first sample. Heights are above the pad unless the name says `msl`, up is positive, and
     what a logger worked out by itself (`speed` by whatever means, `inertial_*` from its accelerometer, `gps_*`)
-    stays apart from what its barometer says (`pressure`, `altitude`). `felt` is the specific force along the
+    is separate from what its barometer says (`pressure`, `altitude`). `felt` is the specific force along the
     rocket's axis, one g at rest with the nose up; `acceleration` the same net of gravity, zero at rest.
     """
 

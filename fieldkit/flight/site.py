@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class Site:
     """A launch site: elevation of the pad above sea level, the field's shorter side, and the ceiling above the pad
     that its waiver or its owner sets, how far from the pad the people at the launch stand, and persons and property
-    that have no part in it; None where not known. [m]
+    that have no part in it; None if not known. [m]
 
     `rules` names whose rules govern it, such as `NAR, FAA` or `UKRA`; empty for the usual.
     """

@@ -12,7 +12,7 @@ INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
+    """What is known of a rocket's configuration before it has flown, and from which file; None if it is not. SI."""
 
     rocket: str
     config: str
@@ -24,7 +24,7 @@ class Start:
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+    """A plan with the mass, diameter and rail of the last flight of its configuration if it has none.
 
     A configuration that has not flown takes them from how it starts, if that is known.
     """
@@ -47,6 +47,6 @@ def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
 
 
 def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
-    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
+    """The Cd that each configuration of some flights of a rocket starts from, if a design gives one. [1]"""
     starts = {flight.config: start_among(known, flight) for flight in flights}
     return {config: start.cd for config, start in starts.items() if start and start.cd}

@@ -6,27 +6,27 @@ from types import MappingProxyType
 
 TAGS: Mapping[str, str] = MappingProxyType(
     {
-        "weak_launch": "The motor pushed less than it should: slow off the pad.",
+        "weak_launch": "The motor delivered too little thrust: slow off the pad.",
         "off_axis": "The rocket flew clearly off the vertical.",
-        "extra_drag": "Something stuck out or came loose: more drag than this rocket has.",
+        "extra_drag": "Something stuck out or came loose: more drag than usual.",
         "early_ejection": "The ejection charge fired well before apogee.",
-        "altimeter_fault": "The altimeter's figures are not to be believed.",
+        "altimeter_fault": "The altimeter's readings are not reliable.",
         "damaged": "The rocket broke in flight.",
         "cato": "The motor failed.",
         "staged": "A flight with more than one stage burning.",
         "cluster": "A flight on several motors at once.",
     }
 )
-"""Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
+"""Tags that mark a flight as an anomaly: it stays in the ledger and is not used in the fit."""
 CHECKED_TAG = "checked"
 KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
-    {**TAGS, CHECKED_TAG: "No anomaly: every readout was looked at and is right, however little one fits the others."}
+    {**TAGS, CHECKED_TAG: "No anomaly: every readout was checked and is right, even if one disagrees with the others."}
 )
 """Every tag that means something to fieldkit."""
 
 
 def read_tags(text: str) -> tuple[str, ...]:
-    """Tags apart by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelt."""
+    """Tags separated by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelled."""
     tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
     known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
     return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))

@@ -1,4 +1,4 @@
-"""The next flight at once: the forecast of the network of whole histories, with no fit beside one linear pass."""
+"""The next flight at once: the forecast of the network of whole histories, with no fit except one linear pass."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -12,7 +12,7 @@ from math import ceil, log
 MIN_FORECASTS_TO_CORRECT = 20
 """Earlier forecasts from which on intervals are corrected: with fewer, the widest of them would decide. [1]"""
 LEVEL = 0.9
-"""Share of flights that an interval is to hold. [1]"""
+"""Nominal coverage of an interval. [1]"""
 
 
 def surprise(flown: float, interval: Sequence[float]) -> float:
@@ -28,7 +28,7 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
 
 
 def stretch(surprises: Sequence[float]) -> float | None:
-    """By what to multiply the width of the next interval, or None while there are too few to tell. [1]"""
+    """By what to multiply the width of the next interval, or None while there are too few flights. [1]"""
     count = len(surprises)
     if count < MIN_FORECASTS_TO_CORRECT:
         return None

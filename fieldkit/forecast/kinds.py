@@ -32,7 +32,7 @@ def _news(
     flown: Sequence[tuple[Flight, Found]], plans: Sequence[Flight], found: Sequence[Found]
 ) -> Iterator[tuple[object, ...]]:
     """What each plan brings that terms of a model hang on: a motor, a configuration, a site or a day that is new or
-    not, a diameter, the conditions that effects need or stand in for. Of a rocket never flown builds are told apart,
+    not, a diameter, the conditions that effects need or stand in for. Of a rocket never flown builds are distinguished,
     for each may have a design of its own."""
     past = [flight for flight, _ in flown]
     known = {per: set(groups(past, [one for _, one in flown], per)) for per in GROUP_LEVELS}

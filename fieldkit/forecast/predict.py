@@ -1,6 +1,6 @@
 """The next flight, as a distribution: the posterior of a rocket's model, flown many times.
 
-Draws of the shared unknowns come from the posterior, scatter and reading errors anew for every flight, and
+Draws of the shared unknowns come from the posterior, scatter and reading errors again for every flight, and
 all of them fly in one batch. With no flight to learn from the priors are flown, and the prediction says so.
 What is said of a plan does not hang on the plans that it is asked with: each flies on the same draws as it would alone.
 """
@@ -33,8 +33,8 @@ DRAWS = 1000
 MAX_LOG_APOGEE_RATIO = 1.5
 """Limit of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
 DESIGN_CD_SD = 0.2
-"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
-for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
+"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights show,
+for paint, lugs and gaps are rarely as drawn. An expert judgment, which flights soon outweigh. [1]"""
 
 
 def forecast_model(
@@ -60,8 +60,8 @@ def model_name(accepted: Sequence[Place]) -> str:
 class FittedForecast:
     """The posterior of a rocket's flights for planned ones: draws of every term, ready to be flown.
 
-    `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
-    flights that taught it, `name` names it; from `rng` comes the luck of single flights. `left_out` as in `Prediction`.
+    `model` is that of the planned flights, `at` the point where the posterior is centered. `rests_on` counts the
+    flights in its fit, `name` names it; `rng` draws the scatter of single flights. `left_out` as in `Prediction`.
     """
 
     model: Model
@@ -284,10 +284,11 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
 def _drawn(
     model: Model, taught: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of every term: those that act on flown flights from what these taught, the others from their prior.
+    """Draws of every term: those that act on flown flights from their posterior, the others from their prior.
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn. Those of
-    one kind, such as the thrust of each motor, share their luck: a motor is as lucky beside others as it is alone.
+    one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others as
+    alone.
     """
     learned, which = _sampled(result, draws, rng)
     sds = term_sds(model)[which]

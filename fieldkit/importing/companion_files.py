@@ -38,7 +38,7 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
         whole = replace(whole, extra={**whole.extra, OTHER_LOGS: " ".join(named)})
         found[home] = [whole if item is main else item for item in found[home]]
         for i, other in others:
-            note = Note(f"is part of the flight of {opened[home][0]}")
+            note = Note(f"belongs to the flight of {opened[home][0]}")
             found[i] = [note if item is other else item for item in found[i]]
     return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
 
@@ -52,7 +52,7 @@ def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) 
     return [group for group in groups.values() if len({opened[i][1] for i, _ in group}) == len(group) > 1]
 
 
-_PART = "is the {} file of a flight by {}; its other files count where they are imported with it or after it"
+_PART = "is the {} file of a flight by {}; import its other files with it or after it to use them"
 
 
 def _worth(part: Reading) -> int:

@@ -52,17 +52,17 @@ def _asked(name: str, *, offered: bool = False) -> Question:
 
 
 QUESTIONS = (
-    Question("rocket", "Rocket", "Its name.", offered=True),
-    Question("config", "Configuration", "What distinguishes this build of it, such as A or ballast.", offered=True),
-    Question("motor", "Motor", "As printed, F24-4W; ?F24 searches.", offered=True),
+    Question("rocket", "Rocket", "Name of the rocket.", offered=True),
+    Question("config", "Configuration", "Name of this build, such as A or ballast.", offered=True),
+    Question("motor", "Motor", "As printed, such as F24-4W; ?F24 searches.", offered=True),
     *(_asked(column.name) for column in READOUTS),
-    Question("tags", "Tags", f"Apart by ;, free or of these: {', '.join(TAGS)}."),
+    Question("tags", "Tags", f"Separated by ;, your own or one of these: {', '.join(TAGS)}."),
     _asked("dry_mass", offered=True),
     _asked("diameter", offered=True),
-    Question("site", "Site", "Name of the field.", offered=True),
+    Question("site", "Site", "Name of the launch site.", offered=True),
     _asked("wind", offered=True),
     _asked("temperature", offered=True),
-    Question("notes", "Notes", "Anything else."),
+    Question("notes", "Notes", "Free text."),
 )
 """What is asked of a flight, the readouts in the order in which the altimeter shows them."""
 

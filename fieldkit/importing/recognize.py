@@ -68,9 +68,7 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
         raise UnknownFormat(f"{place}{both} both recognize this file; choose one with --format")
     if mapped and claimed[0] not in takers:
         expected = f"expected none, or --format {' or '.join(takers)} with it"
-        raise UnknownFormat(
-            f"{place}found a mapping of columns for a log that {claimed[0]} reads by itself; {expected}"
-        )
+        raise UnknownFormat(f"{place}found a column mapping for a log that {claimed[0]} reads without one; {expected}")
     if format is not None or shelf[claimed[0]].fallback:
         return claimed[:1]
     return claimed + [name for name, parser in shelf.items() if parser.fallback and _claims(parser, log[:HEAD])]
@@ -81,12 +79,12 @@ def _near(log: bytes) -> str:
     shelf = parsers()
     near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
     shown_damage = "; ".join(near)
-    return f"; nearest are {shown_damage}" if shown_damage else ", and it is near to none"
+    return f"; most similar: {shown_damage}" if shown_damage else ", and it resembles none"
 
 
 def _lacks(like: Likeness) -> str:
     if not like.missing:
-        return "has its names but not its form"
+        return "has its column names but not its form"
     return "lacks " + ", ".join(map(repr, like.missing[:MOST_LACKING]))
 
 
@@ -212,12 +210,12 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
     if format is not None:
         return "named with --format"
     if any(isinstance(item, Mapped) and item.choice.channels for item in found):
-        return "its columns were named for it"
+        return "its columns were given"
     if parser.fallback:
-        return "no logger's parser reads it, and its columns are named as those of a table of samples"
+        return "no logger's parser reads it, and its columns are named like those of a table of samples"
     like = likeness(parser, log)
     signs = ", ".join(map(repr, like.found[:MOST_LACKING]))
-    return f"it has {signs} as files of {parser.title} do" if signs else f"it is written as files of {parser.title} are"
+    return f"it has {signs}, like {parser.title} files" if signs else f"it has the form of {parser.title} files"
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:

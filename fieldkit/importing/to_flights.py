@@ -22,6 +22,7 @@ CheckMotor = Callable[[str], str | None]
 def intake_of(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
+    """The flights of the readings of one source, and the rows rejected among them; `rockets` are by number."""
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
     recorded: "dict[tuple[str, str], Recorded | None]" = {}
     rejected: list[Rejected] = []
@@ -55,10 +56,9 @@ def intake_of(
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured)
 
 
-_SIMULATION_NOTE = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
+_SIMULATION_NOTE = "is a simulation and is not imported as a flight; `fieldkit compare FLIGHT {}` compares it with one"
 _FOREIGN_MOTORS = (
-    "{} rockets are known by their number alone and have no mass; "
-    "import the file that lists the rockets together with this one"
+    "{} rockets have only a number and no mass; import the file that lists the rockets together with this one"
 )
 
 

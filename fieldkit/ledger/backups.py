@@ -1,8 +1,8 @@
-"""Copies of a ledger's file, kept in a folder beside it: the last ten, in rotation.
+"""Copies of a ledger's file, saved in a folder next to it: the last ten, in rotation.
 
 A copy is made by SQLite's own backup call, so that it is whole while another process writes, and it counts only
 once SQLite and the checksums of its rows have found it sound: a damaged ledger never pushes a good copy out. Copies
-are numbered, for a clock may go backwards. A ledger on a server is backed up by whoever runs the server.
+are numbered, for a clock may go backwards. A ledger on a server is backed up by its administrator.
 """
 
 import os
@@ -50,7 +50,7 @@ class Backup:
 
     @property
     def size(self) -> int:
-        """Of the file, 0 where another process has let it go. [byte]"""
+        """Of the file, 0 if another process has let it go. [byte]"""
         try:
             return self.file.stat().st_size
         except OSError:
@@ -58,7 +58,7 @@ class Backup:
 
     @property
     def flights(self) -> int | None:
-        """How many flights it holds, None where it is damaged itself. [1]"""
+        """How many flights it holds, None if it is damaged itself. [1]"""
         try:
             with opened(self.file) as copy:
                 return int(copy.execute("SELECT count(*) FROM flights").fetchone()[0])
@@ -112,7 +112,7 @@ def _touched(file: Path) -> float:
 def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
     """Copy an open ledger, and let the oldest copies go.
 
-    Raises LedgerError where the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
+    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
     """
     taken = _take(ledger, file, changes)
     if isinstance(taken, str):
@@ -177,7 +177,7 @@ def _last(file: Path) -> int:
 
 
 def _copy(ledger: sqlite3.Connection, target: Path) -> None:
-    """Copy a whole database into a file, as one transaction that is on the disc at the end."""
+    """Copy a whole database into a file, as one transaction that is on the disk at the end."""
     with opened(target) as copy:
         copy.execute("PRAGMA synchronous = EXTRA")
         ledger.backup(copy)
@@ -193,9 +193,9 @@ def offer(file: Path) -> str:
     """What can be done about a damaged ledger, for the end of a message."""
     newest = next(iter(backups(file)), None)
     if newest is None:
-        return "no backup of it is kept; `sqlite3 FILE .recover` may save some of it"
+        return "it has no backup; `sqlite3 FILE .recover` may recover some of it"
     when = f"{newest.at.astimezone():%Y-%m-%d %H:%M}"
-    return f"`fieldkit backups restore` puts back the copy of {when} and keeps what is left"
+    return f"`fieldkit backups restore` restores the backup of {when} and saves what is left"
 
 
 def restore(file: Path, backup: Backup) -> Path | None:
@@ -204,13 +204,13 @@ def restore(file: Path, backup: Backup) -> Path | None:
     A sound ledger becomes the newest copy, so that another restore takes this one back. A damaged file is put
     aside, with what SQLite's journal held for it. From before the copy until the ledger is replaced nobody else
     reads or writes it: what was written before is in the copy, what comes later goes into the restored ledger.
-    A kill leaves the ledger as it was or as it will be. Raises LedgerError where the copy is damaged itself,
-    the disc takes no more, or others do not let go of the ledger.
+    A kill leaves the ledger as it was or as it will be. Raises LedgerError if the copy is damaged itself,
+    the disk takes no more, or others do not let go of the ledger.
     """
     file = file.resolve()
     try:
         if found := fault(backup.file):
-            raise LedgerError(f"{backup.file}: this copy is damaged too ({found}); restore another one")
+            raise LedgerError(f"{backup.file}: this backup is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
             return _put_aside(file, backup, keep=False)
         with opened(file) as ledger:
@@ -252,7 +252,7 @@ def _hold(ledger: sqlite3.Connection) -> None:
 
 
 def _changes(ledger: sqlite3.Connection) -> int | None:
-    """The length of a ledger's journal; None where SQLite finds nothing wrong with a file that has lost it. [1]"""
+    """The length of a ledger's journal; None if SQLite finds nothing wrong with a file that has lost it. [1]"""
     if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
         return None
     return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
@@ -262,7 +262,7 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
     """Put a copy in a damaged file's place, which keeps its bytes under another name.
 
     The damaged file is never opened for that: closing it would let go of a lock that SQLite holds on it. Who waits
-    for that lock is told by SQLite that the file has moved.
+    for that lock learns from SQLite that the file has moved.
     """
     with _claimed(file) as (_, new):
         with opened(backup.file) as then:
@@ -278,16 +278,16 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
 
 
 def _also_named(file: Path, name: str) -> Path:
-    """Give a file's bytes another name beside it, and a number where that is taken."""
+    """Give a file's bytes another name in the same folder, with a number if that is taken."""
     aside = _free(file, name)
     try:
         os.link(file, aside)
-    except OSError:  # a disc without hard links
+    except OSError:  # a disk without hard links
         shutil.copy2(file, aside)
     return aside
 
 
 def _free(file: Path, name: str) -> Path:
-    """A name beside a file that nothing bears, with a number where something does."""
+    """An unused name next to a file, with a number if needed."""
     names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
     return next(one for one in names if not one.exists())

@@ -1,4 +1,4 @@
-"""What a ledger keeps beside flights: models, predictions, starting configurations, drafts."""
+"""What a ledger holds besides flights: models, predictions, starting configurations, drafts."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
 
 
 class BesideFlights(OpenLedger):
-    """Keeping what was found, foretold, drawn and half typed."""
+    """Saving model versions, forecasts, starting configurations and drafts."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
         """Keep a model of a rocket, under the next number, and predict with it from now on."""
@@ -20,7 +20,7 @@ class BesideFlights(OpenLedger):
         return version
 
     def versions(self, rocket: str) -> list[Version]:
-        """The models kept for a rocket, oldest first."""
+        """The saved model versions of a rocket, oldest first."""
         with self._reading() as connection:
             return models.versions(connection, rocket)
 
@@ -29,7 +29,7 @@ class BesideFlights(OpenLedger):
         return next((version for version in self.versions(rocket) if version.active), None)
 
     def activate(self, rocket: str, number: int | None) -> None:
-        """Predict with another kept model of a rocket, or with None of them.
+        """Predict with another saved model version of a rocket, or with None of them.
 
         Raises LedgerError for a number that is not among its versions.
         """
@@ -57,7 +57,7 @@ class BesideFlights(OpenLedger):
         self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""
     ) -> StoredPrediction:
         """Keep the prediction of a flight that the flyer has decided on; `what` names it in the history, and `undo`
-        takes it back."""
+        undoes it."""
         with self._changing() as pen:
             kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
             if pen.images:
@@ -70,7 +70,7 @@ class BesideFlights(OpenLedger):
             return models.predictions(connection, rocket, flight_id)
 
     def keep_start(self, start: Start) -> bool:
-        """Keep a starting configuration in place of an older one; False where it is there already."""
+        """Keep a starting configuration in place of an older one; False if it is a duplicate."""
         with self._changing() as pen:
             if kept := starts.keep(pen, start):
                 pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
@@ -87,7 +87,7 @@ class BesideFlights(OpenLedger):
             drafts.keep(connection, name, content)
 
     def change_draft(self, name: str, content: Mapping[str, Any], command: str, what: str) -> bool:
-        """Keep what the flyer has settled under a name, which `undo` takes back; False where it is so already."""
+        """Keep what the flyer has settled under a name, which `undo` takes back; False if it is so already."""
         with self._changing() as pen:
             if changed := drafts.change(pen, name, content):
                 pen.sign(command, what)
@@ -99,7 +99,7 @@ class BesideFlights(OpenLedger):
             return drafts.draft(connection, name)
 
     def drop_draft(self, name: str) -> bool:
-        """Forget a draft, which `undo` brings back; False where there is none."""
+        """Forget a draft, which `undo` brings back; False if there is none."""
         with self._changing() as pen:
             if dropped := drafts.put_away(pen, name):
                 pen.sign("drop", f"the draft of {name}")

@@ -106,9 +106,9 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
 
 
 def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
-    """Put a changed flight in a held one's place; False where nothing changed.
+    """Put a changed flight in a held one's place; False if nothing changed.
 
-    Raises LedgerError when another flight bears its name, BadValue for what cannot be kept.
+    Raises LedgerError when another flight has its name, BadValue for what cannot be kept.
     """
     before, after = row_of(held.flight), row_of(flight)
     if before == after:
@@ -117,7 +117,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
     if not flight.flight_id:
         raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
     if identity != (held.flight.rocket, held.flight.flight_id) and _is_there(pen.connection, identity):
-        raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is in the ledger already")
+        raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is already in the ledger")
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
     if held.entered is None:
         changes["entered"] = before
@@ -130,7 +130,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
 
 
 def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
-    """Put what a flight's files say now in its place, also in how it came in; False where nothing changed."""
+    """Put what a flight's files say now in its place, also in how it came in; False if nothing changed."""
     for original in others:
         keep_log(pen.connection, original)
     before, after = row_of(held.flight), row_of(flight)

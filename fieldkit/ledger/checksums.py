@@ -34,7 +34,7 @@ def checksum_of(document: Any) -> int:
 
 
 def checked(row: Row) -> Row:
-    """The row itself. Raises DamagedRow where it does not say what was written."""
+    """The row itself. Raises DamagedRow if it does not say what was written."""
     try:
         sound = row[CHECKSUM] == checksum(row)
         if sound and row.get(SEPARATE_COLUMN) is not None:
@@ -43,7 +43,7 @@ def checked(row: Row) -> Row:
         sound = False
     if not sound:
         name = " of ".join(str(row[key]) for key in ("flight_id", "number", "config", "rocket") if row.get(key))
-        raise DamagedRow(f"the row of {name} is not as it was written")
+        raise DamagedRow(f"a row of {name} does not match its checksum")
     return row
 
 
@@ -62,7 +62,7 @@ def check(
     keys: Collection[tuple[Any, ...]],
     columns: Sequence[Column[Any]] | None = None,
 ) -> None:
-    """Raises DamagedRow where one of the rows at these primary keys does not say what was written.
+    """Raises DamagedRow if one of the rows at these primary keys does not say what was written.
 
     `columns` are those that the table has, of an older schema not all.
     """

@@ -1,4 +1,5 @@
-"""What is kept under a name beside the flights: half-typed flights, so that a killed prompt can go on, sites, plans."""
+"""What is saved under a name besides the flights: unfinished flights, so that a killed prompt can continue, sites,
+plans."""
 
 import json
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
 
 
 def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
-    """Keep a draft under a name as a change that can be taken back; False where it is so already."""
+    """Keep a draft under a name as a change that can be taken back; False if it is so already."""
     kept = json.loads(json.dumps(dict(content)))  # as it will be read
     if draft(pen.connection, name) == kept:
         return False
@@ -29,7 +30,7 @@ def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
 
 
 def put_away(pen: ChangeRecorder, name: str) -> bool:
-    """Forget a draft as a change that can be taken back, which leaves what was typed since as it is; False where there
+    """Forget a draft as a change that can be taken back, which leaves what was typed since as it is; False if there
     is none."""
     if draft(pen.connection, name) is None:
         return False

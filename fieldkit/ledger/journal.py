@@ -31,7 +31,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """One row of one table, or its key and what changed, before and after; None where it was not there."""
+    """One row of one table, or its key and what changed, before and after; None if it was not there."""
 
     table: str
     before: Row | None
@@ -189,7 +189,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
         if image.before is None:
             taken = table in (drafts, predictions) and _stands(connection, table, image.after or {})
             if taken and table is predictions:
-                raise LedgerError("another forecast was made since, so this one cannot be kept again; ask for it anew")
+                raise LedgerError("a newer forecast exists, so this one cannot be restored; run the forecast again")
             if not taken:
                 connection.execute(insert(table).values(**(image.after or {})))
         elif image.after is None:
@@ -199,7 +199,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
 
 
 def _stands(connection: Connection, table: Table, row: Row) -> bool:
-    """Whether a row is there: keys are kept in a draft beside the journal, and what was typed last stays."""
+    """Whether a row is there: keys are saved in a draft, not in the journal, and what was typed last stays."""
     return connection.scalar(select(func.count()).select_from(table).where(_at(table, row))) == 1
 
 

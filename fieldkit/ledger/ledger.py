@@ -2,7 +2,7 @@
 
 Every method that changes something is one transaction: it happens as a whole or not at all, also when the
 power goes. Each raises LedgerError where the ledger cannot be read or written. What is asked of a ledger is in
-`shown.py`, what it keeps beside flights in `beside.py`.
+`shown.py`, what it holds besides flights in `beside.py`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -36,7 +36,7 @@ class Ledger(FlightsOut, BesideFlights):
     ) -> Added:
         """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
-        A flight that is there already, as it is now or as it once came in, is a duplicate and changes
+        A flight that is in the ledger, as it is now or as it was first imported, is a duplicate and changes
         nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
         other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
         `draft` is one that these flights finish: it goes as they come, and comes back where they are taken back.
@@ -51,13 +51,13 @@ class Ledger(FlightsOut, BesideFlights):
                 drafts.put_away(pen, draft)
             if added.new or renewed:
                 files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
-                more = [f"further files of {_listed(renewed)}"] if renewed else []
+                more = [f"more files of {_listed(renewed)}"] if renewed else []
                 what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
                 pen.sign(command, "; ".join(what + more))
         return added
 
     def edit(self, id: str, **changes: object) -> Flight:
-        """Change fields of a flight and return it. Raises LedgerError when another bears the new name."""
+        """Change fields of a flight and return it. Raises LedgerError when another has the new name."""
         what = f"{id} ({', '.join(changes)})"
         return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 

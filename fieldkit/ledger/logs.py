@@ -20,10 +20,10 @@ def keep_log(connection: Connection, original: Original) -> None:
 
 
 def log_of(connection: Connection, held: Held) -> bytes | None:
-    """The original bytes of a held flight's log, None where it came without. Raises DamagedRow where they are gone."""
+    """The original bytes of a held flight's log, None if it came without. Raises DamagedRow if they are gone."""
     content = _content(connection, held.log_digest)
     if held.log_digest and content is None:
-        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is gone")
+        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is missing")
     return content
 
 
@@ -34,7 +34,7 @@ def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
 
 
 def check_logs(connection: Connection, digests: Iterable[str]) -> None:
-    """Raises DamagedRow where the bytes under one of these digests are not those of it; zlib.error."""
+    """Raises DamagedRow if the bytes under one of these digests are not those of it; zlib.error."""
     for digest in digests:
         _content(connection, digest)
 
@@ -45,12 +45,12 @@ def _content(connection: Connection, digest: str | None) -> bytes | None:
 
 
 def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
-    """The bytes of a log, never more than its row says. Raises DamagedRow where they are others; zlib.error."""
+    """The bytes of a log, never more than its row says. Raises DamagedRow if they are others; zlib.error."""
     if not 0 <= size <= MAX_FILE_SIZE:
         raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise DamagedRow(f"found a log of another size than the {size} bytes of its row")
+        raise DamagedRow(f"found a log whose size differs from the {size} bytes on record")
     if digest_of(content) != digest:
-        raise DamagedRow(f"the bytes of the log {digest} are not as they were written")
+        raise DamagedRow(f"the bytes of the log {digest} do not match their checksum")
     return content

@@ -40,7 +40,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
 
 
 def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
-    """Use a kept model, or none of them; False where that is so already. Raises LedgerError."""
+    """Use a saved model version, or none; False if it is in use. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
         known = ", ".join(map(str, there)) or "none"
@@ -80,7 +80,7 @@ def keep_plan(
 def _numbered(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> tuple[StoredPrediction, Row]:
-    """A prediction under the next number and its row, or the one that is there already and no row."""
+    """A prediction under the next number and its row, or the existing one and no row."""
     for prediction in predictions(connection, rocket, flight_id, digest):
         if prediction.payload == payload:
             return prediction, {}

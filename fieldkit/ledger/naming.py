@@ -61,7 +61,7 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
     if len(found) > 1:  # one of them may bear the id in full
         found = [identity for identity in found if known[identity] == id] or found
     if len(found) > 1:
-        raise LedgerError(f"{id} may be {' or '.join(sorted(known[one] for one in found))}")
+        raise LedgerError(f"{id} is ambiguous: {' or '.join(sorted(known[one] for one in found))}")
     if not found:
         everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
         near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)

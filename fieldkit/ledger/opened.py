@@ -21,9 +21,9 @@ class OpenLedger:
         self._engine = engine
         self.name = name
         self.trouble = ""
-        """Why no backup could be made before a change, empty where one could; the change was made all the same."""
+        """Why no backup could be made before a change, empty if one could; the change was made all the same."""
         self.remarks: list[str] = []
-        """What whoever opened the ledger is to be told of its flights, a line each, in the order found."""
+        """Remarks on the ledger's flights for its user, a line each, in the order found."""
 
     @classmethod
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:

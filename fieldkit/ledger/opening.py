@@ -1,7 +1,7 @@
 """Opening and upgrading a ledger, on SQLite or PostgreSQL.
 
 SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
-ledger stays one file that can be copied at any time, which a write-ahead log beside it would not allow.
+ledger stays one file that can be copied at any time, which a separate write-ahead log would not allow.
 """
 
 import sqlite3
@@ -29,7 +29,7 @@ _LOCK = 0x666B  # any number that nobody else on the server is likely to use
 
 
 def connect(url: URL) -> Engine:
-    """An engine whose connections keep what they are told; touches no file yet."""
+    """An engine whose connections write durably; touches no file yet. Raises LedgerError."""
     sqlite = url.get_backend_name() == "sqlite"
     try:
         engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {})
@@ -46,7 +46,7 @@ def connect(url: URL) -> Engine:
 
 
 def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
-    connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are begun below
+    connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are started below
     for setting in ("foreign_keys = ON", "synchronous = EXTRA"):
         connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
 
@@ -78,9 +78,9 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
-    """Copy a ledger before it is changed, where that is due; why it could not be done, empty where it was not.
+    """Copy a ledger before it is changed, where that is due; why it could not be done, empty if it was not.
 
-    Raises LedgerError where the ledger turns out to be damaged.
+    Raises LedgerError if the ledger turns out to be damaged.
     """
     file = file_of(engine.url)
     if file is None:
@@ -130,7 +130,7 @@ def never_recreate(engine: Engine) -> None:
 
 
 def _refuse_remains(file: Path | None) -> None:
-    """Raises LedgerError where SQLite would begin anew in a file that has lost what it held."""
+    """Raise LedgerError if SQLite would start an empty database in a file that has lost its content."""
     if file is None or not file.parent.is_dir():
         return
     size = file.stat().st_size if file.exists() else 0

@@ -28,7 +28,8 @@ class Added:
 
 @dataclass(frozen=True, slots=True)
 class Renewal:
-    """A flight whose files are read anew: as it is then, how it came in if it was edited since, further files."""
+    """A flight whose files are read again: its new content, its content as imported if it was edited since, more
+    files."""
 
     id: str
     flight: Flight
@@ -38,7 +39,7 @@ class Renewal:
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """A kept model of one rocket; `payload` belongs to whoever made it."""
+    """A saved model version of one rocket; `payload` belongs to the caller that made it."""
 
     rocket: str
     number: int
@@ -49,7 +50,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class NewPrediction:
-    """A prediction to be kept, as in `StoredPrediction`."""
+    """A prediction to save, as in `StoredPrediction`."""
 
     payload: Mapping[str, Any]
     digest: str

@@ -14,7 +14,7 @@ Row = dict[str, Any]
 
 
 class DamagedRow(ValueError):
-    """A row that no fieldkit wrote: what is on the disc has changed."""
+    """A row that no fieldkit wrote: what is on the disk has changed."""
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
@@ -51,7 +51,7 @@ def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
 
 
 def same(one: Flight, other: Flight) -> bool:
-    """Whether two records tell of the same flight, up to the rounding of units there and back."""
+    """Whether two records are of the same flight, up to the rounding of unit conversions."""
     return all(_alike(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
 

@@ -37,18 +37,18 @@ def version(connection: Connection) -> str | None:
             raise DamagedRow(f"found the version {found}, expected one of {', '.join(STEPS)}")
     elif not tables.get_table_names():
         return None
-    raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")
+    raise LedgerError(f"{name}: found another program's tables, expected a ledger or an empty database")
 
 
 def missing(connection: Connection) -> str:
-    """A table or a column that a ledger of the newest step has lost, or why not even that can be told; else empty."""
+    """A table or a column that a ledger of the newest step has lost, or why that cannot be determined; else empty."""
     try:
         there = inspect(connection)
         for name, table in metadata.tables.items():
             if not there.has_table(name):
-                return f"without its table {name}"
+                return f"table {name} is missing"
             if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
-                return f"without the column {min(lost)} of {name}"
+                return f"column {min(lost)} of {name} is missing"
     except DBAPIError as error:  # of names that are no text any more
         return " ".join(str(error.orig).split())
     return ""

@@ -39,7 +39,7 @@ class FlightsOut(OpenLedger):
             return naming.resolve(connection, id).flight
 
     def entered(self, id: str) -> Flight | None:
-        """A flight as it came in, None where it was not edited since."""
+        """A flight as it came in, None if it was not edited since."""
         with self._reading() as connection:
             return naming.resolve(connection, id).entered
 
@@ -51,7 +51,7 @@ class FlightsOut(OpenLedger):
         return [names[identity] for identity in identities]
 
     def log(self, id: str) -> bytes | None:
-        """The original bytes of a flight's log, or None where there is none."""
+        """The original bytes of a flight's log, or None if there is none."""
         with self._reading() as connection:
             return logs.log_of(connection, naming.resolve(connection, id))
 

@@ -1,4 +1,4 @@
-"""Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
+"""Launch sites: what the flights say of them, and what the flyer saved: size and ceiling."""
 
 from typing import Any
 
@@ -35,7 +35,7 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
     changes |= {} if rules is None else {"rules": rules}
     for key in SITE_LENGTHS[1:]:
         if key in changes and changes[key] <= 0:
-            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than nothing")
+            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than zero")
     saved = ledger.draft(SITES) or {}
     saved[name] = saved.get(name, {}) | changes
     ledger.change_draft(SITES, saved, "site", name)

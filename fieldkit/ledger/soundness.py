@@ -1,7 +1,7 @@
 """Whether a ledger's file still says what was written: SQLite's own look at it, then the checksum of every row.
 
 SQLite finds a page out of shape, and not a letter or a figure that has become another one. The checksums do, but take
-their time; rows that a copy of the ledger holds alike, which was looked through when it was made, are passed over.
+their time; rows that are the same in a copy of the ledger, which was checked when it was made, are skipped.
 """
 
 import sqlite3
@@ -48,7 +48,7 @@ def fault(file: Path, *, since: Path | None = None) -> str:
 def file_fault(file: Path, *, thorough: bool = False) -> str:
     """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
 
-    A `thorough` look also lays every index beside its table, which takes longer.
+    A `thorough` look also compares every index with its table, which takes longer.
     """
     check = "integrity_check" if thorough else "quick_check"
     try:
@@ -62,7 +62,7 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
 def row_fault(file: Path, *, since: Path | None = None) -> str:
     """The first row of a ledger that does not say what was written; empty for none. Raises sqlite3.Error.
 
-    Rows alike in `since`, a sound copy, are passed over. So are all of a newer fieldkit, whose columns are not known.
+    Rows that are the same in `since`, a sound copy, are skipped. So are all of a newer fieldkit with unknown columns.
     """
     with _connected(file) as connection:
         try:
@@ -111,7 +111,7 @@ def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
     if version(connection) == STEPS[-1] and (lost := missing(connection)):
         return lost
     if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():
-        return f"a row of {stray[0]} names one of {stray[2]} that is gone"
+        return f"a row of {stray[0]} refers to a missing row of {stray[2]}"
     there = inspect(connection)
     for table in (table for table in metadata.sorted_tables if there.has_table(table.name)):
         names = {column["name"] for column in there.get_columns(table.name)}

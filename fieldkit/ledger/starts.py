@@ -1,4 +1,4 @@
-"""Starting configurations: one for each rocket and configuration, the last that was kept."""
+"""Starting configurations: one for each rocket and configuration, the last one saved."""
 
 from dataclasses import asdict, fields
 
@@ -13,7 +13,7 @@ FIELDS = tuple(field.name for field in fields(Start))
 
 
 def keep(pen: ChangeRecorder, start: Start) -> bool:
-    """Keep a starting configuration in place of what was there; False where it is there already."""
+    """Save a starting configuration in place of the old one; False if it is a duplicate."""
     there = starts(pen.connection, start.rocket)
     if start in there:
         return False

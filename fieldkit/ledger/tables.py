@@ -63,7 +63,7 @@ flights = Table(
     Column("source", Text, nullable=False),  # the file it came from
     *(Column(column.name, Double) for column in COLUMNS + LOGGED),
     Column("extra", document, nullable=False),
-    Column("readout_sd", document),  # standard deviations of readouts by name, SI; empty where none is recorded
+    Column("readout_sd", document),  # standard deviations of readouts by name, SI; empty if none is recorded
     Column("readout_source", document),  # what readouts were measured by, by name
     Column("entered", document),  # the flight as it came in, once it has been edited
     _checksum(),  # its tags are in it
@@ -136,7 +136,7 @@ journal = Table(
     Column("command", Text, nullable=False),
     Column("what", Text, nullable=False),
     Column("target", Integer, ForeignKey("journal.number")),  # the change that an undo or a redo is about
-    Column("images", document),  # rows before and after, without checksums; empty where `target` has them
+    Column("images", document),  # rows before and after, without checksums; empty if `target` has them
     Column("images_checksum", BigInteger),
     _checksum(),
 )

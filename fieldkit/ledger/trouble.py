@@ -19,13 +19,13 @@ _SQLITE = {
     "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
     "SQLITE_CORRUPT": "the file is damaged",
     "SQLITE_READONLY_DBMOVED": "the file was moved, removed or replaced; nothing was changed, open it again",
-    "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
+    "SQLITE_READONLY": "the ledger is read-only, expected a writable file and folder",
     "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
-    "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
+    "SQLITE_BUSY": f"another program has locked it for {PATIENCE:.0f} s; nothing was changed, try again",
     "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
-    "SQLITE_CANTOPEN": "cannot open the file, expected one in a folder that exists and may be read",
+    "SQLITE_CANTOPEN": "cannot open the file, expected one in an existing, readable folder",
     "SQLITE_IOERR_READ": "the disk failed to read; nothing was changed",
-    "SQLITE_IOERR": "the disk failed; `fieldkit history` tells whether the change was made, look before trying again",
+    "SQLITE_IOERR": "the disk failed; check `fieldkit history` for the change before trying again",
     "SQLITE_PERM": "no permission to use the file",
 }
 
@@ -35,7 +35,7 @@ _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 
 @contextmanager
 def explained(engine: Engine) -> Iterator[None]:
-    """Raises LedgerError for whatever the flyer can mend; a fault of the program passes as it is."""
+    """Raise LedgerError for what the flyer can fix; a fault of the program passes as it is."""
     try:
         yield
     except DBAPIError as error:
@@ -54,7 +54,7 @@ def explained(engine: Engine) -> Iterator[None]:
 
 
 def _reason(error: DBAPIError) -> str | None:
-    """What the flyer can mend, or None where the fault is ours or the file's."""
+    """What the flyer can fix, or None if the fault is ours or the file's."""
     code = getattr(error.orig, "sqlite_errorname", "")
     for start, why in _SQLITE.items():
         if code.startswith(start):

@@ -28,7 +28,7 @@ def location(where: str | Path | None) -> URL:
     if dialect not in _DRIVERS:
         raise LedgerError(f"found a ledger on {dialect}, expected sqlite or postgresql")
     if dialect == "sqlite" and url.database in (None, "", ":memory:"):
-        raise LedgerError(f"found the ledger {where!r}, which would keep nothing, expected sqlite:///FILE")
+        raise LedgerError(f"found the ledger {where!r}, which would store nothing, expected sqlite:///FILE")
     return url if "+" in url.drivername else url.set(drivername=_DRIVERS[dialect])
 
 

@@ -1,7 +1,7 @@
 """What the field ensemble is shown of a flight: one function of arrays, used in training and in the field.
 
 A readout is shown as the logarithm of its ratio to what a closed form gives at the middle of the prior,
-so that a sounding rocket and a 13 mm toy look alike; what is missing is a zero and a flag.
+so that a sounding rocket and a 13 mm toy look the same; what is missing is a zero and a flag.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ def closed_form(
 
 
 def _settled(observed: Observed) -> tuple[Array, Array]:
-    """Top speed and burn time, each sharpened or replaced by average acceleration where there is one.
+    """Top speed and burn time, each sharpened or replaced by average acceleration if there is one.
 
     Speed is acceleration times burn time to the last digit, so acceleration adds nothing but digits: a
     burn time shown to a tenth of a second is known better than that from the other two.
@@ -72,9 +72,9 @@ def features(observed: Observed) -> Float[Array, "flight feature"]:
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
-    """The readouts alone against the closed form, nan where missing: a column for each of `INDEPENDENT_READOUTS`.
+    """The readouts alone against the closed form, nan if missing: a column for each of `INDEPENDENT_READOUTS`.
 
-    What the ensemble foretells of a readout from the others, to see which does not fit.
+    What the ensemble predicts for a readout from the others, to see which does not fit.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         motor, nominal = _nominal(observed)
@@ -120,7 +120,7 @@ def _columns(observed: Observed) -> dict[str, Array]:
 
 
 def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Array], gain: Array) -> dict[str, Array]:
-    """Each readout against the closed form, pairs that tell drag by themselves, and the flags."""
+    """Each readout against the closed form, pairs that determine drag by themselves, and the flags."""
     dry_mass = observed.given("dry_mass")
     speed, burn = _settled(observed)
     apogee = observed.readout("apogee") / gain

@@ -27,7 +27,7 @@ from fieldkit.shapes import Array, Float
 FROM_LOGS = ("coast_drag", "burn_impulse")
 """Readouts that only the samples of a log show."""
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject", *FROM_LOGS)
-"""Readouts that the model compares. Average acceleration is top speed over burn time and says nothing of its own; the
+"""Readouts that the model compares. Average acceleration is top speed over burn time and adds no information; the
 rest belongs to the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
 """What random effects act on: `stretch` is the burn, the delay is by ratio, `apogee_to_eject` in seconds."""
@@ -230,8 +230,8 @@ START = Hyperprior(
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
-"""What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
-looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
+"""What the fit starts from, and stays near if flights do not determine it: round figures from before any real flight
+was looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
 differ by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and
 wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices
 differ from each other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of

@@ -48,7 +48,7 @@ class Observed:
     """Flights as written down, one entry a flight, SI, nan for "not recorded".
 
     `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED_FIELDS`, `readouts` for each of
-    `READOUT_NAMES`. So has `sd`, the recorded standard deviation of each; None where none is recorded.
+    `READOUT_NAMES`. So has `sd`, the recorded standard deviation of each; None if none is recorded.
     """
 
     motor: Float[Array, "flight figure"]
@@ -64,11 +64,11 @@ class Observed:
         return self.motor[:, FIGURES.index(name)]
 
     def given(self, name: str) -> Float[Array, "flight"]:
-        """Something declared, nan where it was not."""
+        """Something declared, nan if it was not."""
         return self.declared[:, DECLARED_FIELDS.index(name)]
 
     def readout(self, name: str) -> Float[Array, "flight"]:
-        """A readout, nan where there is none."""
+        """A readout, nan if there is none."""
         return self.readouts[:, READOUT_NAMES.index(name)]
 
     def rows(self, which: Any) -> "Observed":

@@ -1,7 +1,7 @@
 """Simulated flights with known drag and thrust: what the field ensemble learns from and is judged by.
 
-Everything a field does to a flight is drawn at random, so that a posterior learnt here is honest about
-it: a scale that is off, a rod that leans, wind, air that nobody measured, a motor that burns slower than
+Everything a field does to a flight is drawn at random, so that a posterior fitted here is honest about
+it: a scale that is off, a rod off vertical, wind, air that nobody measured, a motor that burns slower than
 its certificate, a charge that fires early, an altimeter that shows a little too much.
 """
 
@@ -34,7 +34,7 @@ from fieldkit.physics.thrust_steps import burns
 from fieldkit.shapes import Array, Float, Int
 
 CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
-"""Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
+"""Impulse classes of the motors flown; each class is as likely as any other that the catalog has."""
 HELD_OUT = "Quest"
 """The maker whose motors no ensemble ever sees: it is judged on them."""
 MIN_MOTOR_DIAMETER = 0.008
@@ -115,7 +115,7 @@ def split_motors() -> tuple[list[Motor], list[Motor]]:
 def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, named: Sequence[str] = ()) -> Truth:
     """About as many flights as asked for: those that never leave the pad or barely do are left out.
 
-    Effects of the shelf that are `named` act on every flight, each at a strength drawn from its prior. Raises
+    Effects that are `named` act on every flight, each at a strength drawn from its prior. Raises
     BadValue for one that is not there.
     """
     row = _draw_motors(rng, motors, count)
@@ -185,7 +185,7 @@ def _draw_delays(
     drag_area: Array,
     alpha: Array,
 ) -> Float[Array, "flight"]:
-    """A delay on sale, mostly one near the coast that is to be expected; nan where none is. [s]"""
+    """A delay on sale, mostly one near the coast that is to be expected; nan if none is. [s]"""
     longest = max(len(motor.delays) for motor in motors)
     sold = np.full((len(motors), longest), np.nan)
     for number, motor in enumerate(motors):

@@ -1,4 +1,4 @@
-"""Effects of the shelf as further nuisances of simulated flights: each acts at a strength drawn from its prior."""
+"""Registered effects as further nuisances of simulated flights: each acts at a strength drawn from its prior."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,12 +19,12 @@ Bends = tuple[tuple[Effect, Float[Array, "flight"]], ...]
 
 
 def known_effects(names: Sequence[str]) -> dict[str, Effect]:
-    """The effects of these names, each once. Raises BadValue for one that is not on the shelf."""
-    shelf = effects()
+    """The effects of these names, each once. Raises BadValue for one that is not registered."""
+    registry = effects()
     for name in names:
-        if name not in shelf:
-            raise BadValue(f"found the effect {name!r}, expected some of: {', '.join(sorted(shelf))}")
-    return {name: shelf[name] for name in dict.fromkeys(names)}
+        if name not in registry:
+            raise BadValue(f"found the effect {name!r}, expected some of: {', '.join(sorted(registry))}")
+    return {name: registry[name] for name in dict.fromkeys(names)}
 
 
 def priors(names: Sequence[str]) -> dict[str, str]:

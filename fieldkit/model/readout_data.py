@@ -59,7 +59,7 @@ def reading_sd(
 
 
 def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
-    """The standard deviation that is recorded of each readout, as it is compared; nan where none is.
+    """The standard deviation that is recorded of each readout, as it is compared; nan if none is.
 
     Of a readout that is compared by its logarithm it is the standard deviation over the value.
     """

@@ -2,7 +2,7 @@
 
 Every unknown is a `Term`: a normal prior, possibly cut off, and the weight with which it acts on each
 flight. Terms that act on many flights are shared (drag of the rocket, thrust of a motor type, the strength
-of an effect); what differs from flight to flight is scatter, drawn anew for each.
+of an effect); what differs from flight to flight is scatter, drawn for each.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -41,7 +41,7 @@ class Term:
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
     effect. `low` and `high` cut the prior off. `scaled_by` names the scale that multiplies its standard deviation,
-    where it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
+    if it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
     """
 
     name: str

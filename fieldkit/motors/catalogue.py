@@ -69,12 +69,12 @@ class Catalogue:
         """The motor of a lot where its figures are known, else a note that it is flown as any of its type."""
         own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
         if own is None:
-            note = f"no figures of lot {printable(lot)} are in your corrections: flown as any of its type"
+            note = f"no figures for lot {printable(lot)} in your corrections: treated as any of its type"
             return replace(found, notes=(*found.notes, note))
         return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
     def complaint(self, text: str) -> str | None:
-        """What is wrong with a motor's name in one line, or None where there is such a motor, or several."""
+        """What is wrong with a motor's name in one line, or None if there is such a motor, or several."""
         try:
             self.resolve(text)
         except UnknownMotor as error:
@@ -86,14 +86,14 @@ class Catalogue:
         return search.search(self.listings, text)
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
-        """The same catalogue with the flyer's own motors, which win over any other of their name."""
+        """The same catalog with the flyer's own motors, which win over any other of their name."""
         listings = dict(self.listings)
         for motor in motors:
             listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
         return Catalogue(MappingProxyType(listings), self.about, self.lots)
 
     def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
-        """The same catalogue with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
+        """The same catalog with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
         own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
         for row in rows:
             motor = self.find(f"{row.maker} {row.designation}").motor
@@ -111,7 +111,7 @@ _LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 
 def split_lot(text: str) -> tuple[str, str]:
-    """A motor's name and the lot behind it, empty where none is named: `F24-4W lot 0412`."""
+    """A motor's name and the lot behind it, empty if none is named: `F24-4W lot 0412`."""
     found = _LOT.search(text)
     return (text[: found.start()], found[1]) if found else (text, "")
 
@@ -126,7 +126,7 @@ def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
 
 @cache
 def catalogue() -> Catalogue:
-    """The catalogue that is shipped, read once; a curve is read when its motor is first asked for."""
+    """The catalog that is shipped, read once; a curve is read when its motor is first asked for."""
     data = json.loads(gzip.decompress(DATA.read_bytes()))
     entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
     build = cache(lambda number: _motor(entries[number], data["source"]))

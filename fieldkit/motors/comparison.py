@@ -1,4 +1,4 @@
-"""The catalogue held against a table of tests: certification letters, stated figures, curves.
+"""The catalog held against a table of tests: certification letters, stated figures, curves.
 
 A table has a row a test, with the columns `manufacturer`, `designation`, `common_name` and the figures of `FIGURES`;
 its `note` may begin with `basis=letter`, `basis=stated` or `basis=curve`, the best of which counts.
@@ -32,7 +32,7 @@ NAMES = ("manufacturer", "designation", "common_name")
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A figure of a motor that a test has otherwise: in the catalogue and in the test, in the unit of the field."""
+    """A figure of a motor that a test has otherwise: in the catalog and in the test, in the unit of the field."""
 
     motor: Motor
     field: str
@@ -75,7 +75,7 @@ class CatalogueComparison:
 def compare_tests(
     catalogue: Catalogue, content: bytes, name: str, tolerance: float = DIFFERENCE
 ) -> CatalogueComparison:
-    """The figures of a catalogue that a table of tests has otherwise by more than a ratio, the furthest off first.
+    """The figures of a catalog that a table of tests has otherwise by more than a ratio, the furthest off first.
 
     Of several tests of a motor those on the best basis count, by their mean. Raises BadValue that names the row and the
     column at fault.

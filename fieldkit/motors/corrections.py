@@ -1,4 +1,4 @@
-"""Corrections of the catalogue: figures of certifications, makers and tests that replace a nominal or mistaken one."""
+"""Corrections of the catalog: figures of certifications, makers and tests that replace a nominal or mistaken one."""
 
 import csv
 from collections.abc import Iterable
@@ -28,9 +28,9 @@ CONFIDENCES = ("sure", "likely", "open")
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """A figure of a motor: as the catalogue has it, as it should be, how sure that is, and by which document.
+    """A figure of a motor: as the catalog has it, as it should be, how sure that is, and by which document.
 
-    An `open` correction is not applied; its `value` is what the other document says, empty where none says.
+    An `open` correction is not applied; its `value` is what the other document says, empty if none says.
     """
 
     field: str
@@ -41,7 +41,7 @@ class Correction:
 
     @property
     def applied(self) -> bool:
-        """Whether the catalogue carries `value` instead of `was`."""
+        """Whether the catalog carries `value` instead of `was`."""
         return self.confidence != "open"
 
     def text(self) -> str:
@@ -51,7 +51,7 @@ class Correction:
         if self.applied:
             before = f" instead of {was}" if self.field != "motor" else ""
             return f"{what} {now}{before} ({self.confidence}: {self.source})"
-        other = f"; {now} by another document" if self.value else ""
+        other = f"; {now} in another document" if self.value else ""
         return f"{what} {was}{other} (open: {self.source})"
 
     def json(self) -> dict[str, object]:
@@ -80,5 +80,5 @@ def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction
 
 
 def as_rows(corrections: Iterable[Correction]) -> list[list[str]]:
-    """The corrections as lists of texts, as the shipped catalogue keeps them."""
+    """The corrections as lists of texts, as the shipped catalog keeps them."""
     return [list(astuple(one)) for one in corrections]

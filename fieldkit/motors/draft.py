@@ -73,7 +73,7 @@ class MotorDraft:
     def motor(self) -> Motor:
         """The motor. Raises DamagedLog for a curve that is cut short, or masses that cannot be."""
         if not self.samples:
-            raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below it")
+            raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below its header")
         last, _, end = self.samples[-1]
         if end > BURN_THRUST_FRACTION * max(thrust for _, _, thrust in self.samples):
             raise last.damaged(f"found a curve that ends at {end:g} N, expected 0: the file may be cut short")
@@ -133,7 +133,7 @@ def delays(text: str, place: FileLine) -> tuple[float, ...]:
 
 
 def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
-    """Put a motor to those of a file. Raises DamagedLog where there are too many."""
+    """Put a motor to those of a file. Raises DamagedLog if there are too many."""
     if len(drafts) >= MAX_MOTORS:
         raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")
     drafts.append(draft)

@@ -26,12 +26,12 @@ class Motor:
 
     The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
     thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them where the
-    motor is sold so; empty where they are not recorded. `estimated` names the fields that the
+    motor is sold so; empty if they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
-    the certification [N], None where none is on record or only the number of the name; `corrections` are the
+    the certification [N], None if none is on record or only the number of the name; `corrections` are the
     figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
     of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
-    is gone at each knot [1], None where it goes with the impulse. Two motors are equal when
+    is gone at each knot [1], None if it goes with the impulse. Two motors are equal when
     they are the same object.
     """
 
@@ -120,7 +120,7 @@ def _integral(
     weight: Float[Array, "knot"],
     centre: float | None = None,
 ) -> float:
-    """Integral of thrust times a weight, t or (t - centre)^2, by Simpson: exact, the product is a cubic."""
+    """Integral of thrust times a weight, t or (t - center)^2, by Simpson: exact, the product is a cubic."""
     middle = (time[1:] + time[:-1]) / 2
     weight_there = middle if centre is None else (middle - centre) ** 2
     thrust_there = (thrust[1:] + thrust[:-1]) / 2
@@ -142,11 +142,11 @@ def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, 
     """
     t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
     if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):
-        raise BadValue("found fewer than two samples or a value that is no number, expected a thrust curve")
+        raise BadValue("found fewer than two samples or a value that is not a number, expected a thrust curve")
     if (np.diff(t) < 0).any() or t[0] < 0 or t[-1] == 0:
-        raise BadValue("found times that run backwards or stand still, expected times that increase from 0")
+        raise BadValue("found times that do not increase, expected times that increase from 0")
     if (f < 0).any() or not f.any():
-        raise BadValue("found negative thrust or none at all, expected thrust in newtons")
+        raise BadValue("found negative or no thrust, expected thrust in newtons")
     if t[0] > 0 or f[0] > 0:
         t, f = np.append(0.0, t), np.append(0.0, f)
     if f[-1] > 0:
@@ -181,7 +181,7 @@ def impulse_class(total_impulse: float) -> str:
 
 
 def delays_text(delays: Sequence[float]) -> str:
-    """Delays as flyers write them: `4, 7, P`; a dash where none are recorded."""
+    """Delays as flyers write them: `4, 7, P`; a dash if none are recorded."""
     return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 

@@ -35,7 +35,7 @@ MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "WCH": ("WEST COAST HYBRIDS", "WCH"),
     }
 )
-"""Makers as the catalogue names them, and how else flyers write them."""
+"""Makers as the catalog names them, and how else flyers write them."""
 
 _MAKER_OF = {alias: maker for maker, aliases in MAKERS.items() for alias in (*aliases, maker.upper())}
 _MAKER = re.compile(
@@ -94,7 +94,7 @@ def squeeze(text: str) -> str:
 
 
 def maker_of(text: str) -> str:
-    """The maker that a text means, as the catalogue names it; another name as it is."""
+    """The maker that a text means, as the catalog names it; another name as it is."""
     return _MAKER_OF.get(tidy(text), text.strip())
 
 

@@ -10,7 +10,7 @@ from fieldkit.motors.own_corrections import read_own_corrections
 
 SUFFIXES = (".eng", ".rse")
 MAX_MOTOR_FILE_SIZE = 16 << 20
-"""Size limit of a motor file; all motors of the catalogue take less. [byte]"""
+"""Size limit of a motor file; all motors of the catalog take less. [byte]"""
 
 
 def read(data: bytes, source: str) -> list[Motor]:

@@ -35,7 +35,7 @@ class OwnCorrection:
 
 
 def read_own_corrections(folder: Path) -> list[OwnCorrection]:
-    """The rows of the flyer's table, none where there is none. Raises BadValue that names the row and the column."""
+    """The rows of the flyer's table, none if there is none. Raises BadValue that names the row and the column."""
     file = folder / FILE_NAME
     if not file.exists():
         return []

@@ -67,7 +67,7 @@ class Listing:
 class Found:
     """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
 
-    `delay` is None where the name gives none, and `PLUGGED_DELAY` where it ends in P.
+    `delay` is None if the name gives none, and `PLUGGED_DELAY` where it ends in P.
     """
 
     motor: Motor
@@ -94,11 +94,11 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
 
     Of several, one in production comes first, then the maker most widely flown in that class, then the
-    one that has been in the catalogue for longest.
+    one that has been in the catalog for longest.
     """
     name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
-    note = f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
+    note = f"read as {best.label}; it could also be {', '.join(other.label for other in others)}" if others else ""
     return _found(name, best, note)
 
 
@@ -132,7 +132,7 @@ def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
 def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
-            f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor "
+            f"{text.strip()}: found several motors; clusters and stages are not modeled as one motor "
             "in forecasts, expected a single one such as C6-5; fieldkit simulate flies several"
         )
     name = _parsed(listings, f"{maker} {text}" if maker else text)
@@ -197,9 +197,11 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
         asked = "plugged" if name.delay == PLUGGED_DELAY else f"a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
         if any(one.field == "delays" and not one.applied for one in motor.corrections):
-            notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
+            notes.append(
+                f"that delay list is outdated; give the longest delay on the package, as in {listing.designation}-14A"
+            )
     if motor.estimated:
-        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not on record, estimated")
+        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated")
     return Found(motor, name.delay, tuple(notes))
 
 
@@ -250,7 +252,7 @@ def _all(listings: Listings) -> Iterable[Listing]:
 def _unknown(listings: Listings, text: str, name: Name) -> str:
     if _UNKNOWN_CLASS.match(tidy(text)):
         return (
-            f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
+            f"{text.strip()!r}: found a class above O, which the catalog does not have; expected the motor's own file"
         )
     elsewhere = listings.get(name.core, ())
     if elsewhere and (swapped := _SWAPPED_SUFFIX.fullmatch(name.letters)):

@@ -17,19 +17,19 @@ from fieldkit.motors.search import Found
 from fieldkit.shapes import Array
 
 CLUSTER_NOTE = (
-    "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; drag and "
-    "the loss of one motor are not reckoned with"
+    "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; changes in "
+    "drag and failed ignitions are not modeled"
 )
 STAGES_NOTE = (
     "two stages: the booster drops at its burnout and the upper motor lights then; both fly on one diameter and one "
-    "Cd, and how the booster comes down is not reckoned with"
+    "Cd, and the descent of the booster is not modeled"
 )
 DROP_TIME = 1e-3
 """In which a booster is gone. [s]"""
 _COUNT = r"(?:(\d{1,2})\s*[x×*]?\s+|(\d{1,2})\s*[x×*]\s*)?"
 _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGNORECASE)
 _FRACTION = "\N{FRACTION SLASH}"
-"""Stands for the stroke of a class such as 1/2A while stages are told apart."""
+"""Replaces the slash of a class such as 1/2A while stages are separated."""
 MAX_MOTORS = 20
 """In a cluster. [1]"""
 
@@ -52,9 +52,9 @@ def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: fl
     if len(stages) == 1:
         return _cluster(text, resolve)
     if len(stages) > 2:
-        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected two at most: more are not modelled")
+        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected at most two: more are not modeled")
     if booster_mass is None:
-        raise UnknownMotor(f"{text}: found two stages, expected --booster-mass too, without its motor: 60g")
+        raise UnknownMotor(f"{text}: found two stages, expected --booster-mass too, without its motor, as in 60g")
     booster, sustainer = (_cluster(stage, resolve) for stage in stages)
     motor = two_stages(booster.motor, sustainer.motor, booster_mass)
     return Found(motor, sustainer.delay, (*booster.notes, *sustainer.notes, STAGES_NOTE))
@@ -82,7 +82,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
 
 
 def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
-    """Motors that burn together, each lit so long after the first [s]. Raises BadValue where none is lit at first."""
+    """Motors that burn together, each lit so long after the first [s]. Raises BadValue if none is lit at first."""
     if min(start for _, start in parts) > 0:
         raise BadValue("found no motor lit at the start, expected one without @")
     time, thrust = _added([(motor.time + start, motor.thrust) for motor, start in parts])
@@ -111,7 +111,7 @@ def two_stages(booster: Motor, sustainer: Motor, booster_mass: float, gap: float
     """A booster below a sustainer, which is lit so long after the booster's end [s], when its airframe [kg], without
     its motor, and its casing are dropped. What counts as propellant is all that is gone at the end.
 
-    Raises BadValue for an upper motor too weak for its end to be told from that of the lower.
+    Raises BadValue for an upper motor too weak for its end to be distinguished from that of the lower.
     """
     end = booster.thrust_end
     if sustainer.peak_thrust < 2 * BURN_THRUST_FRACTION * booster.peak_thrust:
@@ -147,7 +147,7 @@ def _added(curves: Sequence[tuple[Array, Array]], more: Sequence[float] = ()) ->
 
 
 def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
-    """The fraction of a motor's propellant that is burnt, against time from the first ignition."""
+    """The fraction of a motor's propellant that is burned, against time from the first ignition."""
     fine = np.unique(np.concatenate([motor.time, np.linspace(0.0, motor.thrust_end, 200)]))
     push = np.interp(fine, motor.time, motor.thrust)
     done = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(fine) * (push[1:] + push[:-1]))])
@@ -155,7 +155,7 @@ def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
 
 
 def _spent(parts: Sequence[tuple[Motor, float]], time: Array) -> Array:
-    """The fraction of all propellant that is burnt at some times."""
+    """The fraction of all propellant that is burned at some times."""
     total = sum(motor.propellant_mass for motor, _ in parts)
     return np.asarray(
         sum(np.interp(time, *_burnt(motor, start)) * motor.propellant_mass for motor, start in parts) / total

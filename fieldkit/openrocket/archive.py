@@ -62,7 +62,7 @@ def root_of(content: bytes, source: str) -> "Element":
 
 
 def _check_markup(text: bytes, source: str) -> None:
-    """Raise DamagedLog for markup in pieces too long to be taken apart, or in an encoding where that cannot be told."""
+    """Raise DamagedLog for markup in pieces too long to be parsed, or in an encoding that does not show it."""
     declared = _DECLARED_ENCODING.match(text[:400])
     if declared and declared[1].decode().lower() not in ENCODINGS:
         raise DamagedLog(f"found the encoding {declared[1].decode()}, expected UTF-8", source=source)

@@ -1,4 +1,4 @@
-"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd where it is told."""
+"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd if it is given."""
 
 import re
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class DesignMotor:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """What a design says; None where it does not. `mass_by` and `cd_by` say where from, `notes` doubts. SI.
+    """What a design says; None if it does not. `mass_by` and `cd_by` say where from, `notes` doubts. SI.
 
     `cd` is on the area of `diameter`; a simulation's on that of its own `reference`.
     """

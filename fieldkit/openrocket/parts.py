@@ -58,7 +58,7 @@ def airframe(stage: "Element") -> "list[Element]":
 
 
 def sizes(parts: "list[Element]") -> list[Size]:
-    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbour with one."""
+    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbor with one."""
     ends = [list(_ends(part)) for part in parts]
     flat = [radius for pair in ends for radius in pair]
     for place, radius in enumerate(flat):
@@ -87,7 +87,7 @@ def _radius(part: "Element", name: str) -> float | None:
 
 
 def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
-    """What a part and all in it weigh; parts whose mass cannot be told are named in `unknown`. [kg]"""
+    """What a part and all in it weigh; parts of unknown mass are named in `unknown`. [kg]"""
     own, below = override(part)
     if own is not None and below:
         return own

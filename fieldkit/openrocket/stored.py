@@ -45,7 +45,7 @@ Columns = dict[str, Float[Array, "row"]]
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and the flight it tells of.
+    """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and its flight.
 
     `fresh` says that it is of the design as it is, `default` that it flew the default configuration. None is what
     it did not keep.
@@ -71,7 +71,7 @@ def simulations(root: "Element") -> list[Simulation]:
 
 
 def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
-    """What a simulation kept, None where it kept nothing. Its first branch is that of the upper stage."""
+    """What a simulation kept, None if it kept nothing. Its first branch is that of the upper stage."""
     data, branch = simulation.find("flightdata"), simulation.find("flightdata/databranch")
     if data is None or branch is None:
         return None

@@ -108,7 +108,7 @@ def altimeter_gain(
     """Height shown by a barometric altimeter over true height above the pad. [1]
 
     In a troposphere with this lapse, pressure to the power R L/g falls linearly with height, by L/T of
-    its pad value a metre; an altimeter that believes in the standard atmosphere divides by the standard's
+    its pad value a meter; an altimeter that believes in the standard atmosphere divides by the standard's
     L/T at the same pressure. So the gain is the standard temperature at the pad's pressure over the true
     one: low on a hot day.
     """

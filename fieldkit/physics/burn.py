@@ -20,7 +20,7 @@ MOST_PARTS = 64
 """Into which a step is cut. [1]"""
 
 PARALLEL_DRAWS = 0.75
-"""Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
+"""Fraction of the draws that must need another part of a step for all of them to be taken through it. [1]"""
 
 NEWTON = 8
 """Rounds of Newton's method for the moment at which the rail ends. [1]"""
@@ -161,7 +161,7 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
 def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
     """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
 
-    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
+    Drag pulls speed toward its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
     planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
@@ -199,7 +199,7 @@ def _advance(
 ) -> None:
     """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
 
-    `begun` is the pull at its beginning, where that is known.
+    `begun` is the pull at its beginning, if that is known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))

@@ -114,7 +114,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
 
 
 def _count(wanted: Array) -> Array:
-    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbours."""
+    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbors."""
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 

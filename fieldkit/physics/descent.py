@@ -1,6 +1,6 @@
 """The way down: free fall to the charge, then under a drogue, a main, one parachute or a streamer, carried by the wind.
 
-Under a device drag carries the weight, so that its speed grows with the root of thinning air (Knacke, Parachute
+Under a device drag carries the weight, so that its speed grows with the root of the falling density (Knacke, Parachute
 Recovery Systems Design Manual, 1991, chapter 5). What sinks moves with the wind at its height.
 """
 
@@ -17,7 +17,7 @@ GRID = 401
 NO_SPEED = np.zeros(1)
 """No speed sideways. [m/s]"""
 MAX_REACH = 300.0
-"""Gravity times time over terminal speed, beyond which a fall has long been steady. [1]"""
+"""Gravity times time over terminal speed, beyond which a fall is at terminal speed. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,17 +67,17 @@ class Effect:
 
     `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the
     square of its strength (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of
-    group of flights may have a strength of its own, `everywhere` whether it may also act on all flights alike, `each`
+    group of flights may have a strength of its own, `everywhere` whether it may also act on all flights equally, `each`
     whether every group has its own at once. `needs` is the column without which the effect cannot act; where it is
     `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one
     that a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
     may come about: verdicts speak of the other. One that `grows` acts with its strength times the flights flown before;
     one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter.
-    `starts` are strengths from which a fit is begun, several where what the effect does is far from linear.
-    `explains` tells a flyer what it is, `tell_apart`
+    `starts` are strengths from which a fit is started, several if the effect is far from linear.
+    `explains` describes it to a flyer, `tell_apart`
     what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
-    ground gives the fitted value, 0 where it cannot. One that `needs_delay` acts on motors that have a delay alone.
-    `logged` is how an effect on the set-up shows in the force that a log measures, None where it does not.
+    ground gives the fitted value, 0 if it cannot. One that `needs_delay` acts on motors that have a delay alone.
+    `logged` is how an effect on the set-up shows in the force that a log measures, None if it does not.
     """
 
     title: str

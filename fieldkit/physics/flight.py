@@ -38,8 +38,8 @@ def apogees(setup: Setup) -> Float[Array, "*draw"]:
 
 
 def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
-    """Rows that fly together, and their part of the set-up: apart what flies straight up and what does not, side by
-    side what burns alike. How a draw flies does not hang on the company it keeps; how fast does."""
+    """Rows that fly together, and their part of the setup: separately what flies straight up and what does not, side by
+    side what burns the same. The other rows do not change how a draw flies, only how fast it is computed."""
     flat = setup.flat(setup.draw_shape)
     aslant, rank = planar(flat), flat.burns.lengths.argsort().argsort()
     small = np.min_scalar_type(2 * len(rank))

@@ -12,7 +12,7 @@ wavelength of a stable model (Mandell, Caporaso and Bengen, Topics in Advanced M
 
 
 def planar(setup: Setup) -> Flags:
-    """Which draws need more than the vertical: wind, tilt or a rail that holds on. One flag where all are alike."""
+    """Which draws need more than the vertical: wind, a launch angle or rail friction. One flag if all are the same."""
     slanted = (setup.rail_angle != 0) | (setup.rail_across != 0)
     return np.asarray((setup.wind != 0) | slanted | (setup.rail_friction != 0))
 
@@ -21,7 +21,7 @@ class EquationsOfMotion:
     """Acceleration of all draws: thrust, drag and whatever the effects add, less gravity. [m/s^2]
 
     `thrust` [N] and `mass` [kg] belong to a stage of a step; position and velocity are [axis draw]: upward, in a planar
-    flight downwind, and where a rail leans across the wind to its right.
+    flight downwind, and for a rail across the wind to its right.
     """
 
     def __init__(self, setup: Setup, *, burning: bool) -> None:

@@ -22,7 +22,7 @@ from fieldkit.physics.thrust_steps import Burns, burns
 from fieldkit.shapes import Array, Float, Int
 
 RISE = 0.08
-"""Share of the burn over which thrust rises to its peak. [1]"""
+"""Fraction of the burn over which thrust rises to its peak. [1]"""
 GRAVITY = 9.81
 """The paper's value. [m/s^2]"""
 SEA_LEVEL_DENSITY = 1.225
@@ -81,7 +81,7 @@ _SPELLING = re.compile(r"(?:aerotech\s+)?(?P<name>[a-z]\d+)[a-z]*(?:\s*-\s*\d*[a
 
 
 def motor_index(name: str) -> int:
-    """The paper's index of a motor by its name, in any of the spellings in use: F24-4W, F24W-4, AeroTech F24."""
+    """The paper's index of a motor by its name, as F24-4W, F24W-4 or AeroTech F24. Raises UnknownMotor."""
     spelt = _SPELLING.fullmatch(name.strip())
     for index, motor in enumerate(MOTORS):
         if spelt and spelt["name"].upper() == motor.name.split("-")[0]:

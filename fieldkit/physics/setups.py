@@ -1,6 +1,6 @@
 """From flights and their motors to a set-up in the field physics: certified curves, real air, a rail.
 
-What was not recorded takes a stated default: standard air at sea level, a one-metre rail that stands
+What was not recorded takes a stated default: standard air at sea level, a one-meter rail that stands
 upright, a parachute that falls at 5 m/s. Declared wind is not in the set-up: it acts through the `wind`
 effect alone, whose strength says how strongly this rocket turns into it.
 """
@@ -20,13 +20,13 @@ from fieldkit.physics.thrust_steps import STEPS, Burns, burns
 from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
-"""Of a rod where none was recorded. [m]"""
+"""Of a rod if none was recorded. [m]"""
 DESCENT_SPEED = 5.0
-"""Under a parachute where none was recorded. [m/s]"""
+"""Under a parachute if none was recorded. [m/s]"""
 
 
 def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
-    """A number of every flight in SI, nan where it was not recorded."""
+    """A number of every flight in SI, nan if it was not recorded."""
     values = [flight.number(name) for flight in flights]
     return np.array([np.nan if value is None else value for value in values], float)
 
@@ -75,9 +75,9 @@ def field_setup(
 
 
 def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
-    """Angle of every rail from vertical, away from the wind and across it to the right; 0 where not recorded. [rad]
+    """Angle of every rail from vertical, away from the wind and across it to the right; 0 if not recorded. [rad]
 
-    A recorded angle leans into the wind where nobody said otherwise, a negative one away from it.
+    A recorded angle is into the wind by default, a negative one away from it.
     """
     angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
     turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]

@@ -33,7 +33,7 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
     them, and the true height of its apogee above the pad, `true_apogee_m`.
 
     `plan` has dry mass, diameter and whatever conditions are known. The rocket is taken to turn into a
-    recorded wind fully. Raises ImpossibleFlight where the motor does not lift the rocket or figures are lacking.
+    recorded wind fully. Raises ImpossibleFlight if the motor does not lift the rocket or figures are lacking.
     """
     _, diameter = _body(plan)
     setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))

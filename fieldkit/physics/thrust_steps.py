@@ -46,7 +46,7 @@ class Curve(Protocol):
 class Burns:
     """Several motors on the integrator's steps; shorter burns end in steps of no length.
 
-    `thrust` [N] and `spent` (share of the propellant burnt, [1]) stand at start, middle and end of each
+    `thrust` [N] and `spent` (fraction of the propellant burned, [1]) are those at start, middle and end of each
     step. `rise_time` and `rise_thrust` are the knots up to the highest, for lift-off. Rows are steps first,
     so that one step of all motors lies together.
     """
@@ -67,7 +67,7 @@ class Burns:
 
 
 def _edges(time: Array, steps: int) -> Array:
-    """Step edges of one curve: every knot, and splits between those that lie far apart."""
+    """Step edges of one curve: every knot, and splits between those that are far from each other."""
     gap = np.diff(time)
     pieces = np.ceil(gap / ((time[-1] - time[0]) / steps) - 1e-9).astype(int)
     place = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
@@ -85,7 +85,7 @@ def _impulse(time: Array, thrust: Array, at: Array) -> Array:
 
 
 def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
-    """The curve with knots at the same moment pulled apart by a microsecond."""
+    """The curve with knots at the same moment separated by a microsecond."""
     time = time.copy()
     for knot in range(1, len(time)):
         time[knot] = max(time[knot], time[knot - 1] + 1e-6)
@@ -93,7 +93,7 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbours is least.
+    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbors is least.
 
     Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """

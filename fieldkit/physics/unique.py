@@ -1,4 +1,4 @@
-"""Draws that are alike in everything fly once: a step in one unknown leaves most flights of a rocket as they were."""
+"""Identical draws fly once: a step in one unknown leaves most flights of a rocket as they were."""
 
 from dataclasses import fields
 
@@ -24,7 +24,7 @@ def fly_unique(setup: Setup) -> FlightResult:
 def kinds(flat: Setup) -> tuple[Integers, Integers]:
     """The first draw of every kind, and the kind that every draw of a flat set-up is of.
 
-    Draws are told apart by a sum of products of the bits of their entries; should two different ones ever share
+    Draws are distinguished by a sum of products of the bits of their entries; should two different ones ever share
     it, every draw is a kind of its own.
     """
     entries = np.stack([np.zeros(flat.draws), *(np.broadcast_to(x, flat.draws) for x in _entries(flat))])

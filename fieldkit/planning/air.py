@@ -33,12 +33,12 @@ class PadAir:
         }
 
     def words(self) -> str:
-        """In a line: `1.146 kg/m³ at the pad (density altitude 690 m); the altimeter shows 6.4 % too little`."""
+        """In a line: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4 % low`."""
         off = 100 * (self.gain - 1)
-        shows = "what is true" if abs(off) < 0.05 else f"{abs(off):.1f} % too {'much' if off > 0 else 'little'}"
+        reads = "reads true" if abs(off) < 0.05 else f"reads {abs(off):.1f} % {'high' if off > 0 else 'low'}"
         text = f"{self.density:.3f} kg/m³ at the pad (density altitude {self.density_altitude:.0f} m)"
-        text += f"; the altimeter shows {shows}"
-        return f"{text}; not given, so standard: {', '.join(self.assumed)}" if self.assumed else text
+        text += f"; altimeter {reads}"
+        return f"{text}; standard values for {', '.join(self.assumed)}" if self.assumed else text
 
 
 def air_of(plan: Flight) -> PadAir:

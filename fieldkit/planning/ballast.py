@@ -28,8 +28,9 @@ CLEAR_ERRORS, LEAST_GAIN = 2.0, 1.0
 BAND_SMOOTHING = 0.5
 """Width over which the edge of the band is rounded, so that the probability is smooth in the mass. [m]"""
 SEARCH_SMOOTHING = 0.15
-"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the luck of so few
-draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section 3.4.2). [1]"""
+"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the random
+scatter of so few draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986,
+section 3.4.2). [1]"""
 
 Figures = Float[Array, "draw"]
 
@@ -136,9 +137,9 @@ def ballast(
     bounds: tuple[float | None, float | None] = (None, None),
     draws: int = DRAWS,
 ) -> Ballast:
-    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent is reckoned with as well.
+    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent counts as well.
 
-    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight where no mass lifts off.
+    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight if no mass lifts off.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -176,7 +177,7 @@ def _gain(
     """By how many points a flight a change is better on average, and how uncertain that is after so many flights.
 
     Both fly on the same draws; their difference scatters from flight to flight, and its mean is known as well as that
-    many flights tell it.
+    many flights determine it.
     """
     saved = _points(goal, *today) - _points(goal, *there)
     return float(saved.mean()), float(saved.std() / np.sqrt(max(flights, 1)))
@@ -202,15 +203,15 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
         edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
+        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lower one first")
     return np.linspace(low, high, GRID)
 
 
 def _named(
     rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
 ) -> tuple[Prediction, float, float]:
-    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown together on one luck, so
-    that the flight that is named lies within the reach that is."""
+    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown with common random
+    numbers, so that the flight that is named lies within the reach that is."""
     ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
     planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
     said = forecasts(rocket, planned, draws=draws)
@@ -219,7 +220,7 @@ def _named(
 
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
-    """From lift-off to landing of each mass, on the same luck. [s]"""
+    """From lift-off to landing of each mass, with common random numbers. [s]"""
     fall = fall_of(rocket.history, said[0].plan)
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
@@ -229,7 +230,7 @@ def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw fli
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
-    """The mass of the least cost: the best of the grid, made finer between its neighbours. [kg]"""
+    """The mass of the least cost: the best of the grid, made finer between its neighbors. [kg]"""
     from scipy.optimize import minimize_scalar
 
     costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]

@@ -27,14 +27,14 @@ FOLDER = Path(__file__).parents[1] / "data" / "seasons"
 DRAWS = 1000
 """Rockets drawn, each of which flies all flights that may be declared. [1]"""
 AREAS = (0.4, 2.5)
-"""Shares of the parachute's area that are tried. [1]"""
+"""Fractions of the parachute's area that are tried. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Season:
     """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
 
-    `mass` and `impulse` are the most on the pad, `length` the least; None where the season sets none. `eggs`, `body`,
+    `mass` and `impulse` are the most on the pad, `length` the least; None if the season sets none. `eggs`, `body`,
     `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m].
     """
 
@@ -87,7 +87,7 @@ def seasons(own: Path | None = None) -> list[int]:
 
 
 def copy_season(year: int, own: Path) -> Path:
-    """The file of a year in the flyer's own folder, copied there where it is not yet, to be checked and changed.
+    """The file of a year in the flyer's own folder, copied there if it is not yet, to be checked and changed.
 
     Raises BadValue for a year that there is no file of, FieldkitError for a folder that cannot be written.
     """
@@ -99,7 +99,7 @@ def copy_season(year: int, own: Path) -> Path:
 
 
 def season(year: int, own: Path | None = None) -> Season:
-    """The rule of a year, from the flyer's own folder of seasons where it has one.
+    """The rule of a year, from the flyer's own folder of seasons if it has one.
 
     Raises BadValue that names the years there are, or what a file lacks.
     """
@@ -129,9 +129,7 @@ def season(year: int, own: Path | None = None) -> Season:
             **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
         )
     except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
-        raise BadValue(
-            f"{file.name}: found {error}, expected every key of a season with a value of its kind"
-        ) from error
+        raise BadValue(f"{file.name}: found {error}, expected every key of a season with a valid value") from error
 
 
 def _finals(feet: Sequence[float] | None) -> tuple[float, float] | None:
@@ -185,8 +183,8 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
 class Outlook:
     """What a plan can expect: points of each flight that may be declared, as draws, and what they rest on.
 
-    `timed` counts the flights that told the descent; without any the duration is that of a usual parachute, and
-    `duration` [s] as wide as these are. `area` is the share of the parachute's area that has the fewest points, and
+    `timed` counts the flights that show the descent; without any the duration is that of a usual parachute, and
+    `duration` [s] as wide as these are. `area` is the fraction of the parachute's area that has the fewest points, and
     `points_there` what it would bring on average.
     """
 
@@ -203,10 +201,10 @@ class Outlook:
 
 
 def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
-    """Fly a plan as often as flights may be declared, on a share of the area of the parachute that was flown. [1]
+    """Fly a plan as often as flights may be declared, on a fraction of the area of the parachute that was flown. [1]
 
-    The flights of a row share what is not known of the rocket and differ in luck, so their sum is as uncertain as it
-    should be.
+    The flights of a row share what is not known of the rocket and differ in their random draws, so their sum is as
+    uncertain as it should be.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
     fall, shape = fall_of(rocket.history, said[0].plan), (draws, rule.declared)
@@ -223,7 +221,8 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
-    """The share of the area that costs least, and that cost; by its logarithm, for half and double are alike."""
+    """The fraction of the area that costs least, and that cost; by its logarithm, so that half and double are equal
+    steps."""
     from scipy.optimize import minimize_scalar
 
     bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
@@ -247,9 +246,9 @@ def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> S
     motor = found.motor
     name = f"{motor.maker} {motor.designation}"
     if approved is None:
-        kept = "impulse kept; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
+        kept = "impulse unchanged; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
         where = f"{rule.year}_motors.txt among your own seasons"
-        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's list ({where})", "")
+        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's motor list ({where})", "")
     listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved
     text = f"{name} is {'on' if listed else 'not on'} your copy of the list"
     return SafetyCheck("contest motor list", "ok" if listed else "unsafe", text, f"{rule.year}_motors.txt")

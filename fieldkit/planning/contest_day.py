@@ -1,4 +1,4 @@
-"""The day of a contest: what is announced, declared and wanted there, beside the rule of its season."""
+"""The day of a contest: what is announced, declared and wanted, in addition to the rule of its season."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from fieldkit.planning.contest import Season
 @dataclass(frozen=True, slots=True)
 class Day:
     """What is known of a contest's day: `target` [m] and `window` [s] as announced, the points that qualify (`cut`),
-    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing where it is not."""
+    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing if it is not."""
 
     target: float | None = None
     window: tuple[float, float] | None = None
@@ -25,7 +25,7 @@ class Day:
 
 def read_window(text: str) -> tuple[float, float]:
     """The window of durations as announced, typed as `37-40`. Raises BadValue. [s]"""
-    wanted = BadValue(f"found {text!r}, expected seconds, the fewer first, such as 37-40")
+    wanted = BadValue(f"found {text!r}, expected seconds, the lower first, such as 37-40")
     try:
         low, high = (float(part.strip(" s")) for part in text.split("-"))
     except ValueError:
@@ -52,7 +52,7 @@ def read_points(text: str) -> float:
 
 
 def read_part(name: str, text: str, unit: str) -> object:
-    """One part of a day as typed, or a length of its site; None where nothing is. Raises BadValue."""
+    """One part of a day as typed, or a length of its site; None if nothing is. Raises BadValue."""
     if name == "declared":
         return read_declared(text)
     if not text.strip():
@@ -63,5 +63,5 @@ def read_part(name: str, text: str, unit: str) -> object:
         return read_points(text)
     length = units.parse(text, "length", unit)
     if not 0 < length < 1e5:
-        raise BadValue(f"found {text!r}, expected a length above nothing, such as 800ft")
+        raise BadValue(f"found {text!r}, expected a length above zero, such as 800ft")
     return length

@@ -48,7 +48,7 @@ def whole_feet(apogee: float) -> float:
 
 
 def why_no_score(flight: Flight) -> str:
-    """Why a flight has no score, empty where it has one: it counts as one of the attempts all the same."""
+    """Why a flight has no score, empty if it has one: it counts as one of the attempts all the same."""
     for tag, why in NO_SCORE_TAGS.items():
         if tag in flight.tags:
             return why

@@ -20,7 +20,7 @@ from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
 RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
-"""How far a delay may be from what is printed: this share of it [1], no less than this and never more than that [s].
+"""How far a delay may be from what is printed: this fraction of it [1], no less than this and never more than that [s].
 Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000
@@ -49,7 +49,7 @@ class Drill:
             return ""
         steps = ", ".join(f"{off:g}" for off in self.takes_off)
         why = f"was not checked against its instructions ({self.source})"
-        return f"What {self.maker}'s tool takes off ({steps} s) {why}: go by the marks on yours."
+        return f"What {self.maker}'s tool removes ({steps} s) {why}: go by the marks on yours."
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class Delay:
 class Delays:
     """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words.
 
-    `forecast` is the flight with the best of them, without a charge where there is none.
+    `forecast` is the flight with the best of them, without a charge if there is none.
     """
 
     coast: Three
@@ -161,7 +161,7 @@ def delays(
 
     `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
     parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
-    Raises ImpossibleFlight where the motor does not lift the rocket.
+    Raises ImpossibleFlight if the motor does not lift the rocket.
     """
     ways = list(offered(found.motor, takes_off, least_left).items())
     planned = [
@@ -171,7 +171,9 @@ def delays(
     said = forecasts(rocket, planned, draws=draws, delay_sd=sd)
     lifted = said[0].apogee > 0
     if lifted.mean() < 0.5:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust to lift the rocket, expected more")
+        raise ImpossibleFlight(
+            f"{found.motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
+        )
     coast = said[0].coast_time[lifted]
     judged = [_judged(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)]
     order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
@@ -193,19 +195,19 @@ def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -
     """What cannot be, said in words."""
     name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
     if middle < 0:
-        text = (
-            f"{name}: the rocket is over the top {-middle:.1f} s before the motor burns out, so a delay would have to"
-        )
-        return [f"{text} be negative and none fits: it is too heavy for this motor, or the motor burns too long."]
+        text = f"{name}: the rocket passes apogee {-middle:.1f} s before burnout, so a delay would have to"
+        return [
+            f"{text} be negative and none fits: the rocket is too heavy for this motor, or the motor burns too long."
+        ]
     if not motor.delays:
-        return [f"{name}: no delays are on record; the best would be {middle:.1f} s."]
+        return [f"{name}: no delays are listed; the best would be {middle:.1f} s."]
     if not ranked:
-        return [f"{name} is sold plugged alone: it has no ejection charge, the altimeter must deploy."]
+        return [f"{name} is sold only plugged: it has no ejection charge, so the altimeter must deploy."]
     short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
     if middle < short - MIN_DELAY_TOLERANCE:
-        text = f"{name}: coasts {middle:.1f} s, the shortest delay there can be is {short:g} s: every charge fires"
+        text = f"{name}: coasts {middle:.1f} s, the shortest available delay is {short:g} s: every charge fires"
         return [f"{text} late, on the way down. A lighter rocket or a faster motor coasts longer."]
     if middle > long + MIN_DELAY_TOLERANCE:
-        text = f"{name}: coasts {middle:.1f} s, the longest delay there can be is {long:g} s: every charge fires"
-        return [f"{text} early, on the way up. A heavier rocket coasts less, or the altimeter must deploy."]
+        text = f"{name}: coasts {middle:.1f} s, the longest available delay is {long:g} s: every charge fires"
+        return [f"{text} early, on the way up. A heavier rocket coasts less, or let the altimeter deploy."]
     return []

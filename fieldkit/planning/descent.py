@@ -1,7 +1,7 @@
 """How fast a rocket comes down, from what its flights showed, and what that makes of a plan's way down.
 
 Under a device drag carries the weight, rho/2 v^2 Cd A = m g, so that v = c sqrt(m / rho) / sqrt(A / A0): one number
-c for a rocket and its device serves every mass, air, and share of the device's area (Knacke, Parachute Recovery
+c for a rocket and its device serves every mass, air, and fraction of the device's area (Knacke, Parachute Recovery
 Systems Design Manual, 1991, chapter 5). Duration, landing and the fit on flights rest on the same descent
 (`fieldkit.physics.descent`): the charge fires when its delay says, not at apogee.
 """
@@ -27,11 +27,11 @@ FLIGHT_TO_FLIGHT_SD = 0.10
 DESCENT_PRIOR_FLIGHTS = 4.0
 """Number of flights that the guess of the descent speed counts for. [1]"""
 DEFAULT_DESCENT_SD = 0.30
-"""Of the log descent speed where no flight told it: parachutes are cut for 3.5 to 7 m/s. [1]"""
+"""Of the log descent speed if no flight shows it: parachutes are cut for 3.5 to 7 m/s. [1]"""
 STREAMER_SPEED = 10.0
-"""Under a streamer where no flight told it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
+"""Under a streamer if no flight shows it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
 DROGUE_SPEED = 20.0
-"""Under a drogue where none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
+"""Under a drogue if none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
 AREA_CHANGE_SD = 0.15
 """By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
 CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
@@ -44,7 +44,7 @@ USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
 class Fall:
     """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual device.
 
-    `drogue` is that of the drogue of a rocket with two devices, None where there is none.
+    `drogue` is that of the drogue of a rocket with two devices, None if there is none.
     """
 
     log_mean: float
@@ -55,7 +55,7 @@ class Fall:
     def speeds(
         self, rng: np.random.Generator, shape: tuple[int, int], mass: float, density: float, area: float = 1.0
     ) -> Float[Array, "draw flight"]:
-        """Descent speeds near the ground of flights of a landing mass [kg] in air [kg/m^3], on a share of the
+        """Descent speeds near the ground of flights of a landing mass [kg] in air [kg/m^3], on a fraction of the
         parachute's area. [m/s]
 
         Each row is one rocket: variance and mean from their joint posterior (normal, inverse chi-square; Gelman et
@@ -73,13 +73,13 @@ class Fall:
 
 
 def usual(device: Device = "parachute") -> Fall:
-    """The descent of a device that no flight told of."""
+    """The descent of a device without a flight that shows it."""
     speed = DESCENT_SPEED if device == "parachute" else STREAMER_SPEED
     return Fall(_pace(speed, USUAL_MASS, USUAL_DENSITY), FLIGHT_TO_FLIGHT_SD, 0)
 
 
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> Fall:
-    """What the clean flights of a rocket tell of its descent, those on the device of the plan where that is said.
+    """What the clean flights of a rocket show of its descent, those on the plan's device if that is given.
 
     A typed drogue speed of the plan is taken for what it is until flights show another.
     """
@@ -115,7 +115,7 @@ def _pace(speed: float, mass: float, density: float) -> float:
 
 
 def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]) -> Fall | None:
-    """The fall that some speeds tell of [m/s], None where none does."""
+    """The fall that some speeds show [m/s], None without any."""
     values = np.array([np.nan if speed is None else speed for speed in speeds], float)
     known = np.isfinite(values) & (values > 0)
     if not known.any():
@@ -129,12 +129,12 @@ def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]
 
 
 def landing_mass(flight: Flight, found: Found) -> float:
-    """Of the rocket with the motor burnt out. [kg]"""
+    """Of the rocket with the motor burned out. [kg]"""
     return (flight.dry_mass or np.nan) + found.motor.casing_mass
 
 
 def wind_profile(plan: Flight) -> WindProfile:
-    """The wind of a plan over height; still where none is given. Raises BadValue."""
+    """The wind of a plan over height; still if none is given. Raises BadValue."""
     aloft, height = recovery_figure(plan, "wind_aloft"), recovery_figure(plan, "wind_aloft_height")
     turn = recovery_figure(plan, "wind_aloft_turn") or 0.0
     if aloft is None:
@@ -151,7 +151,7 @@ def descents(
 ) -> DescentResult:
     """The way down of each draw of a forecast at a descent speed near the ground [m/s].
 
-    The charge fires as the delay of the plan says; where none is known, and where an altimeter opens two devices, at
+    The charge fires as the delay of the plan says; if none is known, and where an altimeter opens two devices, at
     apogee. A draw that reaches the ground before
     it, or before anything is open, comes down ballistic.
     """
@@ -193,7 +193,7 @@ def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
     """Descent speeds near the ground that a flight shows: of its last device, and of a drogue above it. [m/s]
 
     A duration is what a stopwatch and a judge have, and it averages over the whole descent, so it counts before a
-    descent speed; with two devices the descent speed is the main's and the duration tells the drogue's.
+    descent speed; with two devices the descent speed is the main's and the duration gives the drogue's.
     """
     if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
         return flight.descent_speed, None
@@ -239,7 +239,7 @@ def _thin_path(height: float, air: Air) -> float:
 
 
 def _means(values: Array) -> Array:
-    """Means of neighbours, for the trapezoid rule."""
+    """Means of neighbors, for the trapezoid rule."""
     return np.asarray(0.5 * (values[1:] + values[:-1]))
 
 

@@ -77,7 +77,7 @@ def flown_ahead(
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
+    """The fit, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
     made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
     made = [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
     return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]

@@ -13,7 +13,7 @@ FILE_NAME = "kits.toml"
 
 @dataclass(frozen=True, slots=True)
 class Kit:
-    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None where it is not known."""
+    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None if it is not known."""
 
     name: str
     dry_mass: float | None
@@ -22,7 +22,7 @@ class Kit:
 
 
 def read_kits(file: Path) -> Mapping[str, Kit]:
-    """The kits of a file by name, none where there is no file. Raises BadValue that names the kit and the figure."""
+    """The kits of a file by name, none if there is no file. Raises BadValue that names the kit and the figure."""
     if not file.exists():
         return {}
     try:
@@ -32,7 +32,9 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
     kits = {}
     for name, table in tables.items():
         if not isinstance(table, dict):
-            raise BadValue(f"{file.name}: found {name!r} alone, expected [{name}] with dry_mass_g and diameter_mm")
+            raise BadValue(
+                f"{file.name}: found {name!r} without values, expected [{name}] with dry_mass_g and diameter_mm"
+            )
         figures = [_figure(file, name, table, key) for key in ("dry_mass_g", "diameter_mm", "mount_mm")]
         kits[name.casefold()] = Kit(name, *figures)
     return kits
@@ -42,7 +44,7 @@ def kit_of(file: Path, name: str) -> Kit:
     """The kit of a name. Raises BadValue that lists those there are."""
     kits = read_kits(file)
     if name.casefold() not in kits:
-        known = ", ".join(kit.name for kit in kits.values()) or f"none yet, write them in {file}"
+        known = ", ".join(kit.name for kit in kits.values()) or f"none; add them in {file}"
         raise BadValue(f"found no kit {name!r}, expected one of: {known}")
     return kits[name.casefold()]
 

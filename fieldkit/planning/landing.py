@@ -22,7 +22,7 @@ from fieldkit.units import DEGREE
 
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Of the log of the wind that blows over the one declared, as in the training of the networks; of its direction [rad],
-a judgement."""
+a judgment."""
 ELLIPSE_LEVEL = 0.9
 """Fraction of the landings that the ellipse holds. [1]"""
 ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)

@@ -11,7 +11,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 
 OWN_NAMES = ("wind", "angle")
-"""Bounds that only a flyer's own file sets, beside those of the rule sets."""
+"""Bounds that only a flyer's own file sets, in addition to those of the rule sets."""
 DATA = Path(__file__).parents[1] / "data" / "limits.toml"
 QUANTITIES = {
     "m/s": "speed",

@@ -1,4 +1,4 @@
-"""The motor guide: every motor that fits a rocket, flown on what its flights taught."""
+"""The motor guide: every motor that fits a rocket, forecast from its flights."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +28,8 @@ from fieldkit.units import STANDARD_GRAVITY
 DIAMETER_TOLERANCE = 0.0006
 """Largest difference between two diameters of one mount. [m]"""
 DRAWS = 64
-"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
+"""Flights flown for each motor, all with common random numbers: a 5 % quantile is good to a quarter of a standard
+deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 FIT_CHECKS = ("rail exit speed", "thrust to weight", "ejection speed", "ceiling")
@@ -85,7 +86,7 @@ def _letter(motor: Motor) -> str:
 class MotorChoice:
     """A motor with the delay that suits it best, the flight it would give and its safety lines.
 
-    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
+    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` says
     whether this rocket has flown it. Thrust to weight is of the first half second and of the average. [1]
     """
 
@@ -150,7 +151,7 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
-    """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor if none does."""
+    """The motors that fit, from the catalog and the flyer's own. Raises UnknownMotor if none does."""
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
@@ -161,14 +162,14 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     motors = [motor for listing in near if wanted.fits(motor := listing.motor())]
     if not motors:
         mount = "any" if wanted.mount is None else f"a {wanted.mount * 1e3:g} mm"
-        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider ones")
+        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider limits")
     return motors
 
 
 def guide(
     rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[MotorChoice]:
-    """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
+    """The flight that a plan would become on each of some motors, in the same order; nothing is saved.
 
     A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
     Raises ImpossibleFlight for a plan without a mass.
@@ -202,7 +203,7 @@ ForecastWithDelay = tuple[float | None, Prediction]
 
 
 def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
-    """Each motor of what was learnt, with the delay that suits it."""
+    """Each motor of the fit, with the delay that suits it."""
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))

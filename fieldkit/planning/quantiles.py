@@ -8,7 +8,7 @@ from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.shapes import Array, Float
 
 Three = tuple[float, float, float]
-"""5, 50 and 95 %; nan where there is nothing to tell."""
+"""5, 50 and 95 %; nan if there are none."""
 
 
 def three(draws: Float[Array, "draw"]) -> Three:

@@ -30,7 +30,7 @@ FIGURE_RULES = (
     "certification",
 )
 """Rules that a figure of the plan is held against; any other is words to keep in mind."""
-NO_RULE = "no rule among the sets chosen"
+NO_RULE = "no rule in the chosen sets"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ def mass_line(held: Governed) -> SafetyCheck:
         for rule in held.rules(name):
             limit = rule.rows[0].value
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
-            shown = "not known" if math.isnan(value) else f"{value * scale:.0f}"
+            shown = "unknown" if math.isnan(value) else f"{value * scale:.0f}"
             lines.append(
                 _check("mass and impulse", verdict, f"{shown} {unit}, at most {limit * scale:,.0f} {unit}", rule)
             )
@@ -139,7 +139,7 @@ def mass_line(held: Governed) -> SafetyCheck:
 
 
 def weight_line(held: Governed) -> SafetyCheck | None:
-    """Lift-off weight against the certified average thrust, where a code bounds it; None where none does."""
+    """Lift-off weight against the certified average thrust, where a code bounds it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
         ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
@@ -159,14 +159,14 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
         row = rule.row(held.build.impulse, held.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
-        text = f"the code wants {length(needed)} across"
+        text = f"the code requires {length(needed)} across"
         if size is None:
-            return _check("field size", "unknown", f"{text}, its size is not given", rule, row)
+            return _check("field size", "unknown", f"{text}; field size not given", rule, row)
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(held)) and size >= small.rows[0].value - 1e-6:
-            told = f"{text}, {length(small.rows[0].value)} for small high power; this one is {length(size)}"
+            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {length(size)}"
             return _check("field size", "caution", told, small)
-        return _check("field size", verdict, f"{text}, this one is {length(size)}", rule, row)
+        return _check("field size", verdict, f"{text}; this field is {length(size)}", rule, row)
 
     wanted = held.rules("field size")
     wanted.sort(key=lambda rule: -(rule.least(held.build.impulse, held.altitude) or math.inf))
@@ -193,13 +193,13 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
             return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
         text = f"people at least {length(needed)} away"
         if build.complex and row.complex is not None:
-            text += ", as the rocket is complex"
+            text += "because the rocket is complex"
         if row.cleared is not None:
             text += f", {length(row.cleared)} across cleared around the pad"
         if people is None:
-            return _check(name, "unknown", f"{text}; theirs is not given", rule, row)
+            return _check(name, "unknown", f"{text}; distance not given", rule, row)
         verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; theirs is {length(people)}", rule, row)
+        return _check(name, verdict, f"{text}; they are {length(people)} away", rule, row)
 
     rules = held.rules(name)
     rules.sort(key=lambda rule: -(rule.least(build.impulse, held.altitude, complex_rocket=build.complex) or math.inf))
@@ -212,16 +212,16 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
 
     def judge(rule: Rule) -> SafetyCheck:
         needed = rule.least(held.build.impulse, held.altitude) or 0.0
-        text = f"persons and property not involved at least {length(needed)} away"
+        text = f"uninvolved people and property at least {length(needed)} away"
         if away is None:
-            return _check(name, "unknown", f"{text}; theirs is not given", rule)
+            return _check(name, "unknown", f"{text}; distance not given", rule)
         verdict: Verdict = "ok" if away >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; theirs is {length(away)}", rule)
+        return _check(name, verdict, f"{text}; they are {length(away)} away", rule)
 
     rules = held.rules(name)
     if not rules and held.legal == 1:
         law = held.law.title if held.law else ""
-        return SafetyCheck(name, "ok", "no distance is set for class 1, only no hazard to them", law)
+        return SafetyCheck(name, "ok", "no set distance for class 1, but no hazard to them", law)
     return _line(name, rules, judge)
 
 
@@ -233,13 +233,13 @@ def class_line(held: Governed) -> SafetyCheck:
     law = held.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""
-    name = f"class {held.legal}" if held.legal else "no class of a law"
+    name = f"class {held.legal}" if held.legal else "no legal class"
     if held.legal == 3:
         return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
     if not held.why and held.legal in (None, 1):
         return SafetyCheck("class", "ok", f"{text}: {name}, a model rocket", source)
     waiver = ", which needs a waiver" if held.legal == 2 else ""
-    high = f"high power by {held.why}" if held.why else "not high power by the clubs"
+    high = f"high power by {held.why}" if held.why else "not high power under club rules"
     return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
 
 
@@ -253,9 +253,9 @@ def certification_line(held: Governed) -> SafetyCheck:
         level = rule.least(held.build.impulse, held.altitude)
         if level is None:
             return _check(name, "unsafe", f"{held.build.impulse:.0f} N s is beyond every level", rule)
-        return _check(name, "caution", f"asks for certification level {level:.0f}", rule)
+        return _check(name, "caution", f"requires certification level {level:.0f}", rule)
 
-    return _line(name, held.rules(name), judge, "high power: no set that was chosen names a level")
+    return _line(name, held.rules(name), judge, "high power: none of the chosen rules names a level")
 
 
 def complex_line(held: Governed) -> SafetyCheck:
@@ -272,12 +272,12 @@ def complex_line(held: Governed) -> SafetyCheck:
 
     if rules := held.rules(name):
         return _line(name, rules, judge)
-    return SafetyCheck(name, "caution", f"{text}: the complex column of the distance table counts", "")
+    return SafetyCheck(name, "caution", f"{text}: the complex column of the distance table applies", "")
 
 
 def reminder_lines(held: Governed) -> Iterator[SafetyCheck]:
     """Rules that the program cannot hold a plan against, in their own words."""
     for rule in held.reminders():
         doubt = " (unverified)" if rule.text.unverified else ""
-        words = f"yours to see: {rule.text.words}{doubt}"
+        words = f"check it yourself: {rule.text.words}{doubt}"
         yield SafetyCheck(rule.check, "unknown", words, f"{rule.of}; {rule.text.origin()}")

@@ -22,7 +22,7 @@ FOLDER = Path(__file__).parents[1] / "data" / "rules"
 MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others", "U": "unverified"}
 """How sure the text of a rule is, by its mark."""
 DEFAULT_AUTHORITIES = ("NAR", "FAA")
-"""Who governs a launch where nobody else was named."""
+"""Who governs a launch if nobody else was named."""
 KINDS = ("model", "high power", "any")
 """Rockets that a set is for."""
 
@@ -61,7 +61,7 @@ class RuleRow:
 class Rule:
     """What one set demands of one thing: rows of figures by installed impulse [N s] or altitude [m], or a single one.
 
-    `most` tells whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
+    `most` says whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
     the expected altitude [1]. A rule without rows is words alone. `only` are bounds of what it applies to.
     """
 
@@ -139,7 +139,7 @@ def governing(
 
 
 def read_authorities(text: str) -> tuple[str, ...]:
-    """Who governs a launch, typed as `NAR, FAA`; the usual where nothing is."""
+    """Who governs a launch, typed as `NAR, FAA`; the usual if nothing is."""
     return tuple(name.strip() for name in text.split(",") if name.strip()) or DEFAULT_AUTHORITIES
 
 

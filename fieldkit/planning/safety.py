@@ -107,11 +107,11 @@ def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
 
 
 OWN_BOUNDS = {"wind": ("ground wind", 1.0, "m/s"), "angle": ("launch angle", DEGREE, "°")}
-"""Bounds that flyers set for themselves beside the rules: the line, the size of the unit shown in SI, and the unit."""
+"""Bounds that flyers set in addition to the rules: the line, the size of the unit shown in SI, and the unit."""
 
 
 def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
-    """The line of a bound in the flyer's own `limits.toml`, None where there is none or nothing to hold against it."""
+    """The line of a bound in the flyer's own `limits.toml`, None if there is none or nothing to hold against it."""
     if name not in limits or value is None:
         return None
     check, scale, unit = OWN_BOUNDS[name]
@@ -128,7 +128,7 @@ def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> S
     needed = max(fixed.value, times.value * (wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
-    text = f"{speed(three(speeds)[1])}, wanted at least {speed(needed)}{why}; chance of less {chance:.0%}"
+    text = f"{speed(three(speeds)[1])}, needs at least {speed(needed)}{why}; {chance:.0%} chance of less"
     return SafetyCheck("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
 
 
@@ -139,15 +139,15 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     verdict: Verdict = "ok" if least >= good.value else "caution" if least >= unsafe.value else "unsafe"
     text = (
         f"{first:.1f} in the first half second, {average:.1f} on average; "
-        f"good from {good.value:g}, unsafe below {unsafe.value:g}"
+        f"good above {good.value:g}, unsafe below {unsafe.value:g}"
     )
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
 
 
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
-    source = f"ceiling of {site.name}" if site.name else "ceiling as given"
+    source = f"ceiling of {site.name}" if site.name else "ceiling entered"
     high = three(heights)[2]
-    text = f"95 % stay below {length(high)} above the pad"
+    text = f"95 % chance to stay below {length(high)} above the pad"
     if site.ceiling is None:
         return SafetyCheck("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
     verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
@@ -158,7 +158,7 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
     """What the code wants of the field, and whether what comes down stays on it, the pad being in its middle."""
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        return replace(code, verdict=verdict, text=f"{code.text}; wind not given, so no drift")
+        return replace(code, verdict=verdict, text=f"{code.text}; wind not given, so drift unknown")
     _, usual, reach = three(landing(said, fall).away)
     text = f"{code.text}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
@@ -171,21 +171,21 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
     if delay is None or not math.isfinite(delay):
         return SafetyCheck(
-            "ejection speed", "unknown", "no delay known, so no charge fires in this forecast", limit.source
+            "ejection speed", "unknown", "delay unknown, so no charge fires in this forecast", limit.source
         )
     fired = np.isfinite(said.eject_speed)
     crashed = float(np.mean(~fired & (said.true_apogee > 0)))
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
     text = f"{speed(three(said.eject_speed)[1], 0)}; " if fired.any() else ""
-    text += f"chance of more than {speed(limit.value, 0)} {chance:.0%}"
-    text += f", {crashed:.0%} reach the ground first" if crashed >= 0.01 else ""
+    text += f"{chance:.0%} chance of more than {speed(limit.value, 0)}"
+    text += f", {crashed:.0%} chance to hit the ground first" if crashed >= 0.01 else ""
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
 def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     cold, hot = limits["motor_cold"], limits["motor_hot"]
     value = motor_temperature(plan)
-    between = f"certified near 21 °C (70 °F), flown from {_celsius(cold.value)} to {_celsius(hot.value)}"
+    between = f"certified near 21 °C (70 °F), usable from {_celsius(cold.value)} to {_celsius(hot.value)}"
     if value is None:
         return SafetyCheck("motor temperature", "unknown", f"not given; {between}", hot.source)
     verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"

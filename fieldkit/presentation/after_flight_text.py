@@ -1,4 +1,4 @@
-"""How a flight did beside its forecast, in words: for the app's notice and the command line."""
+"""How a flight did compared with its forecast, in words: for the app's notice and the command line."""
 
 from collections.abc import Iterator
 

@@ -40,7 +40,8 @@ def finals_heading(plan: Flight, found: Found, rule: Season) -> Iterator[str]:
 
 
 FINALS_NOTES = (
-    "parachute: area over that flown, *: at the edge of the masses and areas tried, so look further. "
-    "apogee, seconds: 5 to 95 %. points: mean of a flight.",
+    "parachute: area relative to the one flown. *: at the limit of the masses and areas tried; a wider range may be "
+    "better. "
+    "apogee, seconds: 5 to 95 %. points: mean per flight.",
     "Weigh on the pad; the altimeter's reading counts.",
 )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.quantities import counted
 from fieldkit.units import FOOT
 
 
@@ -15,23 +16,23 @@ def in_words(prediction: Prediction) -> Iterator[str]:
     name = " ".join(part for part in (plan.rocket, plan.config) if part) or "this rocket"
     yield f"{name} on {motor.maker} {plan.motor}, {(plan.dry_mass or 0) * 1e3:.0f} g without the motor"
     yield f"  apogee    {p50:.0f} m ({p50 / FOOT:.0f} ft) as the altimeter will show it"
-    yield f"            90 % between {p05:.0f} and {p95:.0f} m ({p05 / FOOT:.0f} and {p95 / FOOT:.0f} ft)"
+    yield f"            90 % interval {p05:.0f} to {p95:.0f} m ({p05 / FOOT:.0f} to {p95 / FOOT:.0f} ft)"
     yield f"  ejection  {_ejection(prediction)}"
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
-    yield f"  rests on  {_rests_on(prediction)}"
+    yield f"  based on  {_rests_on(prediction)}"
     yield f"  narrows   {narrows(prediction)}"
     if prediction.earlier_forecasts:
         yield (
-            f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
-            f"{prediction.earlier_forecasts} earlier forecasts would have had to be"
+            f"            the interval is {prediction.stretched_by:.2f} times the model's own, calibrated on "
+            f"{counted(prediction.earlier_forecasts, 'earlier forecast')}"
         )
 
 
 def _ejection(prediction: Prediction) -> str:
     eject = prediction.median_eject
     if eject is None:
-        return "no delay known for this motor; write it with the name, such as F24-4W"
+        return "delay unknown; add it to the motor's name, as in F24-4W"
     when = "after" if eject >= 0 else "BEFORE"
     return f"{abs(eject):.1f} s {when} apogee"
 
@@ -39,20 +40,20 @@ def _ejection(prediction: Prediction) -> str:
 def _rests_on(prediction: Prediction) -> str:
     count = prediction.rests_on
     if not count:
-        return "no flight of this rocket: priors of drag and thrust alone, so the interval is wide"
-    return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
+        return "no flights of this rocket: priors only, so the interval is wide"
+    return f"{counted(count, 'clean flight')}, model {prediction.model}"
 
 
 def rests_in_words(prediction: Prediction) -> str:
     """What a forecast rests on, and without a flight what one would narrow."""
     count = prediction.rests_on
     if count:
-        return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
+        return f"{counted(count, 'clean flight')}, model {prediction.model}"
     narrower = 1 - prediction.narrowed(1)
-    return f"no flight of this rocket, on what others show; one like it would narrow the apogee by {narrower:.0%}"
+    return f"no flights of this rocket, only other rockets; one clean flight would narrow the apogee by {narrower:.0%}"
 
 
 def narrows(prediction: Prediction) -> str:
     """What more flights would do to the interval, and what they would not."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
-    return f"by {one:.0%} after one more clean flight like it, by {many:.0%} after many"
+    return f"by {one:.0%} after one more clean flight like this, by {many:.0%} after many"

@@ -121,7 +121,7 @@ def lines(one: FileView) -> Iterator[str]:
         yield from _readout_lines(flight)
         yield from _event_lines(flight)
     if len(one.flights) > MOST_FLIGHTS:
-        yield f"  and {len(one.flights) - MOST_FLIGHTS} more flights; --json lists all"
+        yield f"  and {len(one.flights) - MOST_FLIGHTS} more flights; --json lists them all"
     for note in one.notes:
         yield f"  note      {note}"
     count = len(one.flights)
@@ -139,7 +139,7 @@ def _readout_lines(flight: FlightView) -> Iterator[str]:
         column = BY_NAME[name]
         unit = spelled(column.unit)
         spread = "" if readout.sd is None else f" ± {readout.sd:.2g}"
-        stated = "" if readout.stated is None else f"   the device states {readout.stated:.5g} {unit}"
+        stated = "" if readout.stated is None else f"   device: {readout.stated:.5g} {unit}"
         yield f"    {column.title:22}{f'{readout.value:.5g}{spread} {unit}':22}{readout.sensor:11}{stated}".rstrip()
 
 

@@ -52,13 +52,13 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
     marks = "".join(f"<Point><coordinates>{_places(point[None])}</coordinates></Point>" for point in drawn)
     parts = [
         _placemark("pad", f"<Point><coordinates>{pad[1]:.7f},{pad[0]:.7f}</coordinates></Point>"),
-        _placemark("middle of the landings", f"<Point><coordinates>{_places(centre)}</coordinates></Point>"),
+        _placemark("center of the landings", f"<Point><coordinates>{_places(centre)}</coordinates></Point>"),
         _placemark(
             f"{ellipse.level:.0%} of landings",
             "<Polygon><outerBoundaryIs><LinearRing><coordinates>"
             f"{_places(outline)}</coordinates></LinearRing></outerBoundaryIs></Polygon>",
         ),
-        _placemark("landings drawn", f"<MultiGeometry>{marks}</MultiGeometry>"),
+        _placemark("simulated landings", f"<MultiGeometry>{marks}</MultiGeometry>"),
     ]
     return _document(name, parts)
 
@@ -66,13 +66,13 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
 def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
-    """A track by satellite, its altitude above sea level [m] where it has one. Raises BadValue for no positions."""
+    """A track by satellite, its altitude above sea level [m] if it has one. Raises BadValue for no positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)
     rows = np.flatnonzero(known)
     if len(rows) < 2:
-        raise BadValue(f"{printable(name)}: found no positions by satellite, expected a log of a tracker")
+        raise BadValue(f"{printable(name)}: found no GPS positions, expected a log of a tracker")
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, min(MAX_POINTS, len(rows))).astype(int))]
     columns = [longitude[rows], latitude[rows], *([altitude[rows]] if altitude is not None else [])]
     mode = "<altitudeMode>absolute</altitudeMode>" if altitude is not None else "<tessellate>1</tessellate>"

@@ -10,6 +10,7 @@ from fieldkit.planning.descent import Fall, wind_profile
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
+from fieldkit.quantities import counted
 from fieldkit.units import DEGREE
 
 
@@ -21,27 +22,27 @@ def landing_in_words(
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
     low, middle, high = three(down.away)
-    yield f"  lands     {length(middle)} from the pad, 90 % between {low:.0f} and {high:.0f} m"
+    yield f"  lands     {length(middle)} from the pad, 90 % interval {low:.0f} to {high:.0f} m"
     ellipse = down.ellipse()
     side = "right" if ellipse.across >= 0 else "left"
     yield (
-        f"  ellipse   of {ELLIPSE_LEVEL:.0%}: {2 * ellipse.long:.0f} by {2 * ellipse.short:.0f} m, its middle "
+        f"  ellipse   {ELLIPSE_LEVEL:.0%} of landings: {2 * ellipse.long:.0f} by {2 * ellipse.short:.0f} m, centered "
         f"{ellipse.along:.0f} m downwind and {abs(ellipse.across):.0f} m to the {side}"
     )
     if site.size is not None:
         inside = float((down.away <= site.size / 2).mean())
-        yield f"  field     {length(site.size)} across: {inside:.0%} land on it, the pad in its middle"
+        yield f"  field     {length(site.size)} across: {inside:.0%} chance to land on it (pad in the middle)"
     low, middle, high = three(down.duration)
-    yield f"  duration  {middle:.1f} s, 90 % between {low:.1f} and {high:.1f}"
+    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}"
     falls = speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery.device, recovery.main_altitude)}"
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
-        yield f"            {ballistic:.0%} reach the ground before anything is open"
+        yield f"            {ballistic:.0%} hit the ground before anything opens"
     yield f"  descent   {_rests_on(fall)}"
-    yield f"  rests on  {rests_in_words(said)}"
+    yield f"  based on  {rests_in_words(said)}"
     yield f"  wind      {profile_in_words(wind_profile(plan))}"
     if plan.wind is None:
-        yield "            no wind was given: --wind says what it is at the pad, --wind-aloft higher up"
+        yield "            no wind given: use --wind for the pad, --wind-aloft for higher up"
         return
     best = rail[0]
     yield (
@@ -57,5 +58,5 @@ def _device(device: str, main_altitude: float | None) -> str:
 def _rests_on(fall: Fall) -> str:
     """What the descent speed rests on."""
     if not fall.flights:
-        return "no flight told how fast this rocket comes down; one with a duration or a descent speed narrows it most"
-    return f"fitted on {fall.flights} flight{'s' if fall.flights > 1 else ''} with a duration or a descent speed"
+        return "no flight with a duration or descent speed; one would narrow the interval most"
+    return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"

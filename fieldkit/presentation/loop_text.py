@@ -1,4 +1,4 @@
-"""A closed loop as lines for a flyer: what is missing, how sure that is, and what it rests on."""
+"""A closed loop as lines for a flyer: what is missing, how probable that is, and on what evidence."""
 
 from collections.abc import Iterator
 from math import isfinite
@@ -6,6 +6,9 @@ from math import isfinite
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 from fieldkit.units import FOOT
+
+MAX_P_SHOWN = 0.1
+"""Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
 
 def report(found: Findings) -> Iterator[str]:
@@ -15,7 +18,7 @@ def report(found: Findings) -> Iterator[str]:
     yield ""
     yield from _fingerprints(found)
     yield ""
-    yield "  could be missing                  evidence  chance   strength"
+    yield "  candidate effect                  evidence  chance   strength"
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
@@ -37,21 +40,29 @@ def _residual(found: Findings) -> Iterator[str]:
     count = found.left_out.before.flights
     yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
     yield (
-        f"  error {before.mae:.1f} m in the mean, bias {before.bias:+.1f} m, "
+        f"  mean error {before.mae:.1f} m, bias {before.bias:+.1f} m, "
         f"{before.coverage90:.0%} of flights in the 90 % interval"
     )
-    telling = [row for row in (*found.patterns, *found.readout_patterns) if row.p < 0.1]
-    for row in telling:
-        what = "it goes" if row.readout == "apogee" else f"{row.readout.replace('_', ' ')} goes"
-        yield f"  {what} with {row.against}: statistic {row.statistic:+.2f}, p {row.p:.3f} corrected"
+    significant = [row for row in (*found.patterns, *found.readout_patterns) if row.p < MAX_P_SHOWN]
+    for row in significant:
+        what = "Misses" if row.readout == "apogee" else f"Misses in {row.readout.replace('_', ' ')}"
+        yield f"  {what} follow {row.against} ({_p_value(row.p)})"
     for spread in found.spreads:
         if spread.autocorrelation_p < 0.05:
+            what = spread.readout.replace("_", " ")
             yield (
-                f"  {spread.readout.replace('_', ' ')} is off alike from one flight to the next: "
-                f"{spread.autocorrelation:+.2f}, p {spread.autocorrelation_p:.3f}"
+                f"  Misses in {what} persist: lag-1 autocorrelation {spread.autocorrelation:+.2f} "
+                f"({_p_value(spread.autocorrelation_p)})"
             )
-    if not telling:
-        yield "  it goes with nothing that was written down"
+    if significant:
+        yield "  p is corrected for the number of columns tested."
+    else:
+        yield "  Misses follow nothing that was recorded."
+
+
+def _p_value(p: float) -> str:
+    """A p-value in parentheses: `p 0.03`, `p < 0.01`."""
+    return "p < 0.01" if p < 0.01 else f"p {p:.2f}"
 
 
 def beside_verdict(found: Findings) -> Iterator[str]:
@@ -63,9 +74,9 @@ def beside_verdict(found: Findings) -> Iterator[str]:
     yield in_next_flight(found.next_flight)
     yield how_sure(found)
     if diagnosis.also:
-        yield f"these flights cannot tell it from: {', '.join(diagnosis.also)}"
+        yield f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"
     for number, test in enumerate(found.tests):
-        yield f"  {'to settle it: ' if not number else 'or '}{test.in_words}"
+        yield f"  {'to decide: ' if not number else 'or '}{test.in_words}"
     yield from _what_now(found)
     yield from climbs_in_words(found.testimony)
 
@@ -73,23 +84,23 @@ def beside_verdict(found: Findings) -> Iterator[str]:
 def in_next_flight(one: NextFlight) -> str:
     """`the next F24 goes 5 m (18 ft) lower than the plain model says: 317 m, and 300 to 334 m in nine of ten`."""
     change = one.after - one.before
-    span = f"{one.after:.0f} m, and {one.interval[0]:.0f} to {one.interval[1]:.0f} m nine times in ten"
-    name = f"the next {one.flight.motor} in the same conditions"
+    span = f"{one.after:.0f} m, 90 % interval {one.interval[0]:.0f} to {one.interval[1]:.0f} m"
+    name = f"next {one.flight.motor} in the same conditions"
     if abs(change) < 0.5:
-        return f"{name} goes as high as the plain model says: {span}"
+        return f"{name}: same as the plain model, {span}"
     way = "higher" if change > 0 else "lower"
-    return f"{name} goes {abs(change):.0f} m ({abs(change) / FOOT:.0f} ft) {way} than the plain model says: {span}"
+    return f"{name}: {abs(change):.0f} m ({abs(change) / FOOT:.0f} ft) {way} than the plain model, {span}"
 
 
 def how_sure(found: Findings) -> str:
-    """How probable the verdict is, in per cent and in odds."""
+    """How probable the verdict is, in percent and in odds."""
     diagnosis = found.diagnosis
     sure = diagnosis.confidence
     if diagnosis.effect == "none":
-        return f"the chance that something is missing is {_chance(1 - sure)}"
-    what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
+        return f"chance that something is missing: {_chance(1 - sure)}"
+    what = "something is missing" if diagnosis.effect == "unexplained" else "this is right"
     what = "it is one of these" if diagnosis.also and len(diagnosis.accepted) == 1 and sure > _alone(found) else what
-    return f"the chance that {what} is {_chance(sure)} ({in_odds(sure)})"
+    return f"chance that {what}: {_chance(sure)} ({in_odds(sure)})"
 
 
 def _alone(found: Findings) -> float:
@@ -108,23 +119,23 @@ def _what_now(found: Findings) -> Iterator[str]:
     """What accepting changes, and how to say otherwise."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
-        yield "forecasts stay those of the plain model"
+        yield "forecasts stay with the plain model"
         return
     parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
-    yield f"forecasts average what is probable enough to matter: {', '.join(parts)}"
+    yield f"forecasts average over: {', '.join(parts)}"
     if found.diagnosis.accepted:
         name = found.diagnosis.effect
-        yield f"--effect {name} takes it for certain, --decline {name} leaves it out"
+        yield f"--effect {name} treats it as certain, --decline {name} excludes it"
 
 
 def _chance(share: float) -> str:
-    """A probability in per cent; of none it is said that it is certain."""
+    """A probability in percent; of none it is said that it is certain."""
     return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 
 def _errors(found: Findings) -> Iterator[str]:
     """Errors before and after, left out and forward in time, with their intervals."""
-    yield f"  {'error of unseen flights':24}{'MAE':>5} {'[m]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
+    yield f"  {'held-out error':24}{'MAE':>5} {'[m]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
     for title, compared in (("left out", found.left_out), ("forward in time", found.forward)):
         if not compared.before.flights:
             continue
@@ -137,11 +148,11 @@ def _errors(found: Findings) -> Iterator[str]:
             )
     yield f"  left out: {found.left_out.how}"
     yield f"  forward: {found.forward.how}"
-    yield "  in brackets: 90 % intervals over the flights (bootstrap)"
+    yield "  in parentheses: 90 % bootstrap intervals over flights"
 
 
 def _signed(figure: float) -> str:
-    """A figure in a column of nine, a dash where there is none: residuals all alike, or too few of them."""
+    """A figure in a column of nine, a dash if undefined: residuals all the same, or too few of them."""
     return f"{figure:+9.2f}" if isfinite(figure) else f"{'-':>9}"
 
 
@@ -155,10 +166,10 @@ def _fingerprints(found: Findings) -> Iterator[str]:
         "apogee_to_eject": "eject s",
     }
     names = [row.readout for row in found.spreads]
-    yield f"  {'off, in its scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
+    yield f"  {'miss / expected scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
     yield f"  {'mean':24}" + "".join(_signed(row.bias) for row in found.spreads)
-    yield f"  {'one to the next alike':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
+    yield f"  {'lag-1 autocorrelation':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
     for trial, row in found.fingerprints:
         marks = {mark.readout: mark for mark in row}
-        yield f"  {trial.candidate.effect + ' leaves':24}" + "".join(_signed(marks[n].expected) for n in names)
-        yield f"  {'  and there was':24}" + "".join(_signed(marks[n].found) for n in names)
+        yield f"  {trial.candidate.effect + ' predicts':24}" + "".join(_signed(marks[n].expected) for n in names)
+        yield f"  {'  observed':24}" + "".join(_signed(marks[n].found) for n in names)

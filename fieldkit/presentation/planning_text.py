@@ -1,4 +1,4 @@
-"""Delays, ballast and contest outlooks as lines for a flyer: what, how sure, and what it rests on."""
+"""Delays, ballast and contest outlooks as lines for a flyer: the result, its uncertainty, and its basis."""
 
 from collections.abc import Iterator, Sequence
 from math import isfinite
@@ -14,7 +14,7 @@ from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
-from fieldkit.quantities import measure
+from fieldkit.quantities import counted, measure
 from fieldkit.units import FOOT
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
@@ -26,11 +26,11 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[
     starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in FLIGHT_CONDITIONS)
-    rail = f"a rail of {rod or f'{RAIL_LENGTH:g} m, as none was given,'}"
-    yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'upright'}"
+    rail = f"rail {rod or f'{RAIL_LENGTH:g} m (default)'}"
+    yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail}, {f'at {angle}' if angle else 'vertical'}"
     start = start_among(starts, plan)
     if start is not None and start.cd:
-        yield f"  design    its Cd starts from the {start.cd:.2f} of {start.source}"
+        yield f"  design    initial Cd {start.cd:.2f} from {start.source}"
 
 
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> Iterator[str]:
@@ -41,7 +41,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {rests_in_words(said)}"
+    yield f"  90 % interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
     if judged.delays:
         yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
@@ -49,34 +49,34 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
-        yield "  *: drilled from the longest with its maker's tool."
-    yield f"  Too fast is over {speed(fast, 0)}. Delays are taken to stray by up to 20 %, 1.5 to 3 s (NFPA 1125)."
+        yield "  *: drilled from the longest delay with the maker's tool."
+    yield f"  Too fast: over {speed(fast, 0)}. Assumes delays vary by up to 20 %, 1.5 to 3 s (NFPA 1125)."
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
-    """The mass to fly, what it brings beside what today's does, and what can be met where the target cannot."""
+    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot."""
     said = best.forecast
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {length(goal.target)}"
     if not best.clear:
-        points = "ft a flight" if goal.rule is None else "points a flight"
-        yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} is not clear;"
-        yield "            one more flight at today's mass narrows it. With the change:"
-    yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g"
+        points = "ft" if goal.rule is None else "points"
+        yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} per flight is not significant"
+        yield "            one more flight at the current mass would help; below is the effect of the change"
+    yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'remove'} {abs(best.add) * 1e3:.0f} g"
     yield f"  apogee    {length(p50)} as the altimeter will show it"
-    yield f"  90 %      between {length(p05)} and {length(p95)}"
+    yield f"  90 %      {length(p05)} to {length(p95)}"
     yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
     yield f"  within {goal.within / FOOT:.0f} ft  {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     yield f"  mean miss {best.there.error / FOOT:.0f} ft ({best.today.error / FOOT:.0f} ft without change)"
     if best.there.points is not None and best.today.points is not None:
-        yield f"  points    {best.there.points:.0f} a flight, with duration ({best.today.points:.0f} without change)"
-    yield f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft ({best.slope / 1e3:+.2f} m)"
-    yield f"  rests on  {rests_in_words(said)}"
+        yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
+    yield f"  1 g more  {best.slope / FOOT / 1e3:+.1f} ft ({best.slope / 1e3:+.2f} m)"
+    yield f"  based on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
         least, most = (length(height) for height in best.reach)
-        yield f"  Out of reach: with these masses the altimeter will show from {least} to {most} in the middle."
+        yield f"  Out of reach: with these masses the median altimeter apogee is {least} to {most}."
 
 
 def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | None = None) -> Iterator[str]:
@@ -88,23 +88,25 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     yield f"{_named(said)}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor, season {rule.year}"
     if rule.caveat:
         yield f"  {rule.caveat}"
-    yield f"  points    {ahead.points.mean():.0f} a flight, 90 % between {low:.0f} and {high:.0f}, median {middle:.0f}"
+    yield (
+        f"  points    {ahead.points.mean():.0f} per flight, 90 % interval {low:.0f} to {high:.0f}, median {middle:.0f}"
+    )
     yield (
         f"  score     {sums.mean():.0f} for the best {rule.best} of {rule.declared}, "
-        f"90 % between {least:.0f} and {most:.0f}"
+        f"90 % interval {least:.0f} to {most:.0f}"
     )
     low, middle, high = (height / FOOT for height in three(said.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
-    yield f"  apogee    {middle:.0f} ft shown, 90 % between {low:.0f} and {high:.0f}, {aimed}"
+    yield f"  apogee    {middle:.0f} ft on the altimeter, 90 % interval {low:.0f} to {high:.0f}, {aimed}"
     yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
-    yield f"  duration  {middle:.1f} s, 90 % between {low:.1f} and {high:.1f}, window {opens:g} to {closes:g} s"
+    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
     yield f"  descent   {_descent(ahead.timed)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
-        yield f"            {ahead.area:.0%} would bring {ahead.points_there:.0f} points a flight, the fewest"
-    yield f"  rests on  {rests_in_words(said)}"
+        yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
+    yield f"  based on  {rests_in_words(said)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
@@ -114,7 +116,7 @@ def _delay(one: Delay) -> str:
     low, middle, high = one.after_apogee
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
     if not isfinite(middle):
-        return f"{name:<7}  the rocket meets the ground first"
+        return f"{name:<7}  the rocket hits the ground first"
     return (
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
         f"  {f'{one.speed[1]:.0f} m/s':>6}  {one.too_fast:>8.0%}"
@@ -123,8 +125,8 @@ def _delay(one: Delay) -> str:
 
 def _descent(timed: int) -> str:
     if not timed:
-        return "no flight told how fast this rocket comes down: a usual parachute at 5 m/s, give or take 30 %"
-    return f"calibrated on {timed} flight{'s' if timed > 1 else ''} with a duration or a descent speed"
+        return "no flight with a duration or descent speed: assumes a typical parachute, 5 m/s ± 30 %"
+    return f"fitted to {counted(timed, 'flight')} with a duration or descent speed"
 
 
 def _named(said: Prediction) -> str:

@@ -52,10 +52,10 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 def quick_lines(found: QuickLook) -> Iterator[str]:
     """Probabilities, the likeliest first, and the verdict."""
     said = found.answer
-    yield f"{found.rocket}: {found.flights} clean flights, at a glance of the network; nothing is kept"
-    yield f"  error of the plain model on flights left out {found.before.mae:.1f} m in the mean"
+    yield f"{found.rocket}: {found.flights} clean flights, quick look by the network; nothing is saved"
+    yield f"  mean error of the plain model, leave-one-out: {found.before.mae:.1f} m"
     yield ""
-    yield "  could be missing                  probability  evidence   strength"
+    yield "  candidate effect                  probability  evidence   strength"
     yield f"  {'none':34.34}{said.none:11.0%}"
     yield f"  {'unexplained':34.34}{said.unexplained:11.0%}"
     for one in found.candidates:
@@ -67,7 +67,7 @@ def quick_lines(found: QuickLook) -> Iterator[str]:
         yield f"  or {', '.join(found.also)}, which these flights do not rule out"
     if found.untrained:
         yield f"  the network was not trained with {', '.join(found.untrained)}"
-    yield f"  `fieldkit loop --rocket {found.rocket}` makes sure and keeps what it finds"
+    yield f"  `fieldkit loop --rocket {found.rocket}` runs the full search and saves the result"
 
 
 def forecast_document(found: QuickForecast) -> dict[str, Any]:
@@ -94,6 +94,6 @@ def forecast_line(found: QuickForecast) -> str:
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
     return (
-        f"{name}{found.plan.motor}: {middle:.0f} m, 90 % from {low:.0f} to {high:.0f} m, by the network; "
-        f"Cd {np.exp(said.log_cd[0]):.2f}, thrust {np.exp(said.log_alpha[0]):.2f} of the certificate's"
+        f"{name}{found.plan.motor}: {middle:.0f} m, 90 % interval {low:.0f} to {high:.0f} m, by the network; "
+        f"Cd {np.exp(said.log_cd[0]):.2f}, thrust {np.exp(said.log_alpha[0]):.2f} times certified"
     )

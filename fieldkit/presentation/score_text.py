@@ -1,4 +1,4 @@
-"""How forecasts fared, in lines: scores beside the rivals', whether the bar is beaten, where flights lay."""
+"""The quality of forecasts, in lines: scores compared with rivals, whether the bar is beaten, calibration."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -13,24 +13,24 @@ if TYPE_CHECKING:
 
 MAX_BAR_LENGTH = 30
 """Longest bar. [character]"""
-WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
-DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
+WAYS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
+DIFFERENCES = ("fieldkit's advantage", "error", "CRPS", "interval score")
 
 
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
     """The reports that hold a flight, each with what it is of."""
     if found.saved is not None:
-        yield found.saved, f"Predictions kept, made before the flight: {len(found.saved.rows)} flown and clean"
+        yield found.saved, f"Saved predictions, made before the flight: {len(found.saved.rows)} flown and clean"
     if found.later.rows:
         yield (
             found.later,
-            f"Replayed forward in time: {len(found.later.rows)} flights, each forecast from the earlier ones of its "
+            f"Replayed forward in time: {len(found.later.rows)} flights, each forecast from the earlier flights of its "
             "rocket and of all others",
         )
     if found.first.rows:
         yield (
             found.first,
-            f"First flights of a rocket: {len(found.first.rows)}, each forecast from those of other rockets before it",
+            f"First flights of a rocket: {len(found.first.rows)}, each forecast from earlier flights of other rockets",
         )
 
 
@@ -38,11 +38,11 @@ def next_lines(found: "LedgerScores") -> Iterator[str]:
     """How often corrected intervals held, and what the next forecast would be stacked of."""
     if found.corrected:
         yield (
-            f"Intervals of the last {found.corrected['flights']} corrected by how the ones before fared would hold "
-            f"{found.corrected['coverage90']:.0%}, without correction {found.corrected['own_coverage90']:.0%}."
+            f"Calibrated on earlier forecasts, the intervals of the last {found.corrected['flights']} would have "
+            f"covered {found.corrected['coverage90']:.0%}, uncalibrated {found.corrected['own_coverage90']:.0%}."
         )
     parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in found.weights.items() if weight)
-    yield f"The next flight stacked would be {parts}."
+    yield f"Stacking weights for the next flight: {parts}."
 
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
@@ -77,7 +77,7 @@ def verdict_lines(found: "ScoreReport") -> Iterator[str]:
     for verdict, words in (
         ("better", "Better than"),
         ("worse", "WORSE than"),
-        ("unclear", "Not clearly apart from"),
+        ("unclear", "Not clearly different from"),
     ):
         named = [LABELS[one.rival] for one in found.against if one.verdict == verdict]
         if named:
@@ -91,13 +91,13 @@ def _between(one: "ScoreDifference", digits: int = 1) -> str:
 
 
 def against_the_bar(found: "ScoreReport") -> Iterator[str]:
-    """Whether the scalar correction is beaten, and the rockets where it is not."""
+    """Whether the scalar correction is beaten, and the rockets on which it is not."""
     for one in found.against:
         if one.rival == BAR:
             words = {
                 "better": "The scalar correction is beaten",
                 "worse": "The scalar correction is BETTER than fieldkit",
-                "unclear": "Whether the scalar correction is beaten, these flights cannot tell",
+                "unclear": "These flights do not show whether the scalar correction is beaten",
             }
             yield f"{words[one.verdict]}: {_errors(one)}."
     for rocket, one in found.behind:
@@ -112,10 +112,10 @@ def _errors(one: "Against", mean: str = "mean error ") -> str:
 
 
 def histogram(found: "Calibration") -> Iterator[str]:
-    """PITs as bars that should be as long as each other, and the share of flights in each interval."""
+    """PITs as bars that should be as long as each other, and the fraction of flights in each interval."""
     low, high = found.expected
     count = sum(found.counts)
-    yield f"where flights lay in their forecasts (even is right; chance leaves {low:.0f} to {high:.0f} in each)"
+    yield f"quantile of each flight in its forecast (should be uniform; {low:.0f} to {high:.0f} per bin by chance)"
     longest = max(*found.counts, 1)
     for place, number in enumerate(found.counts):
         bar = "█" * round(MAX_BAR_LENGTH * number / longest)
@@ -123,5 +123,8 @@ def histogram(found: "Calibration") -> Iterator[str]:
         yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
     for one in found.intervals:
         least, most = one.expected
-        verdict = "as it should" if one.honest else "too narrow" if one.held < one.level else "too wide"
-        yield f"  {one.level:.0%} interval: {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: {verdict}"
+        verdict = "as expected" if one.honest else "too narrow" if one.held < one.level else "too wide"
+        yield (
+            f"  {one.level:.0%} interval: covered {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: "
+            f"{verdict}"
+        )

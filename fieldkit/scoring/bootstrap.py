@@ -9,7 +9,7 @@ from fieldkit.scoring.score import Forecasts, Score, score
 from fieldkit.shapes import Array, Flags, Float
 
 RESAMPLED = 2000
-"""Times the flights are drawn anew, with replacement."""
+"""Number of bootstrap resamples of the flights."""
 SEED = 5
 LEVELS = (0.05, 0.95)
 MIN_FLIGHTS_FOR_VERDICT = 5
@@ -47,7 +47,7 @@ def resampled(count: int) -> Any:
 
 
 def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Judged:
-    """Score forecasts of log apogee on the flights that were seen; flights are resampled, nothing is fitted anew.
+    """Score forecasts of log apogee on the flights that were seen; flights are resampled, nothing is refitted.
 
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), percentile intervals.
     """

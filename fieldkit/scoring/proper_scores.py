@@ -1,8 +1,8 @@
 """Proper scores and calibration of forecasts that are known as draws.
 
-The continuous ranked probability score is E|X - y| - E|X - X'| / 2 for a forecast X and a flight y, in metres: the
+The continuous ranked probability score is E|X - y| - E|X - X'| / 2 for a forecast X and a flight y, in meters: the
 absolute error of a forecast that is one number, less the more honest its spread (Gneiting and Raftery, Strictly
-Proper Scoring Rules, Prediction, and Estimation, 2007). The share of draws below the flight, its PIT, is uniform
+Proper Scoring Rules, Prediction, and Estimation, 2007). The fraction of draws below the flight, its PIT, is uniform
 over flights where forecasts are calibrated (Dawid, 1984); both are judged against what chance alone would do.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 LEVELS = (0.5, 0.8, 0.9)
-"""Central intervals whose share of flights is told. [1]"""
+"""Central intervals whose coverage is reported. [1]"""
 BINS = 10
 """Of the histogram of PITs. [1]"""
 
@@ -36,13 +36,14 @@ def interval_score(low: float, high: float, flown: float, level: float = 0.9) ->
 
 
 def pit(draws: Float[Array, "draw"], flown: float) -> float:
-    """The share of a forecast below what was flown, half of what equals it. [1]"""
+    """The fraction of a forecast below what was flown, half of what equals it. [1]"""
     return float((draws < flown).mean() + (draws == flown).mean() / 2)
 
 
 @dataclass(frozen=True, slots=True)
 class Reliability:
-    """A central interval: the share of flights it is to hold, held, and would hold in nine of ten such seasons."""
+    """A central interval: its nominal coverage, its observed coverage, and the range of coverage in nine of ten such
+    seasons."""
 
     level: float
     held: float

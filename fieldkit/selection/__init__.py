@@ -1,1 +1,1 @@
-"""Which effects a model lacks: candidates, their evidence, and the flight that tells them apart."""
+"""Which effects a model lacks: candidates, their evidence, and the flight that distinguishes them."""

@@ -29,7 +29,7 @@ MIN_AVERAGED = 0.02
 """Posterior probability from which on a hypothesis has a part in forecasts. [1]"""
 MAX_AVERAGED = 8
 """Hypotheses that have a part in forecasts. [1]"""
-_NOT_YET = "; flights left out do not show it yet: look again after the next ones"
+_NOT_YET = "; held-out flights do not show it yet: check again after more flights"
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +168,7 @@ def _check(names: Sequence[str], families: Families) -> None:
     for number, name in enumerate(names):
         if not name or name not in families or name in names[:number]:
             could = ", ".join(sorted(name for name in families if name))
-            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights could show: {could}")
+            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights can show: {could}")
 
 
 def _ranking(

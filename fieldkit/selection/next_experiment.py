@@ -55,11 +55,11 @@ class Advice:
     @property
     def in_words(self) -> str:
         """An advice of one line."""
-        odds = f"should make the odds {_odds(self.expected)}"
+        odds = f"should bring the odds to {_odds(self.expected)}"
         if not self.readouts:
             return f"{self.what}: {odds}"
         names = " and ".join(BY_NAME[name].title.lower() for name in self.readouts)
-        return f"{self.what} and write down {names}: {odds} ({self.first:.0f} or {self.second:.0f} m)"
+        return f"{self.what} and record {names}: {odds} ({self.first:.0f} or {self.second:.0f} m)"
 
 
 def _odds(nats: float) -> str:
@@ -146,10 +146,10 @@ def options(model: Model) -> Iterator[Planned]:
             title = f"fly {own.rocket} {own.config}".rstrip() + f" on the {own.motor}"
             yield f"{title} in calm air" if windy else title, own, found[row]
             if windy:
-                yield f"{title} in {BREEZE:.0f} m/s of wind", own.with_changes(wind=BREEZE), found[row]
+                yield f"{title} in a {BREEZE:.0f} m/s wind", own.with_changes(wind=BREEZE), found[row]
             if flight.dry_mass is not None:
                 heavy = own.with_changes(dry_mass=BALLAST * flight.dry_mass)
-                yield f"{title} with {BALLAST - 1:.0%} of ballast", heavy, found[row]
+                yield f"{title} with {BALLAST - 1:.0%} ballast", heavy, found[row]
             if np.isfinite(delay[row]):
                 later = own.with_changes(delay=float(delay[row]) + DELAY_INCREMENT)
                 yield f"{title} with a delay {DELAY_INCREMENT:.0f} s longer", later, found[row]

@@ -134,9 +134,9 @@ def _verdict(said: QuickAnswer) -> tuple[str, float]:
 
 def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
     if effect == "none":
-        return "the flights differ from the model by no more than their own scatter, as the network sees them"
+        return "the flights match the model within their scatter, according to the network"
     if effect == "unexplained":
-        return "the flights differ from the model, and the network finds nothing known probable enough to be named"
+        return "the flights differ from the model, but the network finds no known effect probable enough to name"
     return "; ".join(f"{one.place}: {one.mean:.3g} +/- {one.sd:.2g} {one.unit}" for one in named)
 
 

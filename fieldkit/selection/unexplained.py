@@ -33,7 +33,7 @@ class Leftover:
         """`the 3 flights from North pad fly 6 % higher than the others (± 2 %)`."""
         count = int(self.where.sum())
         if not count:
-            return f"the residual goes with {self.name}"
+            return f"misses follow {self.name}"
         who = f"the {count} flights" if count > 1 else "the one flight"
         verb = "fly" if count > 1 else "flies"
         way = "higher" if self.amount > 0 else "lower"
@@ -42,7 +42,7 @@ class Leftover:
 
 def leftover(diagnosis: Diagnosis, widened: float = 1.0) -> Leftover:
     """What is left unexplained; `widened` is how much wider forecasts are for it. [1]"""
-    nothing = Leftover("nothing that was written down", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
+    nothing = Leftover("nothing that was recorded", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
     return replace(_goes_with(diagnosis) or nothing, widened=widened)
 
 
@@ -55,7 +55,7 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
         if place.endswith(SMOOTHLY):
             return Leftover(place.removesuffix(SMOOTHLY), np.zeros(len(error), bool), 0.0, 0.0)
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
-        name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its middle"
+        name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its median"
         return _compared(name, weight > (0 if sorts else np.median(weight)), error)
     for row in patterns(diagnosis)[:1]:
         if row.against in (numbers := columns_of(diagnosis)):

@@ -49,7 +49,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
         return Verdict(UNEXPLAINED, something, _unexplained(posterior))
-    why = "the flights differ from the model by no more than their own scatter, as far as they can show"
+    why = "the flights match the model within their scatter, as far as they can show"
     return Verdict("none", posterior.nothing, why)
 
 
@@ -104,9 +104,9 @@ def _unexplained(posterior: SetPosterior) -> str:
     if UNEXPLAINED in likely:
         best = posterior.best(likely)
         where = next(place.where for place in best.places if not place.effect)
-        return f"the flights differ from the model together with {where}, and no known effect accounts for it"
+        return f"misses follow {where}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
-    return f"the flights differ from the model, and nothing known is probable enough to be named ({names})"
+    return f"the flights differ from the model, but no known effect is probable enough to name ({names})"
 
 
 def in_words(accepted: Sequence[Trial]) -> str:
@@ -123,6 +123,6 @@ def in_words(accepted: Sequence[Trial]) -> str:
 
 def _measured(mean: float, sd: float, unit: str) -> str:
     """A strength with its standard deviation: shares in per cent, all else in its unit."""
-    if unit.startswith("share"):
-        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('share')}"
+    if unit.startswith("fraction"):
+        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
     return f"{mean:.3g} (± {sd:.2g}) {unit}"

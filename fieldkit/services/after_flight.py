@@ -1,4 +1,4 @@
-"""A flight that was just typed in, beside its forecast: whether it can be right, how it did, what comes next."""
+"""A flight that was just entered, compared with its forecast: whether it is plausible, how it did, what comes next."""
 
 from dataclasses import dataclass
 
@@ -47,7 +47,7 @@ class Outcome:
 def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Interval | None:
     """What was to be expected of a flight whose apogee is out of the question; None for one that may well be right.
 
-    Also None where nothing can be expected: without an apogee, a motor or a dry mass.
+    Also None if nothing can be expected: without an apogee, a motor or a dry mass.
     """
     made = _forecast(ledger, motors, flight)
     if made is None or flight.apogee is None:
@@ -57,7 +57,7 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
 
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
-    """How a flight of the ledger did beside its forecast, None where none can be made."""
+    """How a flight of the ledger did compared with its forecast, None if none can be made."""
     before = _forecast(ledger, motors, flight)
     if before is None:
         return None
@@ -73,7 +73,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
 
 
 def _forecast(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction | None:
-    """What the other flights say of one; None where its motor or mass is not known."""
+    """What the other flights say of one; None if its motor or mass is not known."""
     if not flight.motor or is_cluster(flight.motor) or flight.dry_mass is None:
         return None
     try:

@@ -12,12 +12,14 @@ def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
     url = whereabouts.location(where)
     file = whereabouts.file_of(url)
     if file is None:
-        raise LedgerError(f"{whereabouts.name_of(url)}: is not a file of its own; back it up with what its server has")
+        raise LedgerError(
+            f"{whereabouts.name_of(url)}: found a ledger on a server, expected a file; use the server's own backups"
+        )
     return file, backups(file)
 
 
 def chosen_copy(where: str | Path | None, number: int | None) -> tuple[Path, Backup]:
-    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError where there is none."""
+    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError if there is none."""
     file, known = copies(where)
     for one in known:
         if number in (None, one.number):

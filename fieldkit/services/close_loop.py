@@ -1,4 +1,4 @@
-"""Closing the loop on a ledger: a rocket's flights diagnosed, and what was found kept as a version of its model."""
+"""Closing the loop on a ledger: a rocket's flights diagnosed, and the result saved as a version of its model."""
 
 import hashlib
 import json
@@ -65,7 +65,7 @@ def look(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Findings:
-    """Close the loop of a rocket and find everything that is reported of it, by the logs kept with its flights too.
+    """Close the loop of a rocket and find everything that is reported of it, also by the logs of its flights.
 
     Raises as `close_loop`; nothing is changed unless `accept`.
     """
@@ -84,7 +84,7 @@ def look(
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """Predict a rocket with what a diagnosis averages over, from now on; nothing where that is so already."""
+    """Predict a rocket with what a diagnosis averages over, from now on; nothing if that is so already."""
     if _same(diagnosis.averaged, accepted_average(ledger, rocket)):
         return
     if all(not places for _, places in diagnosis.averaged):
@@ -102,7 +102,7 @@ def _same(one: Averaged, other: Averaged) -> bool:
 
 
 def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
-    """What a model version keeps: its effects with strengths, what it averages over, the flights behind it, errors, a
+    """What a model version holds: its effects with strengths, what it averages over, the flights behind it, errors, a
     digest.
 
     `left` is what no effect accounts for.

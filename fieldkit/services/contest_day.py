@@ -1,4 +1,4 @@
-"""The day of a contest as a ledger keeps it, by season."""
+"""The day of a contest as saved in the ledger, by season."""
 
 from dataclasses import asdict, replace
 
@@ -10,7 +10,7 @@ DAYS = "contest"
 
 
 def day_of(ledger: Ledger, year: int) -> Day:
-    """What was kept of the day of a season; nothing at first."""
+    """What was saved for the day of a season; empty at first."""
     kept = (ledger.draft(DAYS) or {}).get(str(year), {})
     window = kept.get("window")
     return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))

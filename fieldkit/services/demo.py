@@ -40,7 +40,7 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
     Raises LedgerError for a ledger that holds flights: it is somebody's.
     """
     if count := len(ledger.flights()):
-        raise LedgerError(f"{ledger.name}: found {count} flights, the demo wants an empty ledger or none at all")
+        raise LedgerError(f"{ledger.name}: found {count} flights, expected an empty or new ledger for the demo")
     on_progress("importing", 0.0)
     bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
     flights = ledger.flights()

@@ -19,13 +19,13 @@ from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover, leftover
 
 EVALUATION = (
-    "leave-one-flight-out, effects weighed anew inside every fold "
-    "(Pareto-smoothed importance sampling, fitted again without the flight where that is unsure; "
-    "which effects are averaged over was found with all flights)"
+    "leave-one-flight-out, effects reweighted within every fold "
+    "(Pareto-smoothed importance sampling, refitted without the flight if that is unreliable; "
+    "the set of effects averaged over was chosen with all flights)"
 )
 FORWARD_METHOD = (
-    "each flight forecast from the flights before it, effects weighed anew by those at every flight "
-    "(readouts linear about the fits to all flights, which found the effects averaged over)"
+    "each flight forecast from the flights before it, effects reweighted by those at every flight "
+    "(readouts linearized about the fits to all flights, which chose the effects averaged over)"
 )
 NEXT_FLIGHT_DRAWS = 400
 """Draws of the forecast that shows what a verdict is worth. [1]"""
@@ -62,9 +62,9 @@ class Findings:
     """A diagnosis of a rocket with everything that is said of it.
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
-    of the accepted effects, else of the likeliest. `tests` would tell the most probable explanation from the next.
-    `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the verdict is.
-    `testimony` is what logs of the climb say, which had no part in the verdict.
+    of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the
+    next. `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the
+    verdict is. `testimony` is what logs of the climb say, which had no part in the verdict.
     """
 
     rocket: str
@@ -137,7 +137,7 @@ def next_flight(diagnosis: Diagnosis) -> NextFlight:
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
-    """What would tell the most probable explanation from the most probable of the others."""
+    """What would distinguish the most probable explanation from the most probable of the others."""
     posterior, names = diagnosis.posterior, frozenset(diagnosis.effect.split("+"))
     known = {members: chance for members, chance in posterior.sets.items() if UNEXPLAINED not in members}
     named = [members for members in known if diagnosis.accepted and names <= members]
@@ -151,7 +151,7 @@ def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:
-    """The most telling tests, one flight for each motor."""
+    """The most informative tests, one flight for each motor."""
     kept: dict[str, Advice] = {}
     for test in tests:
         kept.setdefault(test.subject, test)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
-"""Significant digits of a kept figure: far more than a forecast shows. [1]"""
+"""Significant digits of a saved figure: far more than a forecast shows. [1]"""
 
 FlownFlights = Sequence[tuple[Flight, Found]]
 

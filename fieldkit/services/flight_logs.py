@@ -1,4 +1,4 @@
-"""The logs that were kept with a rocket's flights, read again for what they show of the climb."""
+"""The logs stored with a rocket's flights, read again for what they show of the climb."""
 
 from fieldkit.analysis import Recorded
 from fieldkit.errors import LedgerError
@@ -9,7 +9,7 @@ from fieldkit.services.replay import recording_of
 
 MAX_LOGS = 6
 """Logs that are read, the latest: each takes up to half a second."""
-OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs, which alone are read"
+OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs; only those are read"
 
 
 def recorded_logs(

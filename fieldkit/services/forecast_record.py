@@ -1,4 +1,4 @@
-"""A forecast as a record under the keys of the contract: what a ledger keeps of it, and what `--json` prints."""
+"""A forecast as a record under the keys of the contract: what a ledger saves of it, and what `--json` prints."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Forecasts from a ledger: what is asked of a rocket by name, answered from the flights that are kept."""
+"""Forecasts from a ledger: what is asked of a rocket by name, answered from the flights in the ledger."""
 
 import hashlib
 import json
@@ -44,14 +44,14 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, 
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The rocket asked for, flown or begun from a design, or the one flown last. Raises NoFlights that lists them."""
+    """The rocket asked for, flown or started from a design, or the one flown last. Raises NoFlights that lists them."""
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
-            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+            raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
         return rockets[0]
     if wanted not in rockets and not ledger.starts(wanted):
-        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")
+        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none'}")
     return wanted
 
 
@@ -71,7 +71,7 @@ def version_average(payload: Mapping[str, Any]) -> Averaged:
 
 
 def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
-    """The effects that a version of a model keeps, and the pattern that forecasts follow, if any, each in its place."""
+    """The effects that a version of a model holds, and the pattern that forecasts follow, if any, each in its place."""
     entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
     return _places(entries)
 
@@ -97,7 +97,7 @@ def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> fl
 
 
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
-    """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
+    """How the configuration of a plan starts; if the rocket has only one saved start, that one."""
     return start_among(ledger.starts(plan.rocket), plan)
 
 
@@ -111,7 +111,7 @@ def predict_plans(
     decided: bool = False,
     on_progress: ReportProgress = no_op,
 ) -> list[Prediction]:
-    """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
+    """Predictions of planned flights of any rockets, in the order given, and saved in the ledger.
 
     With `decided` the flyer means to fly them: keeping is a change that can be undone, and the next flight that is
     typed in starts from the plan. `on_progress` hears of the other rockets that are
@@ -177,7 +177,7 @@ def used_version(ledger: Ledger, rocket: str) -> int:
 
 
 def keep_forecasts(ledger: Ledger, rows: "Sequence[Forecast]") -> None:
-    """Keep forecasts beside what was flown, all or none, so that the next ones are as wide as these had to be."""
+    """Save forecasts of flown flights, all or none, so that the next ones are as wide as these had to be."""
     ledger.keep_predictions([_kept_forecast(row) for row in rows])
 
 
@@ -194,7 +194,7 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
-    """What the other flights of its rocket say a flight should have shown; nothing is kept.
+    """What the other flights of its rocket say a flight should have shown; nothing is saved.
 
     Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """

@@ -11,7 +11,7 @@ from fieldkit.motors import Catalogue
 
 @dataclass(frozen=True, slots=True)
 class InferredFlights:
-    """What was inferred, the number of each flight beside it, and why others were left out."""
+    """What was inferred, the number of each flight with it, and why others were left out."""
 
     inferred: Sequence[Inferred]
     ids: Sequence[str]
@@ -28,6 +28,6 @@ def infer_flights(ledger: Ledger, motors: Catalogue, ids: Sequence[str], model: 
     flights = ledger.flights(ids=ids or None)
     names = dict(zip(map(id, flights), ledger.ids(flights), strict=True))
     if not flights:
-        raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+        raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
     found = infer(flights, motors, model)
     return InferredFlights(found.inferred, [names[id(one.flight)] for one in found.inferred], found.left_out)

@@ -18,7 +18,7 @@ DRAFT = "add"
 UNITS = "units"
 """Names under which the ledger keeps what was typed so far, and the units that were typed last."""
 PLAN = "plan"
-"""Where a kept forecast holds the answers of the flight that the flyer decided on."""
+"""Key under which a saved forecast holds the answers of the flight that the flyer decided on."""
 LAPSES = timedelta(days=14)
 """A forecast without a flight's name is taken to be of a flight no later than this after it."""
 CONFIGURATION = ("motor", "dry_mass", "diameter")
@@ -31,7 +31,7 @@ def kind(column: Column) -> str:
 
 
 def typed_unit(text: str) -> str:
-    """The unit written behind a number, empty where there is none: `ft` of `923 ft`."""
+    """The unit written behind a number, empty if there is none: `ft` of `923 ft`."""
     return text.strip().lstrip("+-.,0123456789eE ")
 
 
@@ -103,7 +103,7 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
 
 
 def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
-    """The middles of the readouts that the same rocket had on the same motor, whatever its delay; none where one is not
+    """The middles of the readouts that the same rocket had on the same motor, whatever its delay; none if one is not
     said. [SI]"""
     motor = _without_delay(flight.motor)
     if not (flight.rocket and motor):
@@ -116,16 +116,16 @@ def _without_delay(motor: str) -> str:
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
-    """Give a typed flight a number, a time and its site's elevation where it has none, and put it in the ledger.
+    """Give a typed flight a number, a time and its site's elevation if it has none, and put it in the ledger.
 
     Its readouts have the source "typed".
 
     Raises BadValue for a flight without a rocket or without anything that was observed of it.
     """
     if not flight.rocket:
-        raise BadValue("the answers ended before the rocket was named, nothing was added")
+        raise BadValue("input ended before the rocket was named; nothing was saved")
     if not (flight.readouts() or flight.tags):
-        raise BadValue("found no readout and no tag, expected at least one; nothing was added")
+        raise BadValue("found no readout and no tag, expected at least one; nothing was saved")
     if flight.site and flight.site_elevation is None:
         flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
     flight = flight.with_changes(

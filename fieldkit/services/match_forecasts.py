@@ -15,7 +15,7 @@ from fieldkit.services.provenance import plan_changes, plan_parts
 def made_for(
     flights: Sequence[Flight], predictions: Sequence[StoredPrediction], motors: Catalogue
 ) -> list[StoredPrediction | None]:
-    """The forecast of each flight as it was said beforehand, None where nothing was.
+    """The forecast of each flight as it was said beforehand, None if nothing was.
 
     One that names the flight wins; of several the last. Else it is one of the same rocket, configuration and motor
     made in the two weeks before the flight: that whose mass and conditions are most like the flight's, then the
@@ -86,7 +86,7 @@ def _motors(motors: Catalogue) -> Callable[[str], object]:
 
 
 def residual(flight: Flight, prediction: StoredPrediction | None) -> float | None:
-    """Flown less forecast apogee, None where one is missing. [m]"""
+    """Flown less forecast apogee, None if one is missing. [m]"""
     if prediction is None or flight.apogee is None:
         return None
     return flight.apogee - float(prediction.payload["apogee_m"]["p50"])

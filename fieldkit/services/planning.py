@@ -16,7 +16,7 @@ from fieldkit.services.plausible_flights import implausible_flights, plausible
 from fieldkit.settings import Settings
 
 SHORTLIST = "shortlist"
-"""Name under which the ledger keeps the motors that a flyer put by, by rocket."""
+"""Name under which the ledger saves the shortlists of motors, by rocket."""
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:

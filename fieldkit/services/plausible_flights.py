@@ -27,7 +27,7 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
     """A line for each clean one of some flights that no rocket can have flown, and that no fit uses therefore."""
     found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
     return [
-        f"flight {flight.flight_id} of {flight.rocket} is left out of every fit: {reason}"
+        f"flight {flight.flight_id} of {flight.rocket} is excluded from every fit: {reason}"
         for flight, reason in found
         if reason and flight.clean
     ]

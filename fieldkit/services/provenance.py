@@ -1,7 +1,7 @@
 """What a prediction is made from, part by part, and what of it is no longer so.
 
 A part is a few named texts, in the units of the flight table, so that a prediction that has become stale can say
-why: `dry mass was 322 g, is 330 g`. Flights that taught the model are kept as a digest each, of what the model reads
+why: `dry mass was 322 g, now 330 g`. Flights used in the fit are saved as a digest each, of what the model reads
 of them. The digest of a prediction is of all parts together.
 """
 
@@ -80,7 +80,7 @@ def digest(parts: Parts) -> str:
 
 
 def flight_digest(flight: Flight) -> str:
-    """Eight hex digits of what the model reads of a flight, behind a sign for whether it teaches."""
+    """Eight hex digits of what the model reads of a flight, behind a sign for whether it is used in the fit."""
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
@@ -97,7 +97,7 @@ def motor_digest(motor: Motor) -> str:
 def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
     """What the flyer changed of a plan, a phrase each.
 
-    Of a flight that was flown only what both know is compared: a temperature that nobody foretold is no change.
+    Of a flight that was flown only what both know is compared: a temperature that no forecast gave is no change.
     """
     for part in OF_THE_PLAN:
         for name, new in now[part].items():
@@ -108,34 +108,34 @@ def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
 
 
 def _change(name: str, old: str, new: str) -> str:
-    """`dry mass was 322 g, is 330 g`."""
+    """`dry mass was 322 g, now 330 g`."""
     if name == "thrust":
-        return "the thrust curve of the motor is another"
+        return "the motor's thrust curve changed"
     column = next((column for column in COLUMNS if column.header == name), None)
     title, unit = (column.title.lower(), f" {spelled(column.unit)}") if column else (name, "")
-    before, after = (f"{text}{unit}" if text else "not said" for text in (old, new))
-    return f"{title} was {before}, is {after}"
+    before, after = (f"{text}{unit}" if text else "not given" for text in (old, new))
+    return f"{title} was {before}, now {after}"
 
 
 def model_changes(made: Parts, now: Parts) -> Iterator[str]:
-    """What changed of the model and of the flights that it learned from, a phrase each."""
+    """What changed of the model and of the flights that it was fitted to, a phrase each."""
     for name, old in made["model"].items():
         new = now["model"].get(name, "")
         if name == "version" and old != new:
-            yield f"{_version(old)} gave way to {_version(new)}"
+            yield f"{_version(old)} replaced by {_version(new)}"
         elif name == "fieldkit" and new and old != new:
-            yield f"made by fieldkit {old}, this is {new}"
+            yield f"made by fieldkit {old}, now {new}"
     before, after = made["flights"], now["flights"]
     for one, old in before.items():
         if one not in after:
-            yield f"flight {one} is gone"
+            yield f"flight {one} was removed"
         elif after[one][0] != old[0]:
-            yield f"flight {one} {'teaches again' if after[one][0] == USED_IN_FIT else 'is tagged'}"
+            yield f"flight {one} {'is used in the fit again' if after[one][0] == USED_IN_FIT else 'is tagged'}"
         elif after[one] != old:
             yield f"flight {one} was edited"
     if new_ones := [one for one in after if one not in before]:
         several = f"flights {', '.join(new_ones[:4])}{' and more' if len(new_ones) > 4 else ''}"
-        yield f"{several if len(new_ones) > 1 else f'flight {new_ones[0]}'} came in since"
+        yield f"{several if len(new_ones) > 1 else f'flight {new_ones[0]}'} added since"
 
 
 def _version(number: str) -> str:
@@ -143,7 +143,7 @@ def _version(number: str) -> str:
 
 
 def _columns(flight: Flight, names: Sequence[str] | Mapping[str, object]) -> dict[str, str]:
-    """Numbers of a flight as texts under their headers, empty where not recorded."""
+    """Numbers of a flight as texts under their headers, empty if not recorded."""
     return {column.header: _text(column, flight.number(column.name)) for column in COLUMNS if column.name in names}
 
 

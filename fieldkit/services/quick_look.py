@@ -1,4 +1,4 @@
-"""Quick answers from a ledger by the network: what a model may lack, and forecasts; nothing is kept."""
+"""Quick answers from a ledger by the network: what a model may lack, and forecasts; nothing is saved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
 def predict_quickly(
     ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], on_progress: ReportProgress = no_op
 ) -> list[QuickForecast]:
-    """The network's forecasts of planned flights, each as if it flew next; nothing is kept.
+    """The network's forecasts of planned flights, each as if it flew next; nothing is saved.
 
     Effects that the loop accepted and Cds of designs are not in it: the network weighs effects itself. Raises NoFlights
     for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.

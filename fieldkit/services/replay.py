@@ -19,7 +19,7 @@ from fieldkit.services.imports import read_file, recordings_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they tell.
+    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they show.
 
     `reading` is None for a flight of which only readouts are known.
     """
@@ -33,7 +33,7 @@ class Recording:
 
 
 def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
-    """The samples of a flight of the ledger, read again from the bytes that it keeps; None where it has none.
+    """The samples of a flight of the ledger, read again from the bytes that it keeps; None if it has none.
 
     `choices` say which columns of a table of samples are what, best first.
     Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
@@ -58,7 +58,7 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
         return readings[int(part) - 1]
     named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]
     if len(named) != 1:
-        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none of them is called so")
+        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none has this id")
     return named[0]
 
 
@@ -67,14 +67,14 @@ def recordings(
 ) -> list[Recording]:
     """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
 
-    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError where there
+    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError if there
     is neither such a file nor such a flight.
     """
     path = Path(what)
     if path.is_file():
         return _in_file(path, format, choices)
     if ledger is None:
-        raise NoFlights(f"{what}: there is no such file")
+        raise NoFlights(f"{what}: no such file")
     found = recording_of(ledger, what, choices)
     return [found or _by_readouts(ledger.flight(what), what)]
 

@@ -1,4 +1,4 @@
-"""Kept predictions beside what became of them: the flight that came in, or what has changed since they were made."""
+"""Saved predictions with their outcome: the flight that was imported, or what has changed since they were made."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
 class SavedForecast:
     """A prediction as it was made, the flight that it is of, and what changed before that flight came in.
 
-    `changes` are phrases, empty where everything that it was made from is still so. `over` says that no flight
+    `changes` are phrases, empty if everything that it was made from is still so. `over` says that no flight
     will be measured against it any more: a later prediction took its place, or two weeks went by.
     """
 
@@ -48,7 +48,7 @@ class SavedForecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The apogee foretold, at 5, 50 and 95 %. [m]"""
+        """The forecast apogee, at 5, 50 and 95 %. [m]"""
         at = self.made.payload["apogee_m"]
         return float(at["p05"]), float(at["p50"]), float(at["p95"])
 
@@ -59,7 +59,7 @@ class SavedForecast:
 
     @property
     def miss(self) -> float | None:
-        """Flown less foretold. [m]"""
+        """Flown minus forecast. [m]"""
         return residual(self.flight, self.made) if self.flight else None
 
     def json(self) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
 
 
 def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
-    """The prediction that a flight is measured against, or None where none was made."""
+    """The prediction that a flight is measured against, or None if none was made."""
     return by_flight(list_forecasts(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
@@ -114,15 +114,15 @@ def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedFore
 
 
 def in_words(one: SavedForecast) -> Iterator[str]:
-    """What was foretold for a flight and what was flown, a line each."""
+    """Forecast and flown apogee of a flight, a line each."""
     low, middle, high = one.interval
-    said = f"{middle:.0f} m, 90 % between {low:.0f} and {high:.0f} m"
+    said = f"{middle:.0f} m, 90 % interval {low:.0f} to {high:.0f} m"
     yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
-        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} of the interval"
+        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} the interval"
     if one.stale:
-        yield f"stale {'by then' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
+        yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
 
 
 def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
@@ -140,7 +140,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
     """What is no longer so, of the plan and of the model as it was when the flight came in, or is now."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None:
-        return  # of an older fieldkit, which did not keep it
+        return  # of an older fieldkit, which did not save it
     flown = flight is not None and flight.apogee is not None
     if flight is not None and (found := resolved(motors, flight)):
         yield from plan_changes(made, plan_parts(flight, found), flown=flown)
@@ -150,7 +150,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
 
 
 def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
-    """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
+    """What changed of the rocket's design while the prediction is open: what it was at a flight is not saved."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return
@@ -163,4 +163,4 @@ def standing(found: Sequence[SavedForecast]) -> str:
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")
     words = [f"{count} {state}" for state, count in counts.items()]
-    return ", ".join(words) + (f" ({stale} of the flown were stale by then)" if stale else "")
+    return ", ".join(words) + (f" ({stale} of the flown were stale at launch)" if stale else "")

@@ -1,4 +1,4 @@
-"""How good the forecasts of a ledger are: those kept before flights, and each flight forecast from those before it."""
+"""How good the forecasts of a ledger are: those saved before flights, and each flight forecast from those before it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 
 @dataclass(frozen=True, slots=True)
 class LedgerScores:
-    """Scores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
+    """Scores of saved forecasts (None if none was made; `stale` of them no longer follow from the ledger), of
     flights replayed after earlier ones of their rocket, and of first flights; what the next forecast is stacked of,
     and how often corrected intervals held."""
 
@@ -37,7 +37,7 @@ def score_forecasts(
     hyperprior: Path | None = None,
     on_progress: ReportProgress = no_op,
 ) -> LedgerScores:
-    """Score a ledger's forecasts, of one rocket or of all; with the hyperprior of a card nothing is kept.
+    """Score a ledger's forecasts, of one rocket or of all; with the hyperprior of a card nothing is saved.
 
     Raises NoFlights, and BadValue or DamagedModel for a card that cannot be read.
     """

@@ -1,4 +1,4 @@
-"""How forecasts fared: of flights replayed forward in time, and kept predictions whose flights came in."""
+"""The quality of forecasts: of flights replayed forward in time, and of saved predictions whose flights were added."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -90,7 +90,7 @@ def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> l
 
 
 def as_planned(flight: Flight, made: Parts) -> Flight:
-    """A flight with the mass, size and conditions that its prediction was made for, where that was kept."""
+    """A flight with the mass, size and conditions that its prediction was made for, if that was saved."""
     said = {name: text for part in ("mass", "configuration", "conditions") for name, text in made.get(part, {}).items()}
     values = {
         column.name: column.parse(said[column.header]) if said[column.header] else None

@@ -15,13 +15,13 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="other air than declared",
+    title="air density other than recorded",
     family="air",
-    explains="the air at a site is thinner or denser than what was written down, so drag is",
-    unit="share of the density",
+    explains="the air at a site is thinner or denser than recorded, so drag is lower or higher",
+    unit="fraction of the density",
     prior=Prior(mean=0.0, sd=0.12, low=-0.45, high=0.4),
-    source="U.S. Standard Atmosphere 1976: a tenth less density for each 1,000 m or 28 K",
-    tell_apart="write down the site's elevation, the temperature and the pressure",
+    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m or 28 K",
+    tell_apart="record the site's elevation, the temperature, and the pressure",
     setup=setup,
     per="site",
     everywhere=False,

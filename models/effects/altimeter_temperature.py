@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """What the altimeter shows, corrected by this share of the error that the day's air makes."""
+    """What the altimeter shows, corrected by this fraction of the error due to the day's air."""
     return setup.with_changes(altimeter_gain=setup.altimeter_gain ** (1 - strength))
 
 
@@ -20,7 +20,7 @@ EFFECT = Effect(
     title="an altimeter that corrects for temperature",
     family="device",
     explains="the altimeter corrects for the day's temperature, while the model expects it to read low in heat",
-    unit="share of the correction",
+    unit="fraction of the correction",
     prior=Prior(mean=1.0, sd=0.25, low=0.0, high=1.5),
     source="the hypsometric equation: 0.35 % of height for each kelvin; a device corrects for all of it or for none",
     tell_apart="read its manual, or fly the same motor on a hot and on a cold day",

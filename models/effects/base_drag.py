@@ -16,9 +16,9 @@ EFFECT = Effect(
     title="base drag",
     family="drag",
     explains="drag is higher in the coast than under power, because the plume no longer fills the wake",
-    unit="share of Cd",
+    unit="fraction of Cd",
     prior=Prior(mean=0.1, sd=0.12, low=-0.4, high=1.0),
     source="Hoerner, Fluid-Dynamic Drag (1965), chapter 3; power-on and power-off Cd differ by 5 to 20 %",
-    tell_apart="write down top speed and coast time on a long-burning and a short-burning motor",
+    tell_apart="record top speed and coast time on a long-burning and a short-burning motor",
     acceleration=acceleration,
 )

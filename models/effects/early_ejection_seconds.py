@@ -18,11 +18,11 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 EFFECT = Effect(
     title="ejection early by seconds",
     family="recovery",
-    explains="the ejection charge fires some seconds before its time and the parachute ends the climb",
+    explains="the ejection charge fires some seconds early and the parachute ends the climb",
     unit="s",
     prior=Prior(mean=1.5, sd=1.0, low=0.4, high=8.0),
     source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",
-    tell_apart="write down apogee to ejection, or fly motors with a short and with a long delay",
+    tell_apart="record apogee to ejection, or fly motors with a short and with a long delay",
     setup=setup,
     per="motor",
     needs_delay=True,

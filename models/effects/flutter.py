@@ -19,10 +19,10 @@ def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, 
 EFFECT = Effect(
     title="drag that grows with speed",
     family="drag",
-    explains="drag grows with speed from a third of the speed of sound on, as when fins flutter",
-    unit="share of Cd added at Mach 0.6",
+    explains="drag grows with speed above a third of the speed of sound, as when fins flutter",
+    unit="fraction of Cd added at Mach 0.6",
     prior=Prior(mean=0.3, sd=0.3, low=0.0, high=3.0),
-    source="flutter of thin fins begins well below Mach 1 (Martin, NACA TN 4197, 1958); its drag is a judgment",
+    source="flutter of thin fins starts well below Mach 1 (Martin, NACA TN 4197, 1958); its drag is a judgment",
     tell_apart="fly a slower motor, or stiffen the fins and fly the same motor again",
     acceleration=acceleration,
 )

@@ -1,4 +1,4 @@
-"""Launch angle: a rail that leans, though nobody wrote it down."""
+"""Launch angle: a rail off vertical, though not recorded."""
 
 from collections.abc import Sequence
 
@@ -11,19 +11,19 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The rail leans by this angle more, at right angles to a lean that was declared. [deg]"""
+    """The launch angle is larger by this, at right angles to a recorded one. [deg]"""
     angle = np.hypot(setup.rail_angle, np.radians(strength))
     return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -angle, angle))
 
 
 EFFECT = Effect(
-    title="a leaning rail",
+    title="a rail off vertical",
     family="launch",
     explains="the rocket leaves the pad at an angle from vertical, so part of its speed is spent sideways",
     unit="deg",
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
     source="projection of thrust and speed; angle from vertical",
-    tell_apart="measure the rail's angle, or fly once with the rail plumb",
+    tell_apart="measure the rail's angle, or fly once with the rail vertical",
     setup=setup,
     per="site",
     squared=True,

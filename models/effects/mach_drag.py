@@ -1,4 +1,4 @@
-"""Mach drag: drag rises towards the speed of sound."""
+"""Mach drag: drag rises toward the speed of sound."""
 
 import numpy as np
 
@@ -22,8 +22,8 @@ def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, 
 EFFECT = Effect(
     title="drag rise near the speed of sound",
     family="drag",
-    explains="fast flights meet more drag than slow ones, because Cd grows towards Mach 1",
-    unit="share of Cd added at Mach 1.05",
+    explains="fast flights have more drag than slow ones, because Cd rises toward Mach 1",
+    unit="fraction of Cd added at Mach 1.05",
     prior=Prior(mean=0.5, sd=0.5, low=0.0, high=3.0),
     source="Hoerner, Fluid-Dynamic Drag (1965), chapter 16: drag of slender bodies doubles through Mach 1",
     tell_apart="fly a slower motor of the same diameter",

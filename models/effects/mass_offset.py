@@ -14,13 +14,13 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="a mass weighed wrong",
+    title="a wrong mass",
     family="mass",
-    explains="the rocket weighs more or less than the figure it was entered with",
-    unit="share of the dry mass",
+    explains="the rocket weighs more or less than the mass entered",
+    unit="fraction of the dry mass",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.6),
     source="weighing without payload, recovery or ballast is the common mistake",
-    tell_apart="weigh the rocket again as it stands on the pad, without the motor",
+    tell_apart="weigh the rocket again, ready to fly but without the motor",
     setup=setup,
     per="config",
     measured=0.005,

@@ -27,7 +27,7 @@ EFFECT = Effect(
     unit="m/s^2",
     prior=Prior(mean=15.0, sd=15.0, low=0.0, high=120.0),
     source="Coulomb friction of a side load, an acceleration of the order of g",
-    tell_apart="polish or change the rail and fly the same motor again",
+    tell_apart="polish or replace the rail and fly the same motor again",
     setup=setup,
     logged=LoggedForce("rail", force),
 )

@@ -35,13 +35,13 @@ def _density(elevation: Float[Array, "*draw flight"]) -> Float[Array, "*draw fli
 
 
 EFFECT = Effect(
-    title="a site that lies higher or lower",
+    title="a higher or lower site",
     family="air",
-    explains="a site lies higher or lower than was written down, so its air is thinner or denser",
+    explains="a site is higher or lower than recorded, so its air is thinner or denser",
     unit="m",
     prior=Prior(mean=0.0, sd=1200.0, low=-3000.0, high=5000.0),
-    source="U.S. Standard Atmosphere 1976: a tenth less density for each 1,000 m",
-    tell_apart="write down the site's elevation",
+    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m",
+    tell_apart="record the site's elevation",
     setup=setup,
     per="site",
     everywhere=False,

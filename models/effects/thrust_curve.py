@@ -19,13 +19,13 @@ def force(climb: ClimbForces) -> Float[Array, "time"]:
 
 
 EFFECT = Effect(
-    title="another thrust curve",
+    title="a different thrust curve",
     family="motor",
     explains="this motor delivers its impulse over a longer or shorter burn than its certified curve",
-    unit="share of the burn time",
+    unit="fraction of the burn time",
     prior=Prior(mean=0.0, sd=0.25, low=-0.7, high=1.5),
     source="curves of one motor differ between certifications, temperatures and nozzles (ThrustCurve.org)",
-    tell_apart="write down burn time and peak acceleration",
+    tell_apart="record burn time and peak acceleration",
     setup=setup,
     per="motor",
     logged=LoggedForce("longer burn", force, scatter="stretch"),

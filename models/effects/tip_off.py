@@ -21,7 +21,8 @@ MAX_ANGLE = 60.0
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The path off the rail, inclined by this angle at the reference speed, at right angles to a declared lean."""
+    """The path off the rail, inclined by this angle at the reference speed, at right angles to a recorded launch
+    angle."""
     slower = (REFERENCE_SPEED / np.maximum(rail_exit_speed(setup), 1.0)) ** 2
     angle = np.minimum(strength * slower, MAX_ANGLE)
     return setup.with_changes(rail_angle=np.hypot(setup.rail_angle, np.radians(angle)))
@@ -30,7 +31,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 EFFECT = Effect(
     title="tip-off",
     family="launch",
-    explains="the rocket leaves the rail slowly and turns aside, most with heavy loads and weak motors",
+    explains="the rocket leaves the rail slowly and turns, most with heavy loads and weak motors",
     unit="deg at 15 m/s off the rail",
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
     source="Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry (1973), launch of unguided rockets",

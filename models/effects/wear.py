@@ -16,11 +16,11 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 EFFECT = Effect(
     title="wear",
     family="aging",
-    explains="drag grows from flight to flight, as finish and fins suffer",
-    unit="share of Cd a flight",
+    explains="drag grows from flight to flight as finish and fins wear",
+    unit="fraction of Cd per flight",
     prior=Prior(mean=0.02, sd=0.02, low=0.0, high=0.2),
     source="a rough finish alone adds a tenth to a third of Cd (Hoerner, Fluid-Dynamic Drag, 1965)",
-    tell_apart="mend and polish the rocket and fly the same motor again",
+    tell_apart="repair and polish the rocket and fly the same motor again",
     setup=setup,
     grows=True,
 )

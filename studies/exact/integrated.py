@@ -27,11 +27,11 @@ PEAKS = 5
 TEMPERATURE = 2.0
 """Divisor of the log likelihoods by which draws are chosen. [1]"""
 CLIMBS = 8
-"""Steps towards the likeliest numbers."""
+"""Steps toward the likeliest numbers."""
 PROPOSAL_INFLATION = 1.15
 """Width of a proposal relative to that of the distribution it stands for. [1]"""
 LEAST_SIZE = 60.0
-"""Effective draws that a proposal is fitted to: weights are evened out until there are as many. [1]"""
+"""Effective draws that a proposal is fitted to: weights are equalized until there are as many. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def integrate(
     *,
     fixed: bool = False,
 ) -> Draws:
-    """Weighted draws of the posterior of every flight, begun where these numbers of Cd and alpha are.
+    """Weighted draws of the posterior of every flight, started from these numbers of Cd and alpha.
 
     With `fixed` the two stay there, and the evidence is the likelihood of that point alone.
     """
@@ -127,7 +127,7 @@ def _weighed(
 def _defences(normal: _Proposal) -> list[_Proposal]:
     """The prior, whole, and with Cd and alpha about where they are likely: no mass is out of reach of both.
 
-    Without them a share of the evidence is missed where what happens to few flights happened.
+    Without them a fraction of the evidence is missed if rare scatter occurred.
     """
     size = normal.mean.shape[1]
     whole = np.broadcast_to(np.eye(size), normal.root.shape).copy()

@@ -114,7 +114,7 @@ def _below(values: Array, floor: Array, share: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Flights whose posteriors are wanted: as observed, and which of the curves each burnt along."""
+    """Flights whose posteriors are wanted: as observed, and which of the curves each burned along."""
 
     observed: Observed
     curves: Burns
@@ -135,7 +135,7 @@ def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Proble
 def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[Observed, dict[str, Array]]:
     """What was observed, and what the device would show without noise and with endless digits; [flight * draw].
 
-    nan where there is nothing to show, and throughout where nothing lifted.
+    nan if there is nothing to show, and throughout where nothing lifted.
     """
     flights, draws, _ = normals.shape
     flat = normals.reshape(flights * draws, -1)
@@ -168,7 +168,7 @@ def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) ->
 
 
 def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[Array, "flight draw readout"]:
-    """Observed less shown, in standard deviations of a normal about as wide as the noise; 0 where not recorded."""
+    """Observed less shown, in standard deviations of a normal about as wide as the noise; 0 if not recorded."""
     observed, clean = _clean(one, normals)
     found = [np.zeros(len(observed))]
     for name, (low, high) in _bins(observed).items():
@@ -179,7 +179,7 @@ def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[A
 
 
 def _bins(observed: Observed) -> dict[str, tuple[Array, Array]]:
-    """Between what each readout was before it was rounded; nan where it was not recorded.
+    """Between what each readout was before it was rounded; nan if it was not recorded.
 
     Average acceleration is speed over burn time, so it narrows down the burn time.
     """

@@ -105,5 +105,5 @@ def _field(flights: Reference, cd: Each, alpha: Each) -> Setup:
 
 
 def named_delays(flights: Reference) -> Float[Array, "flight"]:
-    """From burnout to ejection as the motor's name says, nan where it says nothing. [s]"""
+    """From burnout to ejection as the motor's name says, nan if it says nothing. [s]"""
     return delays(flights.flights, [catalogue().resolve(flight.motor) for flight in flights.flights])

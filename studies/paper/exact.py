@@ -27,7 +27,7 @@ def exact_means(
     """Exact posterior mean of Cd and alpha of each flight, given its apogee and nothing else. [1]
 
     `heights` flies every flight with a Cd and alpha of its own. Uniform prior, normal noise of the paper's 3 m,
-    Gauss-Legendre quadrature with `count` nodes a side: its nodes crowd at the prior's ends, and there the
+    Gauss-Legendre quadrature with `count` nodes a side: its nodes cluster at the prior's ends, and there the
     posterior of a low flight sits.
     """
     node, share = np.polynomial.legendre.leggauss(count)
@@ -63,7 +63,7 @@ def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
 def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:
     """Smallest possible mean absolute errors of Cd and alpha from the apogee alone, over the paper's prior. [1]
 
-    For each motor and configuration, each apogee on a scale of `step` metres that the altimeter could show
+    For each motor and configuration, each apogee on a scale of `step` meters that the altimeter could show
     is answered by the posterior median, the best answer there is by this measure, and its misses are
     averaged over all Cd and alpha of `count` cells each that could have led there.
     """

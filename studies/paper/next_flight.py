@@ -14,7 +14,7 @@ from studies.paper.exact import cells
 from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
 Forecast = Callable[[Reference, Int[Any, "other"], int], float]
-"""The apogee of a flight, by its row, from other flights, by theirs; nan where those say nothing. [m]"""
+"""The apogee of a flight, by its row, from other flights, by theirs; nan if those say nothing. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def carry_over(
 
 
 def _fixed(curves: Burns) -> Forecast:
-    """Nominal Cd and thrust as declared: no flight teaches anything."""
+    """Nominal Cd and certified thrust: no flight is used."""
     return lambda flights, others, row: _apogee(flights, row, NOMINAL_CD, 1.0, curves)
 
 
@@ -173,7 +173,7 @@ def rules(flights: Reference) -> list[Rule]:
 
 
 def scatter(flights: Reference) -> dict[str, float]:
-    """How far valid flights of one motor and configuration lie apart, pooled, and what that leaves any rule.
+    """The scatter of valid flights of one motor and configuration, pooled, and the error that it leaves any rule.
 
     `sd_m` has `degrees_of_freedom`. If flights scatter so, normally, even a perfect forecast of the mean
     misses by `perfect_mae_m` on average, and the mean of two earlier flights by `two_peers_mae_m`.

@@ -118,7 +118,7 @@ def _table(
 
 
 def _synthetic(ensemble: Ensemble) -> dict[str, Any]:
-    """Errors and coverage on flights drawn afresh from the paper's prior."""
+    """Errors and coverage on new flights drawn from the paper's prior."""
     fresh = paper_draws(np.random.default_rng(FRESH_SEED), FRESH_FLIGHTS)
     found = score(ensemble, fresh.features, fresh.truth)
     return {

@@ -21,7 +21,7 @@ from studies.paper.two_flights import TwoFlights, two_flights
 
 @dataclass(frozen=True, slots=True)
 class BiasPart:
-    """A share of the published bias, its name and the mean over the eight flights. [m]"""
+    """A part of the published bias, its name and the mean over the eight flights. [m]"""
 
     title: str
     share: float
@@ -87,7 +87,7 @@ def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[BiasPart, ...
         for before_bias, after_bias, after in zip(bias, bias[1:], steps[1:], strict=False)
     ]
     network = BiasPart("the published network in place of the exact posterior", published - bias[0])
-    return (*moved, BiasPart("shrinkage towards the prior, left in the exact posterior", bias[-1]), network)
+    return (*moved, BiasPart("shrinkage toward the prior, left in the exact posterior", bias[-1]), network)
 
 
 def _loop(flights: tuple[Flight, ...]) -> Diagnosis:

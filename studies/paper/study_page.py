@@ -32,7 +32,7 @@ def _head(study: Study) -> Iterator[str]:
         f"A paper inferred drag (Cd) and thrust (alpha) of a small rocket from the apogees of twelve flights, of which "
         f"eight are valid, and rebuilt those apogees {stated['bias_m']} m too high in the mean, all to one side. "
         "This page "
-        "traces that bias in parts and says what is left when they are mended. `fieldkit study reference` "
+        "traces that bias in parts and says what is left when they are corrected. `fieldkit study reference` "
         "computes every "
         "figure here and writes the page; a test compares the two."
     )
@@ -60,14 +60,14 @@ def _parts(study: Study) -> Iterator[str]:
     yield ""
     total = sum(part.share for part in study.parts)
     yield from _table(
-        ("part", "share of the bias [m]"),
+        ("part", "part of the bias [m]"),
         [(part.title, f"{_signed(part.share)}") for part in study.parts]
         + [("**published bias**", f"**{_signed(total)}**")],
     )
     yield ""
     three, ejection = sum(part.share for part in study.parts[:3]), study.ejection
     yield _text(
-        f"The over-delivering profile is worth {three:+.1f} m. The estimator's shrinkage is under a metre. What is "
+        f"The over-delivering profile is worth {three:+.1f} m. The estimator's shrinkage is under a meter. What is "
         "missing "
         "from the mass, the shape of the thrust curve and the delay in the motor's name hardly move apogees that are "
         "rebuilt from themselves, because Cd and alpha give way; what each does to a flight at fixed Cd and alpha "
@@ -84,8 +84,8 @@ def _steps(study: Study) -> Iterator[str]:
     yield "## Errors before and after, step by step"
     yield ""
     yield _text(
-        "Each row keeps what the rows above it mended. *Rebuilt*: apogees from the Cd and alpha inferred from those "
-        "same apogees. *Left out*: Cd and alpha averaged over the same motor's other flights, the honest forecast. In "
+        "Each row keeps the corrections of the rows above it. *Rebuilt*: apogees from the Cd and alpha inferred from "
+        "those apogees. *Left out*: Cd and alpha averaged over the same motor's other flights, the honest forecast. In "
         "brackets: 90 % intervals over the flights (bootstrap). *Lower by*: what the step alone does to the apogees of "
         "the published Cd and alpha."
     )
@@ -108,7 +108,7 @@ def _steps(study: Study) -> Iterator[str]:
     yield from _table(headers, rows)
     yield ""
     yield _text(
-        "In metres. The bias of the rebuilt apogees goes, and honest forecasts get better by less: rebuilding an "
+        "In meters. The bias of the rebuilt apogees goes, and honest forecasts get better by less: rebuilding an "
         "apogee "
         "from itself says little about the next flight."
     )
@@ -154,7 +154,7 @@ def _remains(study: Study) -> Iterator[str]:
 
 
 def _after(study: Study) -> str:
-    """What the loop's choice, made anew without each flight, makes of that."""
+    """What the loop's choice, made again without each flight, makes of that."""
     after = study.left_out_after
     if not study.loop.accepted:
         return ""
@@ -186,14 +186,14 @@ def _pair(study: Study) -> Iterator[str]:
     likely = [cause for cause in pair.causes if cause.possible and cause.away < MAX_PRIOR_SDS]
     yield _text(
         f"No strength within its bounds does it: {_list(impossible)}. Within {MAX_PRIOR_SDS} standard deviations lie "
-        f"{_list([cause.effect for cause in likely])}. The apogee cannot tell these apart, being the same in all "
+        f"{_list([cause.effect for cause in likely])}. The apogee cannot distinguish these, being the same in all "
         "of them; "
-        "the readouts that the altimeter also shows can. Pairs of the likely ones that one more such flight would tell "
-        "apart, by two standard deviations of single flights:"
+        "the readouts that the altimeter also shows can. Pairs of the likely ones that one more such flight would "
+        "distinguish, by two standard deviations of single flights:"
     )
     yield ""
     yield from _table(
-        ("written down", "pairs told apart"),
+        ("recorded", "pairs distinguished"),
         [
             (NAMES.get(on_progress.readout, on_progress.readout), f"{on_progress.apart} of {on_progress.pairs}")
             for on_progress in pair.tells

@@ -43,16 +43,16 @@ def _thrust(report: PaperReport) -> str:
         f"{bias['impulse_normalised']:+.1f} m with the same profile scaled to the right impulse, "
         f"{bias['certified']:+.1f} m with certified curves and {bias['certified_with_casing']:+.1f} m with the "
         "casing's mass as well. Below that lowest apogee a network can only extrapolate: train it with another "
-        "seed, and the reconstructions move by metres while the errors on simulated flights stay the same."
+        "seed, and the reconstructions move by meters while the errors on simulated flights stay the same."
     )
 
 
 def _limit(report: PaperReport) -> str:
     limit, found, stated = report.bayes_limit, report.synthetic, report.published["stated"]
     return (
-        "An apogee alone cannot tell drag from thrust. No method gets below a mean error of "
+        "An apogee alone cannot separate drag from thrust. No method gets below a mean error of "
         f"{limit['cd_mae']:.4f} for Cd and {limit['alpha_mae']:.4f} for alpha on these simulated flights; the "
-        f"published {stated['cd_mae']} and {stated['alpha_mae']} are there already. Nor is the spread of the "
+        f"published {stated['cd_mae']} and {stated['alpha_mae']} already reach that limit. Nor is the spread of the "
         "ensemble an uncertainty: within one standard deviation of it lies the true Cd of "
         f"{found['cd_coverage_one_sd']:.0%} of the flights and the true alpha of {found['alpha_coverage_one_sd']:.0%}, "
         "where 68% would be right."
@@ -67,7 +67,7 @@ def _floor(report: PaperReport) -> str:
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
         f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
         f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m "
-        "on so few flights, the rules that learn from flights can hardly be told apart."
+        "on so few flights, the rules that are fitted to flights can hardly be distinguished."
     )
 
 

@@ -1,7 +1,7 @@
 """The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight expects some sixty.
 
 Each effect is asked what it would take on the lighter flight alone, the drag being whatever lets the heavier one
-reach what it reached; and which next flight would tell those apart that could have been it.
+reach what it reached; and which next flight would distinguish the possible causes.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -44,7 +44,7 @@ OWN_EFFECT = Effect(
     title=OWN_DRAG,
     family="drag",
     explains="the payload changes shape or stability as well as mass",
-    unit="share of Cd",
+    unit="fraction of Cd",
     prior=Prior(mean=0.0, sd=0.09, low=-0.6, high=3.0),
     source="the slack that forecasts leave between configurations",
     tell_apart="fly both configurations on one motor, and write down the coast",
@@ -69,7 +69,7 @@ READOUT_SCATTER = {
 class Cause:
     """An effect on the lighter flight alone: the strength that explains it, and how far from believable that is.
 
-    `strength` is nan where none does. `away` is its distance from what was believed, in standard deviations of
+    `strength` is nan if none does. `away` is its distance from what was believed, in standard deviations of
     the prior. `shows` is what the altimeter would show of that flight.
     """
 
@@ -98,7 +98,7 @@ class TwoFlights:
 
 @dataclass(frozen=True, slots=True)
 class Discrimination:
-    """A readout of the lighter rocket, and how many pairs of likely causes it would tell apart, of so many."""
+    """A readout of the lighter rocket, and how many pairs of likely causes it would distinguish, of how many."""
 
     readout: str
     apart: int
@@ -151,11 +151,22 @@ def _gain(heavy: Flight, light: Flight, alpha: float) -> float:
     return float(shown[0]) - _apogee(heavy)
 
 
+TESTABLE_CONDITIONS = ("", "wind")
+"""Conditions that an effect may need to be tested here."""
+
+
 def _causes(heavy: Flight, light: Flight) -> list[Cause]:
-    """Every effect on the shelf, and a drag of its own for the lighter configuration."""
+    """Every registered effect, and a drag of its own for the lighter configuration.
+
+    Effects that need a condition which was not recorded are left out; of the wind it is asked how much it would take.
+    """
     area = _area(heavy, 1.0)
     flown_between = int(light.flight_id) - int(heavy.flight_id)
-    own = [_cause(name, effect, light, area, flown_between) for name, effect in effects().items()]
+    own = [
+        _cause(name, effect, light, area, flown_between)
+        for name, effect in effects().items()
+        if effect.needs in TESTABLE_CONDITIONS
+    ]
     return [*own, _cause(OWN_DRAG, OWN_EFFECT, light, area, 1)]
 
 
@@ -217,7 +228,7 @@ def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> 
 
 
 def _tells(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
-    """For each readout, how many pairs of causes it would tell apart, and then for all of them."""
+    """For each readout, how many pairs of causes it would distinguish, and then for all of them."""
     pairs = list(combinations(causes, 2))
     counts = [
         Discrimination(name, sum(_apart(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs))
@@ -232,7 +243,7 @@ def _tells(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
 
 
 def _apart(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
-    """How far two causes put readouts apart, in standard deviations of single flights."""
+    """The difference of readouts between two causes, in standard deviations of single flights."""
     total = 0.0
     for name in readouts:
         a, b = one.shows[name], other.shows[name]

@@ -73,7 +73,7 @@ HEAD = (
 
 
 def table(found: Sequence[Reference]) -> list[str]:
-    """The fit, as it is now, beside stored references: a line a case, and how far the quantiles are apart over all."""
+    """The fit, as it is now, beside stored references: a line a case, and the difference of the quantiles over all."""
     by_fit = np.array([off(quantiles(said_by_fit(one.case, DRAWS, 0)), one.quantiles) for one in found])
     by_linear = np.array([off(one.linear, one.quantiles) for one in found])
     lines = [

@@ -52,7 +52,7 @@ def sample(
 ) -> Chains:
     """Chains from `start`, of a density about as wide in every direction as a standard normal one.
 
-    The step is adapted during warm-up alone (Robbins and Monro, 1951). Raises ValueError where a start has no density.
+    The step is adapted during warm-up alone (Robbins and Monro, 1951). Raises ValueError if a start has no density.
     """
     state = _State(start, *density(start))
     if not np.isfinite(state.log_density).all():

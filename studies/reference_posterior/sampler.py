@@ -145,7 +145,7 @@ def _figures(learnt: FittedForecast) -> Float[Array, "draw figure"]:
 
 
 def _inside(density: hamiltonian.Density, start: Float[Array, "chain dimension"]) -> Float[Array, "chain dimension"]:
-    """Starts that have a density: those that have none are drawn towards the middle."""
+    """Starts that have a density: those that have none are drawn toward the middle."""
     for _ in range(20):
         outside = ~np.isfinite(density(start)[0])
         if not outside.any():

@@ -247,7 +247,7 @@ def target(
     """The posterior of a model without effects; `at` is where the force takes readouts as linear.
 
     `readouts` are by default the simulator's. A seen readout that the simulator does not give there is not compared, as
-    in the fit. Raises ValueError for a model with a lean or with effects.
+    in the fit. Raises ValueError for a model with a launch angle or with effects.
     """
     kinds = tuple(STEP_SIZES)
     if any(term.bends not in (*kinds, *OBSERVED_READOUTS) for term in model.terms) or any(

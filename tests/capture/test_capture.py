@@ -395,14 +395,14 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
     assert "1 imported" in capsys.readouterr().out
-    with pytest.raises(CaptureTrouble, match="is not found; ports now"):
+    with pytest.raises(CaptureTrouble, match="is not found; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
 
 
 @terminals
 def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def gone(self: object) -> bytes:
-        raise PortLost("port: the port is gone (loose contact)")
+        raise PortLost("port: the port disappeared (loose contact)")
 
     monkeypatch.setattr("fieldkit.capture.line.SerialLine.hear", gone)
     monkeypatch.setattr("fieldkit.capture.session.PAUSE", 0.0)
@@ -410,7 +410,7 @@ def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monke
         port = Port(wire.name)
         events = list(capture(port, "eggtimer", folder=tmp_path, look=lambda: [port]))
     assert isinstance(events[-1], Ended)
-    assert events[-1].why == "port: the port is gone (loose contact)"
+    assert events[-1].why == "port: the port disappeared (loose contact)"
     assert 2 <= sum(isinstance(event, Back) for event in events) < 20
 
 

@@ -112,7 +112,7 @@ def test_rows_that_are_dropped_are_counted(run: Run) -> None:
 def test_inspect_prints_a_file_at_length(run: Run) -> None:
     status, out, _ = run("inspect", PNUT)
     assert status == 0
-    for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.76 ± 1 m", "the device states", "apogee"):
+    for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.76 ± 1 m", "device: ", "apogee"):
         assert text in out
 
 

@@ -58,7 +58,7 @@ def test_a_ledger_that_would_keep_nothing_is_refused(
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     assert main(["--ledger", url, "add", "--rocket", "Astra", "--apogee", "100m"]) == 1
     said = capsys.readouterr()
-    assert "would keep nothing, expected sqlite:///FILE" in said.err
+    assert "would store nothing, expected sqlite:///FILE" in said.err
     assert "added" not in said.out + said.err
 
 
@@ -102,7 +102,7 @@ def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) 
             env=os.environ | {"PYTHONPATH": str(ROOT)},
         )
     assert done.returncode == 1
-    assert "may be done all the same" in done.stderr
+    assert "may have finished" in done.stderr
     assert "nothing was changed" not in done.stderr
     with Ledger.open(ledger) as opened:
         assert [flight.flight_id for flight in opened.flights()] == ["1", "2", "3", "9"]

@@ -85,7 +85,7 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Pa
     assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), MIN_FORECASTS_TO_CORRECT)
     assert said["narrowed_by_flights"] == pytest.approx(forecast_record(own)["interval"]["narrowed_by_flights"])
     assert any(
-        f"2.00 times the model's own, as {MIN_FORECASTS_TO_CORRECT} earlier forecasts" in line
+        f"2.00 times the model's own, calibrated on {MIN_FORECASTS_TO_CORRECT} earlier forecasts" in line
         for line in in_words(wide)
     )
     spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]

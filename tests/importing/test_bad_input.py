@@ -329,7 +329,7 @@ def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_m
     write_waiting(file, 100 * 1024 * 1024, flown=True)
     ran = run_clean(tmp_path, IMPORT, "--ledger", str(tmp_path / "ledger.db"), "import", str(file))
     file.unlink()
-    assert "1 imported" in ran.stdout
+    assert "Imported 1," in ran.stdout
     assert "no figure" not in ran.stderr
     used = ran.stderr.split("\n")[-2]
     with capsys.disabled():

@@ -33,7 +33,7 @@ def test_an_unknown_ensemble_is_refused_by_name() -> None:
 
 @pytest.mark.parametrize("log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"])
 def test_a_file_that_no_parser_recognizes_is_near_to_none(log: bytes) -> None:
-    with pytest.raises(UnknownFormat, match=r"^junk\.csv: no parser recognizes this file, and it is near to none$"):
+    with pytest.raises(UnknownFormat, match=r"^junk\.csv: no parser recognizes this file, and it resembles none$"):
         read(log, "junk.csv", any_motor)
 
 
@@ -131,5 +131,5 @@ def test_a_fallback_is_asked_where_nobody_else_claims_a_log(monkeypatch: pytest.
 @pytest.mark.parametrize("name", ["flight_table", "fieldkit_json", "altimetertwo_journal"])
 def test_a_table_of_flights_without_end_is_refused_at_once(name: str) -> None:
     log = next(sample for sample in SAMPLES if sample.name.startswith(name)).read_bytes()
-    with pytest.raises(DamagedLog, match="found 5 MB, expected at most 4 in a table of flights; part it"):
+    with pytest.raises(DamagedLog, match="found 5 MB, expected at most 4 in a table of flights; split it"):
         read(log + b" " * (5 << 20), "t", any_motor, name)

@@ -136,15 +136,15 @@ def test_one_copy_is_enough_where_many_begin_to_write(file: Path, monkeypatch: p
 
 
 CHANGES = (
-    ("UPDATE flights SET rocket = 'Asura' WHERE entry = 1", "the row of 1 of Asura is not as it was written"),
-    ("UPDATE tags SET tag = 'mind' WHERE entry = 1", "the row of 1 of Astra is not as it was written"),
-    ("DELETE FROM tags WHERE entry = 1", "the row of 1 of Astra is not as it was written"),
-    ("INSERT INTO tags VALUES (1, 7, 'new')", "the row of 1 of Astra is not as it was written"),
-    ("UPDATE journal SET what = 'some' WHERE number = 1", "the row of 1 is not as it was written"),
-    ("UPDATE logs SET size = size - 1", "another size"),
-    (f"UPDATE logs SET content = x'{zlib.compress(b'a lag').hex()}'", "the bytes of the log .* are not as"),
-    ("PRAGMA foreign_keys = OFF; DELETE FROM logs", "a row of flights names one of logs that is gone"),
-    ("ALTER TABLE flights RENAME COLUMN notes TO nodes", "without the column notes of flights"),
+    ("UPDATE flights SET rocket = 'Asura' WHERE entry = 1", "a row of 1 of Asura does not match its checksum"),
+    ("UPDATE tags SET tag = 'mind' WHERE entry = 1", "a row of 1 of Astra does not match its checksum"),
+    ("DELETE FROM tags WHERE entry = 1", "a row of 1 of Astra does not match its checksum"),
+    ("INSERT INTO tags VALUES (1, 7, 'new')", "a row of 1 of Astra does not match its checksum"),
+    ("UPDATE journal SET what = 'some' WHERE number = 1", "a row of 1 does not match its checksum"),
+    ("UPDATE logs SET size = size - 1", "whose size differs"),
+    (f"UPDATE logs SET content = x'{zlib.compress(b'a lag').hex()}'", "the bytes of the log .* do not match"),
+    ("PRAGMA foreign_keys = OFF; DELETE FROM logs", "a row of flights refers to a missing row of logs"),
+    ("ALTER TABLE flights RENAME COLUMN notes TO nodes", "column notes of flights is missing"),
 )
 
 
@@ -179,7 +179,7 @@ def test_a_copy_that_has_rotted_hides_no_damage_and_makes_none(file: Path) -> No
         assert soundness.fault(file, since=rotten) == ""
     with closing(sqlite3.connect(file)) as raw, raw:
         raw.execute("UPDATE flights SET apogee = 101.0 WHERE entry = 1")
-    assert "the row of 1 of Astra" in soundness.fault(file, since=rotten)
+    assert "a row of 1 of Astra" in soundness.fault(file, since=rotten)
 
 
 def test_a_row_that_has_changed_on_the_disc_stops_the_next_change_and_is_restored(
@@ -198,7 +198,7 @@ def test_a_row_that_has_changed_on_the_disc_stops_the_next_change_and_is_restore
     with closing(sqlite3.connect(kept[0].file)) as raw, raw:
         raw.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 1
-    assert "this copy is damaged too (the row of 1 of Asura" in capsys.readouterr().err
+    assert "this backup is damaged too (a row of 1 of Asura" in capsys.readouterr().err
 
 
 def cut(content: bytes) -> bytes:

@@ -268,7 +268,7 @@ def test_a_change_that_changes_nothing_stays_out_of_the_journal(ledger: Ledger) 
 
 def test_an_edit_to_a_taken_name_is_refused(ledger: Ledger) -> None:
     ledger.add([FIRST, SECOND])
-    with pytest.raises(LedgerError, match="flight 1 of Astra is in the ledger already"):
+    with pytest.raises(LedgerError, match="flight 1 of Astra is already in the ledger"):
         ledger.edit("2", flight_id="1")
     assert ledger.flights() == [FIRST, SECOND]
 

@@ -102,7 +102,7 @@ def test_another_programs_database_is_left_alone(tmp_path: Path) -> None:
     with sqlite3.connect(file) as raw:
         raw.execute("CREATE TABLE songs (name TEXT)")
     raw.close()
-    with pytest.raises(LedgerError, match="holds another program's tables"):
+    with pytest.raises(LedgerError, match="found another program's tables"):
         Ledger.open(file)
 
 

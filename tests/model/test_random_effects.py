@@ -41,5 +41,5 @@ def test_an_unknown_effect_is_named_with_those_there_are() -> None:
 
 def test_the_card_will_say_what_was_drawn() -> None:
     assert priors(["mass_offset"]) == {
-        "mass_offset": "normal, 0 and 0.09, between -0.5 and 0.6 [share of the dry mass]"
+        "mass_offset": "normal, 0 and 0.09, between -0.5 and 0.6 [fraction of the dry mass]"
     }

@@ -116,7 +116,7 @@ def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
     found = catalogue().resolve(text)
     assert (_label(found.motor), found.delay) == expected
     if text != "G75-11":  # only one of them is sold with 11 s
-        assert "it could be" in found.notes[0]
+        assert "it could also be" in found.notes[0]
         with pytest.raises(AmbiguousMotor, match=_label(found.motor)):
             catalogue().find(text)
 
@@ -137,7 +137,7 @@ def test_the_maker_may_be_given_apart() -> None:
 @pytest.mark.parametrize("text", SEVERAL)
 def test_clusters_and_stages_are_refused_by_name(text: str) -> None:
     assert is_cluster(text)
-    with pytest.raises(UnknownMotor, match="clusters and stages are not modelled as one motor"):
+    with pytest.raises(UnknownMotor, match="clusters and stages are not modeled as one motor"):
         catalogue().resolve(text)
 
 
@@ -191,7 +191,7 @@ def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
 def test_a_mass_that_was_estimated_is_said_aloud() -> None:
     found = catalogue().find("G35-4")
     assert found.motor.estimated == ("casing mass",)
-    assert "casing mass not on record, estimated" in found.notes[0]
+    assert "casing mass not listed, estimated" in found.notes[0]
 
 
 def test_every_motor_is_found_by_maker_and_designation() -> None:
@@ -290,7 +290,7 @@ def test_a_longest_delay_that_is_typed_is_what_is_drilled_from() -> None:
     assert drill is not None
     assert sorted(offered(found.motor, drill.takes_off)) == [6.0, 8.0, 10.0, 12.0, 14.0]
     assert catalogue().find("H128W").motor.delays == (4.0, 6.0, 8.0, 10.0)
-    assert "old one; give the longest delay on the bag" in catalogue().find("H128W-14").notes[1]
+    assert "outdated; give the longest delay on the package" in catalogue().find("H128W-14").notes[1]
     assert catalogue().find("H238T-14A").motor is catalogue().find("H238T").motor
 
 

@@ -98,7 +98,7 @@ def test_what_documents_disagree_on_is_told_and_not_changed() -> None:
     assert motor.loaded_mass == pytest.approx(0.899)
     told = [one for one in motor.corrections if not one.applied]
     assert {"total_impulse_ns", "loaded_g"} <= {one.field for one in told}
-    assert "945.2; 935.24 N s by another document (open" in told[0].text()
+    assert "945.2; 935.24 N s in another document (open" in told[0].text()
     assert _motor("Quest B6W").loaded_mass == pytest.approx(0.0193)
     assert _motor("H123W AeroTech").delays == (4.0, 6.0, 8.0, 10.0)
 

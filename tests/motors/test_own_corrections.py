@@ -47,7 +47,7 @@ def test_a_lot_has_its_own_figures_and_an_unknown_one_says_so(tmp_path: Path) ->
     assert motors.resolve("F24-4W lot 0412").motor is lot.motor
     other = motors.resolve("F24-4W, lot 99")
     assert other.motor.total_impulse == 45.0
-    assert any("no figures of lot 99" in note for note in other.notes)
+    assert any("no figures for lot 99" in note for note in other.notes)
     assert split_lot("Lots of F24") == ("Lots of F24", "")
 
 

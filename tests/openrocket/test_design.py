@@ -237,7 +237,7 @@ def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: 
         assert main([*ledger, *command]) == 0
         said = capsys.readouterr().out
         assert "no flight of this rocket" in said
-        assert "its Cd starts from the 0.55 of skylark.ork" in said
+        assert "initial Cd 0.55 from skylark.ork" in said
 
 
 def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

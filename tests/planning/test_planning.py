@@ -361,16 +361,16 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
     assert main(["--ledger", path, *command, *motor, *day]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "1.145 kg/m³ at the pad" in out
-    assert "too little" in out
+    assert "% low" in out
     assert "the range safety officer decides" in out
     for failed in ("ground wind: unsafe", "ceiling: unsafe", "motor temperature: caution"):
         assert failed in out
     if command[0] == "ballast":
-        assert "a gram more is -" in out
+        assert "1 g more  -" in out
     assert "ceiling of " not in out  # the waiver is the day's, not the site's
     if command[0] != "motors":
         assert all(f"{name}: " in out for name in NAMES)
-        assert "[ceiling as given]" in out
+        assert "[ceiling entered]" in out
 
 
 def test_json_says_the_same(path: str, capsys: pytest.CaptureFixture[str]) -> None:

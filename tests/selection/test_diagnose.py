@@ -144,4 +144,4 @@ def test_an_effect_that_flights_left_out_do_not_show_yet_is_said_to_be_one(effec
     model = rocket_model(flights, [found for _, found in flown])
     diagnosis = diagnose(model, observe(flights, [True] * len(flights)), given=[effect])
     assert (diagnosis.after.mae < diagnosis.before.mae) is shown
-    assert ("flights left out do not show it yet" in diagnosis.why) is not shown
+    assert ("held-out flights do not show it yet" in diagnosis.why) is not shown

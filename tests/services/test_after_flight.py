@@ -97,7 +97,7 @@ def test_a_forecast_made_in_its_place_is_not_written_over_by_redo(ledger: Ledger
     decide(ledger)
     ledger.undo()
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
-    with pytest.raises(LedgerError, match="another forecast was made since"):
+    with pytest.raises(LedgerError, match="a newer forecast exists"):
         ledger.redo()
     (one,) = ledger.predictions()
     assert "plan" not in one.payload

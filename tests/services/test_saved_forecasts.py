@@ -74,9 +74,9 @@ CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
     "remove": (lambda ledger: ledger.remove("3"), "flight 3 is gone"),
     "model": (
         lambda ledger: ledger.keep_version("Astra", {"effects": []}),
-        "the plain model gave way to model version 1",
+        "the plain model replaced by model version 1",
     ),
-    "flight": (lambda ledger: ledger.add([FLOWN.with_changes(flight_id="9")]), "flight 9 came in since"),
+    "flight": (lambda ledger: ledger.add([FLOWN.with_changes(flight_id="9")]), "flight 9 added since"),
     "plan": (
         lambda ledger: ledger.add([PLAN.with_changes(dry_mass=0.33, diameter=0.066, wind=4.0)]),
         "dry mass was 320 g, is 330 g; wind was 2 m/s, is 4 m/s",

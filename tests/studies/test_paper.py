@@ -1,4 +1,4 @@
-"""The reference paper, reproduced: each figure of the report against what is known of it."""
+"""The reference paper, reproduced: each figure of the report against what was published."""
 
 import json
 import sys
@@ -236,9 +236,7 @@ def test_where_the_studies_are_missing_their_commands_say_what_to_install(
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "studies", None)  # as in a plain wheel: the import finds nothing
     (line,) = run(*command, status=1).splitlines()
-    assert line.endswith(
-        "the studies are not part of the installed program; from a checkout of fieldkit: pip install -e ."
-    )
+    assert line.endswith("the studies are not in the installed program; from a checkout of fieldkit: pip install -e .")
 
 
 SIMULATE = ("simulate", "--motor", "E35-5W", "--dry-mass-g", 448, "--diameter-mm", 66, "--cd", 0.659, "--alpha", 0.887)
@@ -261,7 +259,7 @@ def test_simulate_flies_the_field_with_its_conditions(run: Run) -> None:
 @pytest.mark.parametrize(
     ("more", "status", "words"),
     [
-        (("--physics", "paper", "--wind-mps", "3"), 1, "the paper's physics knows no delay and no conditions"),
+        (("--physics", "paper", "--wind-mps", "3"), 1, "the paper's physics has no delay and no conditions"),
         (("--dry-mass-g", "99999"), 1, "does not lift"),
         (("--dry-mass-g", "x"), 1, "expected a number"),
         (("--motor", "Q0"), 1, "no such motor"),

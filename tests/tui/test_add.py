@@ -190,7 +190,7 @@ async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_said(tm
 async def test_nothing_typed_is_not_saved(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", "ctrl+s")
-        assert "expected at least one; nothing was added" in words(pilot)
+        assert "expected at least one; nothing was saved" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
 

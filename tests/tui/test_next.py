@@ -86,7 +86,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         await press(pilot, "e", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
         assert "kept; the page Next starts from it" in words(pilot)
         await press(pilot, "enter")
-        assert "it is kept already" in words(pilot)
+        assert "duplicate: it is already saved" in words(pilot)
         await press(pilot, "down", "enter")
         assert "✗ error" in words(pilot)
     with Ledger.open(file) as ledger:
@@ -356,7 +356,7 @@ async def test_a_damaged_motor_file_is_a_notice(file: Path) -> None:
 async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Path) -> None:
     log = file.parent / "flight.pf2"
     log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
-    end = capture.Ended(log, "stratologger", 4000, 200, 0, "all is read", True)
+    end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)
     events = [
         capture.PortOpened("/dev/ttyUSB0", "stratologger", log),
         capture.Progress(2000, 100, 1, 0.5, capture.Sample(123.4, 3.0, 20.0, "boost")),

@@ -89,7 +89,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "sum to 60 or less" in seen
         assert "best 2 of 1, 9, 12" in seen
         assert "contest length: ok" in seen
-        assert "wind not given, so no drift" in seen  # what it asks for beside
+        assert "wind not given, so drift unknown" in seen  # what it asks for beside
         assert "ceiling: ok" in seen
         await press(pilot, "p", "ctrl+u", "ctrl+s")
         assert "target 800 ft" in said(pilot)  # the season's own again
@@ -128,7 +128,7 @@ async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monk
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
         await press(pilot, "escape", "escape", "d")  # the first reads the notice
         await front(pilot, "Kept")
-        assert "stale now: flight 13 came in since" in said(pilot)
+        assert "stale now: flight 13 added since" in said(pilot)
 
 
 @pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])

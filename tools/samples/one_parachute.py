@@ -32,7 +32,7 @@ class Made:
 def flight(
     thrust: float = 60.0, burn: float = 1.6, drag: float = 0.0016, descent: float = 9.0, pad: float = 310.0
 ) -> Made:
-    """Boost, coast with drag that grows with the square of speed, and a steady descent."""
+    """Boost, coast with drag that grows with the square of speed, and a descent at constant speed."""
     step = 0.005
     height, speed, rows = 0.0, 0.0, []
     time, apogee, top = -2.0, 0.0, 0.0

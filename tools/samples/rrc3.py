@@ -1,4 +1,4 @@
-"""Missile Works RRC3: its program's tables, in feet and in metres."""
+"""Missile Works RRC3: its program's tables, in feet and in meters."""
 
 import numpy as np
 

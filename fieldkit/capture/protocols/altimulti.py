@@ -44,6 +44,7 @@ class AnswerFrame:
 
     @property
     def whole(self) -> bool:
+        """Whether the answer ended and every sentence has a valid checksum."""
         return self.ended and not self.bad
 
 
@@ -73,6 +74,7 @@ def _frame(content: bytes) -> AnswerFrame:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the flights that are wanted, or follow telemetry; whether all arrived. Raises PortTrouble."""
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
@@ -104,7 +106,7 @@ def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
 
 
 def _telemetry(link: Link, one: Sentence) -> None:
-    """Show what a telemetry sentence says; metres whatever the unit's display shows."""
+    """Show what a telemetry sentence says; meters whatever the unit's display shows."""
     if not one.sound:
         link.damaged += 1
         return
@@ -160,13 +162,13 @@ def _counted(link: Link) -> Dialogue[int]:
 
 
 def _same_unit(link: Link, count: int, captured: Captured) -> None:
-    """Raise PortTrouble where a capture that goes on is of another unit."""
+    """Raise PortTrouble if a capture that goes on is of another unit."""
     told = [one for one in sentences(captured.raw) if one.sound]
     counts = {one.fields[0] for one in told if one.name == "nbrOfFlight" and one.fields}
     settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}
     mine = link.about.get("settings")
     if (counts and str(count) not in counts) or (mine and settings and mine not in settings):
-        raise PortTrouble(f"{link.line.name}: this is another unit than that of the capture; begin a new capture")
+        raise PortTrouble(f"{link.line.name}: this is not the unit of the capture; start a new capture")
 
 
 def _flight(link: Link, number: int) -> Dialogue[bool]:
@@ -176,7 +178,7 @@ def _flight(link: Link, number: int) -> Dialogue[bool]:
         if ended and not bad:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
-        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
+        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are saved"
         yield Instruction(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False

@@ -47,6 +47,7 @@ class Block:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the flights that are wanted, block by block; whether all arrived. Raises PortTrouble."""
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)
@@ -62,7 +63,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _identity(link: Link) -> Dialogue[dict[str, str]]:
-    """What a unit says of itself. Raises PortTrouble where it says nothing."""
+    """What a unit reports about itself. Raises PortTrouble if it does not answer."""
     for _ in range(TRIES):
         link.send(b"c s\n")
         link.send(b"f\n")
@@ -75,13 +76,13 @@ def _identity(link: Link) -> Dialogue[dict[str, str]]:
 
 
 def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None:
-    """Raise PortTrouble where a capture that goes on is of another unit."""
+    """Raise PortTrouble if a capture that goes on is of another unit."""
     before = set(re.findall(rb"^serial-number +(\d+)", captured.raw, re.MULTILINE))
     mine = identity.get("serial-number", "")
     if before and mine and mine.encode("latin-1") not in before:
         known = ", ".join(sorted(one.decode() for one in before))
         raise PortTrouble(
-            f"{link.line.name}: found serial number {mine}, expected {known} of the capture; begin a new one"
+            f"{link.line.name}: found serial number {mine}, expected {known} of the capture; start a new one"
         )
 
 
@@ -156,7 +157,7 @@ def assembled(lines: Iterable[str]) -> Block:
 
 
 def _row(line: str) -> list[int] | None:
-    """The nine numbers of a line, None where it has not nine that fit."""
+    """The nine numbers of a line, None if it has not nine that fit."""
     tokens = line.split()
     if len(tokens) != 1 + ROW or not all(re.fullmatch(r"[0-9a-fA-F]{1,2}", token) for token in tokens):
         return None
@@ -176,7 +177,7 @@ def blocks(captured: Captured) -> dict[int, Block]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """Each flight as the vendor's own program saves it: what the unit says of itself, then its memory in hex."""
+    """Each flight as the vendor's own program saves it: what the unit reports about itself, then its memory in hex."""
     answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
     told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
     memory = blocks(captured)
@@ -194,7 +195,7 @@ def logs(captured: Captured) -> list[Log]:
 
 
 def settings(lines: Iterable[str]) -> dict[str, str | int]:
-    """What a unit says of itself, by names as the vendor's program spells them in its files."""
+    """What a unit reports about itself, by names as the vendor's program spells them in its files."""
     found: dict[str, str | int] = {}
     for line in lines:
         if match := _CALIBRATION.match(line):

@@ -39,6 +39,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download low- and high-rate data; whether all arrived. Raises PortTrouble if the unit does not answer."""
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)

@@ -29,6 +29,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Record what the unit prints until it falls silent; whether it is complete. Raises PortTrouble."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True

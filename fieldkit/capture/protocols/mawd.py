@@ -26,6 +26,7 @@ _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the one flight, again where samples are missing; whether all arrived. Raises PortTrouble."""
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
@@ -60,7 +61,7 @@ def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
 
 
 def _count(link: Link) -> Dialogue[int]:
-    """The number of samples in memory. Raises PortTrouble where the statistics cannot be read."""
+    """The number of samples in memory. Raises PortTrouble if the statistics cannot be read."""
     for _ in range(TRIES):
         lines = yield from _lines(link, b"S", STATISTICS)
         found = {line[0]: int(line[1:]) for line in lines if re.fullmatch(r"[GANDM]\d{5}", line)}

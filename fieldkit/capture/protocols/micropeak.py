@@ -39,6 +39,7 @@ class Record:
 
     @property
     def model(self) -> int:
+        """The model number of the device, as the record states it."""
         return self.payload[9] >> 4
 
     @property
@@ -80,7 +81,7 @@ class Stream:
         return found
 
     def _begun(self, chunk: bytes, at: int) -> int:
-        """Where to go on: after the next `MP`, with a record begun, or at the end."""
+        """Where to go on: after the next `MP`, with a record started, or at the end."""
         while (letter := chunk.find(b"P", at)) >= 0:
             at = letter + 1
             if (chunk[letter - 1] if letter else self._last) == ord("M"):
@@ -120,6 +121,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Record what the unit sends by its LED; whether the record is sound. Raises PortTrouble if nothing comes."""
     stream = Stream()
     useful = time.monotonic()
     base = link.samples

@@ -30,10 +30,11 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Record live telemetry until it falls silent; whether it is complete. Raises PortTrouble if nothing comes."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
-    yield from link.first_word(wait, "its telemetry has to be switched on in its settings")
+    yield from link.first_word(wait, "its telemetry must be enabled in its settings")
     while (line := (yield from link.text_line(silence))) is not None:
         if _NUMBER.fullmatch(line):
             link.samples += 1

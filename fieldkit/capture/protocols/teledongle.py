@@ -54,6 +54,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Record radio packets until the user stops; whether it is complete. Raises PortTrouble."""
     link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):

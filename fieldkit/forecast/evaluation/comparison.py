@@ -37,7 +37,7 @@ class Scores:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """How good one way to forecast was, as fractions of the apogee flown; `mae` and `bias` in metres."""
+    """How good one way to forecast was, as fractions of the apogee flown; `mae` and `bias` in meters."""
 
     name: str
     flights: int
@@ -92,7 +92,7 @@ class Against:
 @dataclass(frozen=True, slots=True)
 class ScoreReport:
     """How good a set of forecasts was: every way by itself, against each rival, by rocket against the bar, and its
-    calibration. `crps` is in metres."""
+    calibration. `crps` is in meters."""
 
     rows: tuple[Forecast, ...]
     ways: tuple[Tally, ...]

@@ -22,7 +22,7 @@ FlownFlight = tuple[Flight, Found]
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """One flight beside what was forecast before it flew, by the model and by its rivals. [m]
+    """One flight with what was forecast before it flew, by the model and by its rivals. [m]
 
     `draws` are the model's equally likely apogees and `p05` to `p95` its quantiles; `rivals` are the draws of those
     rivals that had something to go by, `stacked` the mixture with some of them. `earlier` counts the clean flights with
@@ -104,7 +104,7 @@ def _forecast(
     shared: SharedPrior | None,
     hyperprior: Hyperprior | None,
 ) -> Forecast:
-    """One flight beside its forecasts."""
+    """One flight with its forecasts."""
     (made,) = predict(past, [(unflown(plan.flight), plan.found)], shared=shared, hyperprior=hyperprior)
     p05, p50, p95 = made.apogee_quantiles().tolist()
     return beside_rivals(plan, made.apogee, (p05, p50, p95), earlier)
@@ -121,7 +121,7 @@ def beside_rivals(
     interval: tuple[float, float, float],
     earlier: Sequence[Simulated],
 ) -> Forecast:
-    """A flight, simulated as it was planned, beside its forecast and what the rivals make of earlier flights."""
+    """A flight, simulated as it was planned, with its forecast and what the rivals make of earlier flights."""
     flight = plan.flight
     assert flight.apogee is not None
     return Forecast(
@@ -138,7 +138,7 @@ def beside_rivals(
 
 
 def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
-    """The forecasts, in the order flown, each beside its mixture with rivals, weighted by those of earlier flights."""
+    """The forecasts, in the order flown, each with its mixture with rivals, weighted by those of earlier flights."""
     found: list[Forecast] = []
     scores: list[Float[Array, "way"]] = []
     for row in rows:

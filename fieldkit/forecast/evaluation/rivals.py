@@ -1,7 +1,7 @@
 """Rivals of the model: simple forecasts of a flight from earlier ones, which it has to be ahead of.
 
 Each is a function of the earlier clean flights with an apogee, of all rockets in the order flown, and of the planned
-one. It returns equally likely apogees [m], a single one where it has no spread, or None where it has nothing to go by.
+one. It returns equally likely apogees [m], a single one if it has no spread, or None if it has nothing to go by.
 """
 
 from collections.abc import Callable, Mapping, Sequence

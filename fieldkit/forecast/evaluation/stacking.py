@@ -95,7 +95,8 @@ def stacked(
 ) -> Float[Array, "draw"]:
     """As many equally likely values of the mixture as the model has draws, in order.
 
-    Each way gets its share of them, to the nearest whole number, at evenly spaced levels of its own distribution.
+    Each method gets a number of them in proportion to its weight, to the nearest whole number, at evenly spaced
+    levels of its own distribution.
     """
     ends = np.rint(np.cumsum(weights) / np.sum(weights) * len(draws)).astype(int)
     counts = np.diff(ends, prepend=0).tolist()

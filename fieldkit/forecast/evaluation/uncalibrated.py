@@ -22,7 +22,7 @@ Rocketry, 1973, give 0.4 to 0.8). [1]"""
 
 @dataclass(frozen=True, slots=True)
 class Simulated:
-    """A flight beside its uncalibrated forecast. [m]"""
+    """A flight with its uncalibrated forecast. [m]"""
 
     flight: Flight
     found: Found

@@ -65,7 +65,7 @@ class Flash:
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
+    """The records of lines of hex bytes; a damaged line counts as erased. Raises DamagedLog for too much memory."""
     damaged = Damaged()
     flash, missing = bytearray(), 0
     widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
@@ -99,6 +99,7 @@ def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
 
 
 def hex_bytes(line: str) -> bytes | None:
+    """The bytes of a line in hex, None if it is not hex."""
     try:
         return bytes.fromhex(line)
     except ValueError:

@@ -125,6 +125,7 @@ def _folded(name: str) -> str:
 
 
 def missing_channel(channels: set[str]) -> str:
+    """The channel that a table of samples lacks, empty if it has enough."""
     if "time" not in channels:
         return "time"
     return "" if channels & set(SUFFICIENT_CHANNELS) else "altitude"

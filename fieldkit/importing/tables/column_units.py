@@ -33,7 +33,8 @@ def units_of(
 ) -> tuple[dict[str, tuple[Unit, str, str]], list[str]]:
     """Of every channel its unit, that unit's name and why it is known; and the columns left out.
 
-    `values` follow: `felt?` becomes what it proves to be, a height of elsewhere `altitude_msl`.
+    `values` follow: `felt?` becomes what it proves to be, a height above another zero `altitude_msl`.
+    Raises DamagedLog for a unit that neither the header nor the values determine.
     """
     by_channel = {pick.channel: pick for pick in picks}
     units: dict[str, tuple[Unit, str, str]] = {}
@@ -52,7 +53,7 @@ def units_of(
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
         if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
-            found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that settles it"
+            found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that implies one"
             column = pick.name.split("[")[0].split("(")[0].strip() or pick.name
             raise DamagedLog(
                 f"found {found}, expected one of {expected}: write --map '{name}={printable(column)} [{_usual(name)}]'",
@@ -74,9 +75,9 @@ def _beside_pressure(
     if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
         return stated
     if pick.chosen:
-        return unit, name, f"as you chose, though the pressure beside it shows {shows}"
+        return unit, name, f"as you chose, although the pressure column implies {shows}"
     raise DamagedLog(
-        f"found heights in {shown(pick.unit)} that the pressure beside them shows to be in {shows}; "
+        f"found heights in {shown(pick.unit)} that the pressure column implies to be in {shows}; "
         f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
         column=pick.name,
     )
@@ -116,7 +117,7 @@ def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
         at_rest = rest(to_si(unit[0], values["felt?"])) / STANDARD_GRAVITY
         name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
         if name and name not in units:
-            units[name] = unit[0], unit[1], unit[2] or "by what it shows at rest"
+            units[name] = unit[0], unit[1], unit[2] or "from its value at rest"
             values[name] = values["felt?"] * (-1 if name == "felt" and at_rest < 0 else 1)
     if "altitude" in units and "altitude_msl" not in units:
         height = to_si(units["altitude"][0], values["altitude"])

@@ -28,7 +28,7 @@ class Damaged:
         """The first, and how many more; without the last one where that is only `cut` off."""
         reported: list[Found] = [error for error in self.first if not (cut and error is self.last)]
         more = self.count - cut - len(reported)
-        return [*reported, DamagedLog(f"found {more} more {what} that are damaged")] if more else reported
+        return [*reported, DamagedLog(f"found {more} more damaged {what}")] if more else reported
 
 
 def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
@@ -36,4 +36,4 @@ def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
     row = damaged.last.row if damaged.last else None
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
     reported = damaged.reported(what, cut=cut)
-    return [*reported, Note("is cut off where the file ends, left out", row)] if cut else reported
+    return [*reported, Note("is cut off at the end of the file, left out", row)] if cut else reported

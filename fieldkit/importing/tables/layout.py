@@ -131,5 +131,5 @@ def decimal_mark(cells: Sequence[str], separator: str | None) -> str:
         return ","
     if commas:
         found = f"found {commas[0].strip()!r}, which may be {commas[0].strip().replace(',', '')!r} or a decimal comma"
-        raise DamagedLog(f"{found}, expected numbers without doubt")
+        raise DamagedLog(f"{found}, expected unambiguous numbers")
     return "."

@@ -42,7 +42,7 @@ def read_choice(texts: Iterable[str]) -> ColumnChoice:
             raise BadValue(f"--map: found {name} twice, expected it once")
         channels[name] = column
     if not (channels.keys() <= QUANTITIES.keys() or channels.keys() <= set(FLIGHT_COLUMNS)):
-        raise BadValue("--map: found channels of samples and columns of flights together, expected either")
+        raise BadValue("--map: found both sample channels and flight columns, expected one or the other")
     return ColumnChoice(channels)
 
 
@@ -72,7 +72,7 @@ def remembered() -> tuple[ColumnChoice, ...]:
     except FileNotFoundError:
         return ()
     except (OSError, ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
-        raise FieldkitError(f"{file}: cannot be read as remembered mappings; mend or remove it") from error
+        raise FieldkitError(f"{file}: cannot be read as saved mappings; repair or delete it") from error
 
 
 def _texts(mapping: object) -> dict[str, str]:
@@ -97,7 +97,7 @@ def forget(number: int) -> ColumnChoice:
     """
     kept = list(remembered())
     if not 1 <= number <= len(kept):
-        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} that are remembered")
+        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
     gone = kept.pop(number - 1)
     _keep(kept)
     return gone
@@ -107,7 +107,7 @@ def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
     """Put other columns in place of those of a remembered choice, for the same headers. Raises BadValue."""
     kept = list(remembered())
     if not 1 <= number <= len(kept):
-        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} that are remembered")
+        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
     kept[number - 1] = ColumnChoice(read_choice(texts).channels, kept[number - 1].headers)
     _keep(kept)
     return kept[number - 1]

@@ -261,11 +261,11 @@ class Rows:
         reported = [error for error in self.reported if not (torn and error.row == self.last)]
         yield from sorted(reported, key=lambda error: error.row or 0)
         if more := self.damaged - len(reported) - bool(torn):
-            yield DamagedLog(f"found {more} more rows that are damaged")
+            yield DamagedLog(f"found {more} more damaged rows")
         if torn or short:
-            yield Note("is cut off where the file ends, left out", row=self.last)
+            yield Note("is cut off at the end of the file, left out", row=self.last)
         if self.too_much_damaged():
-            yield Note("is no table from here on, left out", row=self.last)
+            yield Note("is not a table from here on, left out", row=self.last)
         if self.step > 1:
             yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")
 

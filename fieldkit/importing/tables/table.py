@@ -68,7 +68,7 @@ class LogTable:
         anew = restarts(self.values[clock]).tolist()
         if len(anew) >= MOST_FLIGHTS:
             expected = f"expected at most {MOST_FLIGHTS} flights in a log"
-            raise DamagedLog(f"found {clock} starting anew {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
+            raise DamagedLog(f"found {clock} restarting {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
         starts = [0, *anew, len(self)]
         for start, stop in pairwise(starts):
             part = self.pick(slice(start, stop))
@@ -81,7 +81,7 @@ class LogTable:
             parts[content] = part if kept.all() else part.pick(kept)
         if repeated:
             times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
-            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
+            found.append(Note(f"repeats an earlier flight of this file{times}, imported once", repeated[0]))
         return list(parts.values()), found
 
 
@@ -95,6 +95,6 @@ def _digest(table: LogTable) -> bytes:
 
 def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
     for row, value in zip(rows[:MAX_REPORTED].tolist(), clock.tolist(), strict=False):
-        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
+        yield DamagedLog(f"found {name} {value:.10g} out of order, expected it to increase", row=row)
     if len(rows) > MAX_REPORTED:
         yield DamagedLog(f"found {len(rows) - MAX_REPORTED} more rows out of order")

@@ -30,7 +30,7 @@ MOST_WIDE = 32 << 20
 def decode_whole(log: bytes) -> str:
     """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
     if len(log) > MAX_TABLE_SIZE:
-        found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; part it"
+        found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; split it"
         raise DamagedLog(found)
     return decode(log)
 
@@ -152,7 +152,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             row, start = row + 1, start + whole + 1
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
-                found = f"found a cell without end, expected at most {MAX_TABLE_SIZE} characters"
+                found = f"found an endless cell, expected at most {MAX_TABLE_SIZE} characters"
             yield row, DamagedLog(found, row=row)
 
 

@@ -55,7 +55,7 @@ def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[
         return settled
     ways = [known | dict(zip(unsettled, way, strict=True)) for way in product(*(CANDIDATES[n] for n in unsettled))]
     ways = [way for way in ways if _steps_are_a_loggers(time * UNITS["time"][way["time"]].factor)]
-    reasons = ["its steps"]
+    reasons = ["its step size"]
     for reason, test in _TESTS:
         agreeing = [way for way in ways if test(raw, way)]
         if agreeing and len(agreeing) < len(ways):
@@ -78,7 +78,7 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
     finite = pressure[np.isfinite(pressure)]
     pad = float(np.percentile(finite, 98)) if len(finite) else float("nan")
     fits = [unit for unit, (low, high) in _PAD_PRESSURE.items() if low <= pad <= high]
-    return InferredUnit(fits[0], "by the pressure on the pad") if len(fits) == 1 else None
+    return InferredUnit(fits[0], "from the pressure on the pad") if len(fits) == 1 else None
 
 
 def rest(acceleration: Float[Array, "time"]) -> float:
@@ -110,7 +110,7 @@ def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:
         gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
         never_left = least / gravity > 0.9 and most / gravity < 1.1
         if 0.93 < at_rest / gravity < 1.07 and (never_left or _LIFTS < most / gravity < _MOST_GRAVITIES):
-            return InferredUnit(unit, "by one g at rest")
+            return InferredUnit(unit, "from one g at rest")
     return None
 
 

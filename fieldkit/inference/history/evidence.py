@@ -30,7 +30,7 @@ INSIDE_SDS = 5.0
 
 
 MIN_MASS = 1e-250
-"""Mass between two bounds below which it is no longer told from zero. [1]"""
+"""Mass between two bounds below which it is treated as zero. [1]"""
 _ERFC = np.frompyfunc(erfc, 1, 1)
 
 

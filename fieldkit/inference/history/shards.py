@@ -109,7 +109,8 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
 
 
 def simulate_shard(plan: ShardPlan) -> bytes:
-    """The histories of a shard as a table in numpy's own format; its random numbers are its own, whoever draws them."""
+    """The histories of a shard as a table in numpy's own format; its random numbers are its own, on whichever
+    machine."""
     rng = np.random.default_rng(np.random.SeedSequence(plan.seed, spawn_key=(int(plan.held_out), plan.number)))
     choice = stock(_motors(plan.held_out))
     names = effect_names()

@@ -1,4 +1,4 @@
-"""How far apogees lie apart, beside what the fit of all readouts makes of it.
+"""The scatter of apogees, compared with what the fit of all readouts makes of it.
 
 Two scales stand for the scatter of every readout in a fit, so that speeds and times that are steadier or wilder than
 expected speak for the apogee too. What was forecast of flights left out says how much the apogee's own scatter differs:

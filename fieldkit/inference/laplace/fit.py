@@ -17,7 +17,7 @@ from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float
 
 ROUNDS = 5
-"""Times the point of linearisation is moved."""
+"""Times the point of linearization is moved."""
 CONVERGENCE_TOLERANCE = 0.03
 """Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
 FORECAST_TOLERANCE = 0.2
@@ -27,7 +27,7 @@ MAX_LOG_EVIDENCE_BEHIND = 8.0
 DISTINCT_STEP = 1e-4
 """Difference of a term from which on two points are distinct. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
-"""Opening times from which a fit is begun. [s]"""
+"""Opening times from which a fit is started. [s]"""
 NEGLIGIBLE_SCALE_WEIGHT = 0.01
 """Posterior weight of a pair of scales below which it has no part in the weights of flights. [1]"""
 ROBUST_ROUNDS = 2
@@ -37,7 +37,7 @@ TRUST_ROUNDS = 4
 REFIT_ROUNDS = 4
 """Times the point of a fit without a flight is moved from that of the fit with it."""
 FLIGHT_WEIGHT_ROUNDS = 1
-"""Times the weights of odd flights are updated about the first point."""
+"""Times the weights of outlier flights are updated about the first point."""
 FLIGHT_WEIGHT_TOLERANCE = 0.15
 """Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
 MAX_SETTLING_ROUNDS = 4
@@ -65,9 +65,9 @@ def fit(
     near: bool = False,
     odd_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
+    """The posterior of a model given data, linearized where it ends up; `start` is where to begin.
 
-    Without a start it is begun from several opening times of the parachute, for what that does has a kink
+    Without a start it is started from several opening times of the parachute, for what that does has a kink
     where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs, with
     `odd_flights` the noise of single flights follows a Student t.
     """
@@ -133,7 +133,7 @@ def fit_lanes(
 def _solved(
     model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None, rounds: int
 ) -> Fit:
-    """The posterior about a point, the weights of odd flights updated so many times first."""
+    """The posterior about a point, the weights of outlier flights updated so many times first."""
     found = solve(model, data, tangent, flight_weight)
     for _ in range(rounds if flight_weight is not None else 0):
         found = solve(model, data, tangent, flight_weights(found))
@@ -141,7 +141,7 @@ def _solved(
 
 
 def _settled(result: Fit) -> Fit:
-    """The fit with weights of odd flights that agree with it."""
+    """The fit with weights of outlier flights that agree with it."""
     if result.flight_weight is None:
         return result
     for _ in range(MAX_SETTLING_ROUNDS):
@@ -153,7 +153,8 @@ def _settled(result: Fit) -> Fit:
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
-    """Lanes that are where an earlier one of the same terms is, each with that one: from there both go alike."""
+    """Lanes that are where an earlier one of the same terms is, each with that one: from there both take the same
+    steps."""
     first: dict[tuple[object, ...], int] = {}
     places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / DISTINCT_STEP).tolist()) for i in moving}
     return {i: first[place] for i, place in places.items() if first.setdefault(place, i) != i}
@@ -185,7 +186,7 @@ class _Walk:
         self._last, self._share = np.zeros_like(at), np.ones_like(at)
 
     def goes_on(self, result: Fit | None, *, near: bool = False) -> bool:
-        """Move the point towards the posterior mean; False where it is there already."""
+        """Move the point toward the posterior mean; False if it is at the mean."""
         assert result is not None
         terms = result.model.terms
         sds = np.array([term.sd for term in terms])
@@ -238,10 +239,10 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     """As `fit`, each residual a Student t and not a normal, so that outliers count for less.
 
     A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
-    each residual apart from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] / variance)
-    (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is what scatter and terms leave of a
-    readout, so that a peak that is misread says nothing against its flight's apogee. The result has the finer grids of
-    scales of `Hyperprior.refined`.
+    each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
+    variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is what scatter and terms leave
+    of a readout, so that a peak that is misread says nothing against its flight's apogee. The result has the finer
+    grids of scales of `Hyperprior.refined`.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
@@ -292,7 +293,7 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
 
 
 def _followed(result: Fit) -> Fit:
-    """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
+    """The fit relinearized at its posterior mean; the fit itself if it was linearized there."""
     walk, angle_slope = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
     if not walk.goes_on(result, near=True):
         return result

@@ -3,7 +3,7 @@
 The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
 flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the
 posterior mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few
-groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth
+groups can determine is held near a stated start: each variance has a scaled inverse chi squared prior there, worth
 `PRIOR_GROUPS` groups. Readouts are linear about the last fits, which are made again in every round.
 """
 

@@ -32,8 +32,8 @@ class Tangent:
 
 
 def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
-    """What a lean of one unit does to the readouts, zero if the model has none; it needs the planar flight and is flown
-    separately."""
+    """What a launch angle of one unit does to the readouts, zero if the model has none; it needs the planar flight
+    and is flown separately."""
     if all(kind.bends != "tilt" for kind in model.scatter):
         return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
     upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
@@ -56,7 +56,7 @@ def tangents(
     """Values and derivatives of several lanes, each at its own point, from one batch of flights.
 
     Terms that bend the same thing share a column, which their weights on each flight scale: drag of a rocket and drag
-    of one configuration of it differ in which flights they act on. What is read askew by ratio needs no flight.
+    of one configuration of it differ in which flights they act on. A reading that is biased by a ratio needs no flight.
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
@@ -113,7 +113,9 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: 
         per_kind[kind] = (there - back) / (2 * step)
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
     scatter = [per_kind.get(kind.bends, angle_slope) * kind.sd for kind in model.scatter]
-    slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
+    slope = (
+        np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))
+    )  # without flights there are no terms
     return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 
 

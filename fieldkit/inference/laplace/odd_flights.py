@@ -2,7 +2,7 @@
 
 A multivariate Student t is a normal whose precision is multiplied by a factor that is Gamma distributed, one factor a
 flight, with mean one. The factors are integrated by variational Bayes (Lange, Little and Taylor, 1989; Bishop, Pattern
-Recognition and Machine Learning, 2006, section 10.1), so that one odd flight says little for or against an effect.
+Recognition and Machine Learning, 2006, section 10.1), so that one outlier says little for or against an effect.
 """
 
 import numpy as np

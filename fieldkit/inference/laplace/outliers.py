@@ -1,7 +1,7 @@
 """Outliers by name: the readouts of a fit that hardly count, because they lie far from what the model expects.
 
 Nothing is removed from a fit: each residual follows a Student t, and counts with the weight that it leaves it
-(`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is told of those that are nearly always a slip.
+(`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is warned of those that are nearly always a typing error.
 """
 
 from typing import Any

@@ -76,11 +76,11 @@ class FlightEvidence:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A normal posterior of the terms for every pair of scales, at the last point of linearisation.
+    """A normal posterior of the terms for every pair of scales, at the last point of linearization.
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
-    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None where flights are taken to be normal; the
+    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None if flights are taken to be normal; the
     log evidence is a lower bound then.
     """
 
@@ -213,14 +213,14 @@ def bounds_log_mass(model: Model) -> float:
 
 @lru_cache(maxsize=4096)
 def _mass(low: float, high: float, mean: float, sd: float) -> float:
-    """Share of a normal distribution between two bounds."""
+    """Probability of a normal distribution between two bounds."""
     return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
 
 
 @dataclass(frozen=True, slots=True)
 class Growing:
     """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every
-    number of earlier flights. Weights of odd flights are those of the whole."""
+    number of earlier flights. Weights of outlier flights are those of the fit to all."""
 
     mean: Float[Array, "scale flight term"]
     covariance: Float[Array, "scale flight term term"]

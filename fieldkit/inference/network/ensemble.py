@@ -54,7 +54,7 @@ def load(name: str) -> Ensemble:
 
 
 def load_folder(folder: Path) -> Ensemble:
-    """The ensemble of a folder. Raises DamagedModel where it is not what its card says."""
+    """The ensemble of a folder. Raises DamagedModel if it is not what its card says."""
     card = read_card(folder)
     graph = _read(folder / GRAPH, LARGEST_GRAPH)
     digest = hashlib.sha256(graph).hexdigest()

@@ -35,7 +35,7 @@ UNINFORMATIVE_SD_RATIO = 0.8
 INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
 """Between what Cd and alpha lie, as a card has it. [1]"""
 STRATA = 1024
-"""Draws of the diameter where it is not known."""
+"""Draws of the diameter if it is not known."""
 GOLDEN = 0.6180339887498949
 """Steps of this, modulo 1, fill an interval evenly."""
 _WORDS = {
@@ -54,7 +54,7 @@ class FieldPosterior:
 
     Without a diameter Cd spreads over every body that the motor and the mass
     allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
-    flight should not teach a model before its flyer has looked at it. `density` is over the logarithm of
+    flight should not be used in a fit before its flyer has looked at it. `density` is over the logarithm of
     the drag area, and alpha.
     """
 
@@ -88,7 +88,7 @@ def infer_field(
 
 
 def load_field() -> "Ensemble":
-    """The shipped ensemble. Raises DamagedModel where it was trained on other features or another prior."""
+    """The shipped ensemble. Raises DamagedModel if it was trained on other features or another prior."""
     from fieldkit.inference.network.ensemble import load
 
     ensemble = load("field")
@@ -211,5 +211,9 @@ def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
     unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > UNINFORMATIVE_SD_RATIO]
     if not unknown:
         return ""
-    told = "apogee alone cannot tell drag from thrust here" if seen == ["apogee"] else "these readouts tell little here"
-    return f"{told}: {' and '.join(unknown)} hardly better known than before the flight"
+    limit = (
+        "apogee alone cannot separate drag from thrust here"
+        if seen == ["apogee"]
+        else "these readouts show little here"
+    )
+    return f"{limit}: {' and '.join(unknown)} hardly better known than before the flight"

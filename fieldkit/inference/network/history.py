@@ -58,7 +58,7 @@ class QuickAnswer:
 
 @cache
 def load_history() -> "Ensemble":
-    """The shipped network. Raises DamagedModel where it was trained on other features."""
+    """The shipped network. Raises DamagedModel if it was trained on other features."""
     from fieldkit.inference.network.ensemble import load
 
     return checked(load(NAME))

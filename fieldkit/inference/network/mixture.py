@@ -19,7 +19,7 @@ WIDTH = 6 * COMPONENTS
 LOG_PRECISION_RANGE = (-4.0, 7.0)
 """Bounds of the log of a precision: standard deviations of 55 to 0.0009 on the logit scale."""
 GUARD_SHARPEST = (-4.0, 6.0)
-"""Bounds of the logarithm of the precision with which a readout is foretold."""
+"""Bounds of the logarithm of the precision with which a readout is predicted."""
 _GRID = np.linspace(-1.0, 1.0, 161)
 _REACH = 7.0
 

@@ -1,4 +1,5 @@
-"""Readouts unlike anything simulated: each is foretold from the others, and the one that does not fit is named."""
+"""Outlier readouts, outside anything simulated: each is predicted from the others, and the one that does not fit is
+named."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 BLOCK = 500
-"""Flights foretold together: few enough for the processor's cache."""
+"""Flights predicted together: few enough for the processor's cache."""
 FALSE_ALARMS = 0.01
-"""Share of good flights that are warned about. [1]"""
+"""Fraction of good flights that are warned about. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class PredictedReadouts:
 
     @property
     def distance(self) -> Float[Array, "flight seen"]:
-        """From what was foretold, in standard deviations; 0 where there is no readout."""
+        """Distance from the prediction, in standard deviations; 0 if there is no readout."""
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 
@@ -80,7 +81,7 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
 
-    Of those too far from what the others foretell, it is the one without which the others agree best. One that is
+    Of those too far from what the others predict, it is the one without which the others agree best. One that is
     vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
     """
     if (excess_sd(observed) > 0).any():

@@ -2,7 +2,7 @@
 
 The network's posterior is right for a readout as the usual altimeter would have shown it. Of a readout whose recorded
 standard deviation is larger, what that altimeter would have shown is not known: it is drawn from what was recorded and
-from what the other readouts foretell, and the posteriors of the draws are averaged (multiple imputation: Rubin,
+from what the other readouts predict, and the posteriors of the draws are averaged (multiple imputation: Rubin,
 Multiple Imputation for Nonresponse in Surveys, 1987). A smaller standard deviation than usual cannot be made use of.
 """
 
@@ -36,7 +36,7 @@ def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
 def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[Array, "flight seen"]) -> list[Observed]:
     """The flights as the usual altimeter may have shown them, `DRAWS` times.
 
-    `mean` and `sd` are what the other readouts foretell of each, on the scale of `shown`.
+    `mean` and `sd` are what the other readouts predict for each, on the scale of `shown`.
     """
     middle, spread = _combined(observed, mean, sd)
     rng = np.random.default_rng(0)
@@ -52,7 +52,7 @@ def likeliest(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[A
 
 def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]:
     """Mean and standard deviation of what the usual altimeter would have shown, on the scale of `shown`, by what was
-    recorded and what is foretold; nan for readouts that are no vaguer than usual."""
+    recorded and what is predicted; nan for readouts that are no vaguer than usual."""
     beyond = excess_sd(observed)
     own = np.where(beyond > 0, beyond, np.nan)
     variance = 1 / (1 / own**2 + 1 / sd**2)
@@ -60,7 +60,7 @@ def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]
 
 
 def _slope(observed: Observed) -> Float[Array, "flight seen"]:
-    """The derivative of `shown` by each readout; 0 where there is none."""
+    """The derivative of `shown` by each readout; 0 if there is none."""
     with np.errstate(invalid="ignore", divide="ignore"):
         slopes = {name: 1 / observed.readout(name) for name in INDEPENDENT_READOUTS}
         slopes["peak_accel"] = 1 / (observed.readout("peak_accel") + GRAVITY)

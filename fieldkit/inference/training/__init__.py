@@ -11,7 +11,7 @@ EXTRA = ("torch", "onnx")
 
 
 def trainer(recipe: str) -> Callable[..., dict[str, Any]]:
-    """The function that trains by a recipe. Raises FieldkitError where the extra is not installed."""
+    """The function that trains by a recipe. Raises FieldkitError if the extra is not installed."""
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:
         raise FieldkitError(f"training needs {' and '.join(missing)}: pip install 'fieldkit[train]'")

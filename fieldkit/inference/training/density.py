@@ -30,10 +30,10 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Members(nn.Module):  # type: ignore[misc]
-    """Members that each map standardised features to their outputs; the first axis is the member.
+    """Members that each map standardized features to their outputs; the first axis is the member.
 
     A member's outputs are the mixture's (see `fieldkit.inference.network.mixture`), then for each readout the mean
-    and the log precision with which the guard foretells it.
+    and the log precision with which the guard predicts it.
     """
 
     def __init__(self, inputs: int, seen: int, members: int = MEMBERS, hidden: int = HIDDEN_UNITS) -> None:
@@ -69,7 +69,7 @@ def log_density(outputs: Tensor, target: Tensor) -> Tensor:
 
 
 def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
-    """How badly the readouts that there are were foretold, in nats a readout."""
+    """How badly the recorded readouts were predicted, in nats per readout."""
     mean, sharp = outputs[..., WIDTH:].chunk(2, -1)
     sharp = sharp.clamp(*GUARD_SHARPEST)
     there = shown.isfinite()
@@ -100,7 +100,7 @@ def fit(
 ) -> tuple[Members, Scale, Scale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
-    `observe()` gives the same flights as observed afresh. Each member sees them in another order.
+    `observe()` gives the same flights as observed again. Each member sees them in another order.
     """
     batch = observe()
     count = len(batch.features)

@@ -1,4 +1,4 @@
-"""The field ensemble: densities of drag area and alpha learnt from simulated flights of every motor."""
+"""The field ensemble: densities of drag area and alpha fitted to simulated flights of every motor."""
 
 import time
 from collections.abc import Sequence
@@ -104,7 +104,7 @@ def train_field(
 
 
 def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
-    """Motors that were learnt from, of the classes of those that were not."""
+    """Motors in the training set, of the classes of those that were held out."""
     classes = {motor.impulse_class for motor in others}
     return [motor for motor in known if motor.impulse_class in classes]
 
@@ -119,7 +119,7 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
 
 
 def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]) -> Observed:
-    """Flights that nothing was learnt from, with gaps."""
+    """Held-out flights, with gaps."""
     return forget(rng, measure(rng, simulate(rng, motors, 4 * EVALUATION_FLIGHTS, effects)))
 
 

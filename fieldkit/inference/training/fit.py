@@ -11,7 +11,7 @@ from torch.optim.lr_scheduler import OneCycleLR, ReduceLROnPlateau
 from fieldkit.inference.training.network import Network
 
 Progress = Callable[[int, int, float], None]
-"""Told after each epoch: its number from 1, how many there are, the loss on validation flights."""
+"""Callback after each epoch: its number from 1, how many there are, the loss on validation flights."""
 
 BATCH = 256
 WEIGHT_DECAY = 1e-4
@@ -19,7 +19,7 @@ WEIGHT_DECAY = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """How long to train and how fast; one cycle up and down, or steady and halved on each plateau."""
+    """How long to train and how fast; one cycle up and down, or constant and halved on each plateau."""
 
     name: str
     epochs: int

@@ -17,7 +17,7 @@ IR_VERSION = 9
 
 
 def graph(network: Network, mean: Float[Array, "feature"], scale: Float[Array, "feature"], doc: str) -> bytes:
-    """The serialised graph: `features` [flight feature] to `mean` and `spread` [flight output]."""
+    """The serialized graph: `features` [flight feature] to `mean` and `spread` [flight output]."""
     weights: dict[str, np.ndarray] = {"feature_mean": mean, "feature_scale": scale}
     nodes = [
         helper.make_node("Sub", ["features", "feature_mean"], ["centred"]),

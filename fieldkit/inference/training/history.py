@@ -135,7 +135,7 @@ def fit_history(
     """Members trained by one cycle of AdamW, each on the histories in another order, those of the epoch with the least
     loss on validation histories; the mean and standard deviation that scale their features; the losses there.
 
-    `state` is the file of an unfinished run. Runs on a GPU where there is one.
+    `state` is the file of an unfinished run. Runs on a GPU if there is one.
     """
     device = "cuda" if torch.cuda.is_available() else "cpu"
     mean, sd = train.features.mean(axis=0), train.features.std(axis=0) + 1e-3

@@ -1,6 +1,6 @@
 """The reference paper's ensemble: five networks on bootstrap samples of simulated flights.
 
-The recipe is the paper's but for one thing: validation and test flights are drawn apart from the training
+The recipe is the paper's but for one thing: validation and test flights are drawn separately from the training
 flights (in the published code both are the first 2,000 training rows).
 """
 

@@ -1,4 +1,4 @@
-"""Simulated flights made in parts, on any machines in any order, and the same whoever makes them."""
+"""Simulated flights made in parts, on any machines in any order, with the same result."""
 
 import hashlib
 import io
@@ -24,7 +24,7 @@ FOLDER = "parts"
 WIDTHS = (len(FIGURES), len(DECLARED_FIELDS), len(READOUT_NAMES), 1, 1)
 """Columns of each of a truth's arrays. [1]"""
 ReportPart = Callable[[int, int], None]
-"""Told how many parts there are by now, and of how many."""
+"""Callback with the number of parts done, and of how many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ def drop_parts(out: Path) -> None:
 
 
 def fly_part(part: SimulationPart) -> bytes:
-    """The flights of a part, as bytes; its random numbers are its own, whoever draws them."""
+    """The flights of a part, as bytes; its random numbers are its own, on whichever machine."""
     stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
     known, _ = split_motors()
     return packed(simulate(np.random.default_rng(stream), known, part.count, part.effects))

@@ -52,7 +52,7 @@ def train_restricted(
 
 
 def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "flight readout"]) -> Batch:
-    """The flights as measured afresh, each with one of the subsets of readouts."""
+    """The flights as measured again, each with one of the subsets of readouts."""
     whole = measured(rng, clean, flights.motor, flights.config)
     kept = np.array([[name in names for name in READOUT_NAMES] for names in SUBSETS.values()])
     which = rng.integers(len(kept), size=len(clean))

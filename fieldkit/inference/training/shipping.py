@@ -12,9 +12,9 @@ from fieldkit.inference.network.ensemble import CARD, GRAPH
 
 
 def claim(out: Path) -> None:
-    """Make the folder. Raises BadValue where it holds an ensemble already: one is never overwritten."""
+    """Make the folder. Raises BadValue if it holds an ensemble already: one is never overwritten."""
     if any((out / name).exists() for name in (CARD, GRAPH)):
-        raise BadValue(f"{out}: found an ensemble there already, expected a new or empty folder")
+        raise BadValue(f"{out}: found an existing ensemble, expected a new or empty folder")
     check_target(out / GRAPH)
     try:
         out.mkdir(parents=True, exist_ok=True)

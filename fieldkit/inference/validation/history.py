@@ -108,7 +108,8 @@ def _parameters(said: HistoryAnswer, table: HistoryTable) -> dict[str, float]:
 
 
 def _inclusion(said: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[str, float]]:
-    """How well presence is told from absence, by the network and by the linear evidence, and how honest it is."""
+    """How well presence is distinguished from absence, by the network and by the linear evidence, and how honest it
+    is."""
     names, columns = effect_names(), feature_names(effect_names())
     judged = (table.truth("selects") > 0.5) & (table.truth("flights") >= MIN_FLIGHTS_FOR_EFFECTS)
     found: dict[str, Mapping[str, float]] = {}

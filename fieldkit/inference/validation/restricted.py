@@ -28,7 +28,7 @@ NOISE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "coast_to_apogee": (0.1, 0.0),
     }
 )
-"""The readouts there are, and their noise: a standard deviation in SI, or a share of the true figure."""
+"""The readouts there are, and their noise: a standard deviation in SI, or a fraction of the true value."""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
 )

@@ -32,13 +32,13 @@ class FlightReport:
     def figures(self) -> tuple[tuple[str, str], ...]:
         """Figures of the whole: value and what it is."""
         apogees = [one.flight.apogee for one in self.cards if one.flight.apogee is not None]
-        told, miss, inside = totals(self.cards)
+        predicted, miss, inside = totals(self.cards)
         rows = [(str(len(self.cards)), "flights")]
         if apogees:
             rows.append((f"{max(apogees):.0f} m", "highest apogee"))
-        rows.append((str(told), "predicted before"))
-        if told:
-            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {told}", "inside 90 %")]
+        rows.append((str(predicted), "predicted"))
+        if predicted:
+            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
         return tuple(rows)
 
     @property
@@ -52,10 +52,10 @@ def loop_words(found: Findings) -> list[str]:
     diagnosis, left = found.diagnosis, found.left_out
     lines = [f"{found.rocket}: {diagnosis.effect}: {diagnosis.why}."]
     before, after = left.before.score, left.after.score
-    error = f"Flights left out are missed by {before.mae:.1f} m in the mean"
+    error = f"Mean leave-one-out error {before.mae:.1f} m"
     lines.append(error + (f", {after.mae:.1f} m with it." if diagnosis.effect != "none" else "."))
     if diagnosis.also:
-        lines.append(f"These flights cannot tell it from {', '.join(diagnosis.also)}.")
+        lines.append(f"These flights cannot distinguish it from {', '.join(diagnosis.also)}.")
     return lines
 
 

@@ -59,7 +59,7 @@ class Card:
 
     @property
     def miss(self) -> float | None:
-        """Flown less foretold. [m]"""
+        """Flown minus forecast. [m]"""
         if self.foretold is None or self.flight.apogee is None:
             return None
         return self.flight.apogee - self.foretold.interval[1]
@@ -84,13 +84,13 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progr
 
 
 def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:
-    """What the other flights say this one should have shown, where none was said before it."""
+    """What the other flights say this one should have shown, if none was said before it."""
     try:
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
-    words = f"no prediction was kept; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
+    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
@@ -133,12 +133,12 @@ def _learned(flight: Flight, motors: Catalogue) -> Rows:
     rows = []
     if np.isfinite(one.cd):
         rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}", ""))
-    rows.append(("Thrust over certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
+    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
     return tuple(rows)
 
 
 def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
-    """The log of a flight, None where there are no samples of height or they cannot be read again."""
+    """The log of a flight, None if there are no samples of height or they cannot be read again."""
     try:
         found = recording_of(ledger, id)
     except FieldkitError:
@@ -154,7 +154,7 @@ def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
 
 
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
-    """Of the cards with a kept prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
+    """Of the cards with a saved prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
     told = [one for one in cards if one.foretold and one.foretold.kept and one.miss is not None]
     inside = sum(
         one.foretold.interval[0] <= (one.flight.apogee or 0) <= one.foretold.interval[2] for one in told if one.foretold

@@ -1,4 +1,4 @@
-"""Reports as pages of A4: a card a page, a summary before them; what colour says, form says too."""
+"""Reports as pages of A4: a card a page, a summary before them; what color says, form says too."""
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
@@ -68,7 +68,7 @@ def _card(card: Card) -> "Figure":
     _figures(key, headline(card))
     forecast(said, card)
     log(drawn, card)
-    _columns(figures, (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)))
+    _columns(figures, (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)))
     _remarks(words, remarks(card))
     return page
 
@@ -105,9 +105,9 @@ def remarks(card: Card) -> list[str]:
         lines.append(card.foretold.by[:1].upper() + card.foretold.by[1:] + ".")
         lines += [f"The prediction was stale: {'; '.join(card.foretold.changes)}."] if card.foretold.changes else []
     if card.learned:
-        lines.append("By this flight alone: " + ", ".join(f"{name} {value}" for name, value, _ in card.learned) + ".")
+        lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value, _ in card.learned) + ".")
     if card.flight.tags:
-        teaches = "" if card.flight.clean else " It does not teach the model."
+        teaches = "" if card.flight.clean else " Not used in the model."
         lines.append(f"Tags: {', '.join(card.flight.tags)}.{teaches}")
     if card.flight.notes:
         lines.append(f"Notes: {card.flight.notes}")

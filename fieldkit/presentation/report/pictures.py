@@ -25,7 +25,7 @@ Draw = Callable[["Figure | SubFigure"], None]
 
 
 def forecast(figure: "Figure | SubFigure", card: Card) -> None:
-    """The foretold apogee as a hill with its 90 % interval, and where the flight went."""
+    """The density of the forecast apogee with its 90 % interval, and the flown apogee."""
     panel = figure.subplots()
     panel.set_title("Predicted and flown")
     panel.set_xlabel("apogee [m]")
@@ -121,12 +121,14 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
     )
     odd = ~card.clean
     if odd.any():
-        panel.plot(place[odd], card.record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: does not teach")
+        panel.plot(
+            place[odd], card.record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: not used in the model"
+        )
     if card.place >= 0:
         panel.plot(
             place[card.place], card.record[card.place], "o", color=BEFORE_COLOR, markersize=8, label="this flight"
         )
-    panel.set_title("The flights of this rocket so far")
+    panel.set_title("Flights of this rocket so far")
     panel.set_xlabel("flight, in the order flown")
     panel.set_ylabel("apogee [m]")
     panel.margins(x=0.05, y=0.25)
@@ -150,7 +152,7 @@ def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -
             panel.plot(card.flight.apogee, row, "o", color=BEFORE_COLOR, mfc=face, markersize=6)
     panel.set_yticks(range(len(cards)), names)
     panel.set_ylim(len(cards) - 0.4, -0.6)
-    panel.set_xlabel("apogee [m]: bars are 90 % intervals (broken: worked out afterwards), dots what was flown")
+    panel.set_xlabel("apogee [m]: bars are 90 % intervals (dashed: computed afterwards), dots are flown apogees")
     panel.grid(axis="y", visible=False)
     panel.margins(x=0.06)
 

@@ -31,13 +31,13 @@ def check_picture(path: Path) -> None:
 def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
-    Raises FieldkitError, where the file is there already too, unless with `force`.
+    Raises FieldkitError, also for an existing file unless with `force`.
     """
     from matplotlib.figure import Figure
 
     check_picture(path)
     reports = {
-        "kept predictions": found.saved,
+        "saved predictions": found.saved,
         "replayed forward in time": found.later,
         "first flights": found.first,
     }
@@ -65,8 +65,8 @@ def _pits(panel: "Axes", report: ScoreReport) -> None:
     panel.axhspan(*found.expected, color=FAINT_COLOR, alpha=0.18, linewidth=0, label="by chance")
     panel.axhline(even, color=INK_COLOR, linewidth=1)
     panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER_COLOR)
-    panel.set_title("where flights lay")
-    panel.set_xlabel("share of the forecast below")
+    panel.set_title("where flights fell")
+    panel.set_xlabel("quantile in the forecast")
     panel.set_ylabel("flights")
     panel.set_xlim(0, 1)
     panel.locator_params(axis="y", integer=True)
@@ -80,9 +80,9 @@ def _reliability(panel: "Axes", report: ScoreReport) -> None:
     panel.fill_between(CURVE, low, high, color=FAINT_COLOR, alpha=0.18, linewidth=0)
     panel.plot([0, 1], [0, 1], color=INK_COLOR, linewidth=1)
     panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER_COLOR, markersize=3.5, linewidth=1.5)
-    panel.set_title("how often intervals held")
-    panel.set_xlabel("share they are to hold")
-    panel.set_ylabel("share held")
+    panel.set_title("interval coverage")
+    panel.set_xlabel("nominal coverage")
+    panel.set_ylabel("observed coverage")
     panel.set_xlim(0, 1)
     panel.set_ylim(0, 1.02)
 
@@ -102,5 +102,5 @@ def _rivals(panel: "Axes", report: ScoreReport) -> None:
     panel.set_ylim(len(report.against) - 0.5, -0.6)
     panel.margins(x=0.15)
     panel.set_title("against rivals")
-    panel.set_xlabel("mean error less by [% of apogee]")
+    panel.set_xlabel("reduction of mean error [% of apogee]")
     panel.grid(axis="y", visible=False)

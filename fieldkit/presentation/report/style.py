@@ -1,6 +1,7 @@
 """How every picture and page on paper looks, and how it becomes a file.
 
-Colours are of Okabe and Ito, told apart by all eyes and in grey; names from files are never taken for markup.
+Colors are those of Okabe and Ito, distinct with color blindness and in gray; names from files are never taken for
+markup.
 """
 
 from collections.abc import Iterable, Iterator

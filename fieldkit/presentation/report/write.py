@@ -1,4 +1,4 @@
-"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures beside it."""
+"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures next to it."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -36,7 +36,7 @@ def write_report(
 ) -> list[Path]:
     """Write a report as the kind that its file's name says, all of it or nothing; the files written.
 
-    Raises FieldkitError, where one is there already too, unless with `force`.
+    Raises FieldkitError, also for an existing file unless with `force`.
     """
     check_report(path)
     files = dict(_files(book, path, on_progress))
@@ -61,7 +61,7 @@ def _files(book: FlightReport, path: Path, on_progress: ReportProgress) -> Itera
 
 
 def _told(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
-    """Pages one after the other, each told of before it is drawn."""
+    """Pages one after the other, each reported before it is drawn."""
     for number, page in enumerate(pages):
         on_progress(f"page {number + 1} of {len(pages)}", number / len(pages))
         yield page
@@ -97,7 +97,7 @@ def _card(card: Card) -> dict[str, Any]:
         "figures": headline(card),
         "forecast": embedded(picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "svg")),
         "log": embedded(picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "svg")),
-        "columns": [("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)],
+        "columns": [("Readouts", card.readouts), ("Setup and conditions", card.circumstances)],
         "remarks": remarks(card),
     }
 
@@ -121,7 +121,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         headers, rows = table(book)
         lines += [f"# {as_markdown(book.title)}", "", as_markdown(book.subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} {what}" for value, what in book.figures) + ".", ""]
-        yield beside("flights", _overview(book, "png"), "Foretold and flown")
+        yield beside("flights", _overview(book, "png"), "Predicted and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
     for number, card in enumerate(_told(book.cards, on_progress), start=1):
@@ -131,9 +131,9 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         yield beside(
             f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Predicted"
         )
-        told = "The log" if card.trace else "The flights of this rocket so far"
+        told = "The log" if card.trace else "Flights of this rocket so far"
         yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
-        for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
+        for name, figures in (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]
         lines += [piece for one in remarks(card) for piece in (as_markdown(one), "")]

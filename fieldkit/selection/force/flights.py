@@ -24,7 +24,7 @@ FEWEST_SAMPLES = 30
 """Of a climb, below which its missing force is not looked for."""
 BOOST_POINTS, COAST_POINTS = 4, 8
 """Points that sum up a climb in either phase."""
-TOO_SHORT = "too few samples between lift-off and apogee to tell thrust from drag"
+TOO_SHORT = "too few samples between lift-off and apogee to separate thrust from drag"
 
 
 @dataclass(frozen=True, slots=True)

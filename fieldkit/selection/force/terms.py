@@ -33,7 +33,7 @@ def library() -> list[ForceTerm]:
     """Terms that a climb could show: those below, and the effects that act as a force or show as one in a log."""
     random_draw_sd = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     return [
-        ForceTerm("drag", "", "share of Cd", lambda m: -m.drag, random_draw_sd["drag"]),
+        ForceTerm("drag", "", "fraction of Cd", lambda m: -m.drag, random_draw_sd["drag"]),
         *(
             ForceTerm(
                 effect.logged.name,
@@ -47,7 +47,7 @@ def library() -> list[ForceTerm]:
         ),
         ForceTerm("constant", "", "m/s^2", lambda m: np.ones(len(m.force))),
         ForceTerm("linear in speed", "", "1/s", lambda m: -m.track.speed),
-        ForceTerm("gain of the accelerometer", "", "share of the push", lambda m: m.thrust - m.drag),
+        ForceTerm("gain of the accelerometer", "", "fraction of thrust minus drag", lambda m: m.thrust - m.drag),
         *(
             ForceTerm(effect.title, name, effect.unit, _pushed(effect.acceleration))
             for name, effect in effects().items()

@@ -7,10 +7,10 @@ from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
 
 COMPARISON_TEXTS = {
-    "agrees": "this speaks for {effects}, as the verdict from the readouts does",
-    "more": "this speaks for {effects}, which the readouts alone do not show",
-    "another effect": "this speaks for {effects}, which is not the verdict from the readouts",
-    "cannot tell": "the logs cannot tell this from the effect of the verdict",
+    "agrees": "this supports {effects}, as does the verdict from the readouts",
+    "more": "this supports {effects}, which the readouts alone do not show",
+    "another effect": "this supports {effects}, which differs from the verdict from the readouts",
+    "cannot tell": "the logs cannot distinguish this from the effect of the verdict",
     "nothing of it": "the effect of the verdict does not show in the logs",
 }
 
@@ -32,9 +32,9 @@ def climbs_in_words(said: LogEvidence) -> Iterator[str]:
 def _law(said: LogEvidence) -> str:
     if len(said.flights) < MIN_CLIMBS:
         alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
-        return f"{alone}; one flight alone decides nothing"
+        return f"{alone}; one flight alone is not enough"
     terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in said.law]
-    return ", ".join(terms) or "nothing that comes back from flight to flight"
+    return ", ".join(terms) or "nothing that recurs across flights"
 
 
 def _term(one: FoundTerm | Common) -> str:

@@ -1,9 +1,9 @@
-"""Files that come after others of the same flight: each joins its flight, where that can be told for certain.
+"""Files that come after others of the same flight: each is added to its flight if that is certain.
 
 A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
-lift-off to within two seconds. Or a download, an export and what was heard by radio tell of the same flight by the
-logger's serial number and its number of the flight; as numbers begin anew once a memory is erased, they have to be as
+lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
+logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
 high too. Where neither is certain it may be so: it is said, and the flyer decides.
 """
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger, Renewal
 
 SAME_HEIGHT = 0.01
-"""Files of one flight agree on its apogee to this part of it, beside their uncertainties. [1]"""
+"""Files of one flight agree on its apogee to this fraction of it, in addition to their uncertainties. [1]"""
 
 
 @dataclass(slots=True)
 class Sorting:
-    """Arrivals that are new, flights that files are added to, how many are there already, and what is to be said."""
+    """Arrivals that are new, flights that files are added to, how many are duplicates, and the notes."""
 
     new: list[Arrival] = field(default_factory=list)
     renewals: list["Renewal"] = field(default_factory=list)
@@ -53,16 +53,16 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
             continue
         sorting.new.append(arrival)
         if maybe := certain or [id for id, flight in held if _maybe(flight, arrival)]:
-            why = "which has its number" if _number(arrival.flight) else "whose lift-off is not known for certain"
+            why = "which has the same number" if _number(arrival.flight) else "whose lift-off time is uncertain"
             sorting.notes.append(
-                f"{arrival.source}: may be of the flight {' or '.join(maybe[:3])}, {why}; "
+                f"{arrival.source}: may belong to flight {' or '.join(maybe[:3])}, {why}; "
                 f"where it is, `fieldkit remove` that flight and import its files together"
             )
     return sorting
 
 
 def _number(flight: Flight) -> tuple[str, str] | None:
-    """The serial number of a flight's logger and the number that it has for the flight, None where one is not known."""
+    """The serial number of a flight's logger and the number that it has for the flight, None if one is not known."""
     serial, number = flight.extra.get("serial"), flight.extra.get("flight")
     return (serial, number) if serial and number else None
 
@@ -96,7 +96,7 @@ def _is_other_form(there: Flight, arrival: Arrival) -> bool:
 
 
 def _are_as_high(there: Flight, new: Flight) -> bool:
-    """Whether two files can tell of one apogee, by how well each measured it."""
+    """Whether two files can be of one apogee, by how well each measured it."""
     heights = [flight.number("apogee") for flight in (there, new)]
     if heights[0] is None or heights[1] is None:
         return False
@@ -137,14 +137,14 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(
-            f"{arrival.source}: is of the flight {id}, but cannot be read with its other files: {error}"
+            f"{arrival.source}: belongs to flight {id} but cannot be read with its other files: {error}"
         )
         return
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
     given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
     sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
-    sorting.notes.append(f"{arrival.source}: is a further file of the flight {id}, and was added to it")
+    sorting.notes.append(f"{arrival.source}: added to flight {id}, to which it belongs")
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:

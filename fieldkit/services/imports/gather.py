@@ -175,12 +175,12 @@ def _logs(path: Path) -> list[tuple[str, bytes]]:
 
 
 def _name(path: Path) -> str:
-    """A file's name for messages and the ledger, also where it is not written in Unicode."""
+    """A file's name for messages and the ledger, also if it is not written in Unicode."""
     return os.fsencode(path).decode("utf-8", "replace")
 
 
 def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
-    """Defaults for the fields that a flight leaves open, and for what stands beside its readouts."""
+    """Defaults for the fields that a flight lacks, and for the sds and sources of its readouts."""
     empty = (None, "", ())
     given = {f: v for f, v in defaults.items() if f not in READOUT_FIELDS and getattr(flight, f) in empty}
     readouts = flight.with_changes(**given).readouts()
@@ -207,7 +207,7 @@ def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a fl
 def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
     """An arrival with the bytes and the readouts of the log it names, and what is to be said of that log.
 
-    Raises BadValue for a log outside the folder of its table, wherever links lead.
+    Raises BadValue for a log outside the folder of its table, links resolved.
     """
     flight = arrival.flight
     if not flight.log:
@@ -215,11 +215,11 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         content = files.read(_inside(folder, flight.log), plain=True)
     except OSError as error:
-        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
+        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}); imported without it"]
     try:
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
-        return replace(arrival, log=Original.of(content), given=None), [f"kept but not read: {error}"]
+        return replace(arrival, log=Original.of(content), given=None), [f"stored but not read: {error}"]
     measured = {column.name for column in MEASURED if flight.number(column.name) is None}
     row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
     filled = _filled(flight, found.flights)

@@ -52,7 +52,7 @@ class Remeasured:
 
 
 def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
-    """A flight of the ledger with its files read again; None where it has none with samples.
+    """A flight of the ledger with its files read again; None if it has none with samples.
 
     `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an id that means
     no flight or a log that does not say which of its flights it is, DamagedLog or UnknownFormat for one that no
@@ -70,7 +70,7 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) 
 
 
 def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:
-    """The readings of all files of a flight of the ledger, its own among them; none where it has no file.
+    """The readings of all files of a flight of the ledger, its own among them; none if it has no file.
 
     Raises as `remeasured` does.
     """
@@ -83,7 +83,7 @@ def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = (
 def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     """Which of the flights read in files a flight is: by its lift-off, else by its number among them.
 
-    Raises LedgerError where that cannot be told.
+    Raises LedgerError if that is not certain.
     """
     found = list(fresh)
     if len(found) > 1:
@@ -91,12 +91,12 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     if len(found) != 1:
         found = [one for one in fresh if one.extra.get("log_part", "") == flight.extra.get("log_part", "")]
     if len(found) != 1:
-        raise LedgerError(f"{id}: its log holds {len(fresh)} flights now, and none of them is surely this one")
+        raise LedgerError(f"{id}: its log now holds {len(fresh)} flights, and none clearly matches this one")
     return found[0]
 
 
 def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
-    """A flight as read again, with what tells how the ledger keeps its files: the first of them, and the `others`."""
+    """A flight as read again, with how the ledger stores its files: the first of them, and the `others`."""
     ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
     extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
     return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
@@ -105,7 +105,7 @@ def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
     """A flight with what its files say now, where the flyer has said nothing; `entered` is it before any edit.
 
-    A figure is the files' own where it was measured or is what the device stated, or where there was none.
+    A figure is the files' own where it was measured or is what the device stated, or if there was none.
     """
     was = entered or flight
     changes: dict[str, object] = {}
@@ -164,6 +164,6 @@ def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight
 
 
 def format_of(flight: Flight) -> str | None:
-    """The parser that read the first file of a flight, None where there is no such parser any more."""
+    """The parser that read the first file of a flight, None if there is no such parser any more."""
     known = flight.extra.get("log_format")
     return known if known in parsers() else None

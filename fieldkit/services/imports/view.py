@@ -39,7 +39,7 @@ class EventView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightView:
-    """One flight of a file; `recorded` is what was measured in its samples, None where it has none."""
+    """One flight of a file; `recorded` is what was measured in its samples, None if it has none."""
 
     flight: Flight
     readouts: Mapping[str, ReadoutView]

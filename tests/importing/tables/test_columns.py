@@ -108,7 +108,7 @@ def test_many_damaged_rows_are_told_of_as_one() -> None:
     log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
     table = read_columns(log, CHANNELS, after=0)
     assert len(table) == 500
-    assert reported(table)[rows.MAX_REPORTED :] == ["found 480 more rows that are damaged"]
+    assert reported(table)[rows.MAX_REPORTED :] == ["found 480 more damaged rows"]
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,8 +133,8 @@ def test_rows_out_of_order_are_left_out_and_told_of() -> None:
     parts, found = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).flights()
     assert [part.values["time"].tolist() for part in parts] == [[0, 1, 2, 3, 4]]
     assert [str(error) for error in found] == [
-        "row 3: found time 912 out of its order, expected it to go on",
-        "row 6: found time 0.5 out of its order, expected it to go on",
+        "row 3: found time 912 out of order, expected it to increase",
+        "row 6: found time 0.5 out of order, expected it to increase",
     ]
 
 
@@ -153,7 +153,7 @@ def test_a_clock_that_starts_anew_starts_a_flight() -> None:
     first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
     assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
-    assert found == [Note("repeats an earlier flight of this file, taken once", 17)]
+    assert found == [Note("repeats an earlier flight of this file, imported once", 17)]
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))

@@ -279,14 +279,14 @@ def test_flights_that_were_left_out_are_named_on_every_medium(found: Findings) -
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.tui.loop.loop_words import verdict
 
-    line = "flight 10 of <Astra> is left out of every fit: no motor lifts 32 kg"
+    line = "flight 10 of <Astra> is excluded from every fit: no motor lifts 32 kg"
     one = replace(found, implausible=(line,))
     assert line in "\n".join(report(one))
     assert line in str(verdict(one, "SI"))
     assert loop_document(one)["implausible"] == [line]
     words = " ".join(" ".join(Page(page(one)).text).split())
     assert "Implausible flights" in words
-    assert "is left out of every fit: no motor lifts 32 kg." in words
+    assert "is excluded from every fit: no motor lifts 32 kg." in words
     assert "<Astra>" not in page(one)
     assert "Implausible flights" not in page(found)
 

@@ -102,7 +102,7 @@ def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
     assert rows[0][5] == ""
     assert rows[1][6] == "262.0"
     assert rows[1][8].startswith("stale prediction")
-    assert {what: value for value, what in day.figures}["predicted before"] == "1"
+    assert {what: value for value, what in day.figures}["predicted"] == "1"
 
 
 def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: FlightReport, tmp_path: Path) -> None:

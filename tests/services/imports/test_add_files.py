@@ -92,7 +92,7 @@ def test_every_file_of_a_logger_that_writes_several_is_kept(ledger: Ledger) -> N
 
 def test_a_file_alone_says_that_others_may_belong_to_it(ledger: Ledger) -> None:
     receipt = taken(ledger, RAVEN["app__low"])
-    assert any("imported with it or after it" in note for note in receipt.notes)
+    assert any("with it or after it to use them" in note for note in receipt.notes)
 
 
 @pytest.mark.parametrize("order", [("app__low", "app__high", "summary"), ("summary", "app__high", "app__low")])
@@ -141,7 +141,7 @@ def test_a_number_that_an_erased_memory_gave_again_is_another_flight(ledger: Led
     ledger.edit(id, apogee=700.0)
     receipt = taken(ledger, ALTOS["flash"])
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert any(f"may be of the flight {id}, which has its number" in note for note in receipt.notes)
+    assert any(f"may be of the flight {id}, which has the same number" in note for note in receipt.notes)
 
 
 def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger, tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger,
     exported.write_bytes(b"# Comment: exported once more\n" + ALTOS["csv"].read_bytes())
     receipt = taken(ledger, exported)
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert any(f"may be of the flight {id}, which has its number" in note for note in receipt.notes)
+    assert any(f"may be of the flight {id}, which has the same number" in note for note in receipt.notes)
 
 
 def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> None:

@@ -52,8 +52,8 @@ def content(found: Findings) -> dict[str, Any]:
         "figures": _figures(found),
         "tests": [test.in_words for test in found.tests],
         "patterns": [
-            f"{'Residuals' if row.readout == 'apogee' else BY_NAME[row.readout].title} go with {row.against} "
-            f"(p {row.p:.2g} after correction)."
+            f"{'Misses' if row.readout == 'apogee' else f'Misses in {BY_NAME[row.readout].title.lower()}'} "
+            f"follow {row.against} (p {row.p:.2g} after correction)."
             for row in (*found.patterns, *found.readout_patterns)
             if row.p < 0.1
         ],
@@ -76,7 +76,7 @@ def content(found: Findings) -> dict[str, Any]:
 
 def _verdict(found: Findings) -> dict[str, Any]:
     diagnosis = found.diagnosis
-    titles = {"none": "Nothing is missing that these flights can show", "unexplained": "Something unexplained"}
+    titles = {"none": "These flights show nothing missing", "unexplained": "Something unexplained"}
     named = [effects()[name].title for name in diagnosis.effect.split("+") if name in effects()]
     return {
         "effect": diagnosis.effect,
@@ -97,10 +97,10 @@ def _begun(sentence: str) -> str:
 def _figures(found: Findings) -> list[dict[str, str]]:
     before, after = found.left_out.before.score, found.left_out.after.score
     sure = f"{found.diagnosis.confidence:.0%}" if found.diagnosis.confidence < 0.995 else "over 99%"
-    figures = [{"value": f"{before.mae:.1f} m", "what": "mean error of flights left out, before"}]
+    figures = [{"value": f"{before.mae:.1f} m", "what": "mean leave-one-out error, before"}]
     if found.diagnosis.effect != "none":
         figures.append({"value": f"{after.mae:.1f} m", "what": "after"})
-    return [*figures, {"value": sure, "what": "how sure, given what was tried"}]
+    return [*figures, {"value": sure, "what": "probability, given what was tried"}]
 
 
 def _errors(title: str, compared: Compared) -> list[dict[str, Any]]:

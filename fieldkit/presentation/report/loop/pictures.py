@@ -42,7 +42,7 @@ def residuals(figure: "Figure | SubFigure", found: Findings) -> None:
     for panel, (title, forecasts, colour) in zip(panels, sides, strict=True):
         _residual_panel(panel, against, forecasts, truth, seen, colour)
         panel.set_title(title)
-    panels[0].set_ylabel("flown less forecast [m]")
+    panels[0].set_ylabel("flown - forecast [m]")
 
 
 def _residual_panel(
@@ -80,13 +80,13 @@ def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array
 
 
 def forward(figure: "Figure | SubFigure", found: Findings) -> None:
-    """Each flight forecast from those before it, beside what it flew."""
+    """Each flight forecast from those before it, with its flown apogee."""
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
     flown = np.exp(found.diagnosis.data.values[:, 0])
     sides = [("plain", ahead.before, BEFORE_COLOR, -0.14)]
     if any(ahead.chosen):
-        sides.append(("as chosen from the flights before", ahead.after, AFTER_COLOR, 0.14))
+        sides.append(("effects chosen from earlier flights", ahead.after, AFTER_COLOR, 0.14))
     for title, forecasts, colour, shift in sides:
         low, high = (ends[ahead.seen] for ends in _interval(forecasts))
         place = number[ahead.seen] + shift
@@ -114,7 +114,7 @@ def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
     panels[0].invert_yaxis()
     reach = max(abs(end) for panel in panels for end in panel.dataLim.intervalx)
     panels[0].set_xlim(-1.1 * reach, 1.1 * reach)
-    panels[len(panels) // 2].set_xlabel("shift in units of the readout's expected scatter")
+    panels[len(panels) // 2].set_xlabel("shift / expected scatter of the readout")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2, fontsize=8)
 
 
@@ -123,12 +123,12 @@ def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
     expected, found, sd = (np.array([getattr(mark, name) for mark in row]) for name in ("expected", "found", "sd"))
     panel.axvline(0, color=INK_COLOR, linewidth=1)
     panel.barh(
-        place, np.nan_to_num(expected), height=0.62, color=AFTER_COLOR, alpha=0.35, label="the effect would leave"
+        place, np.nan_to_num(expected), height=0.62, color=AFTER_COLOR, alpha=0.35, label="predicted by the effect"
     )
     known = np.isfinite(found)
     panel.errorbar(
         found[known], place[known], xerr=NINE_OF_TEN * sd[known], fmt="o", color=INK_COLOR, markersize=4, linewidth=1,
-        label="found in the flights",
+        label="observed in the flights",
     )  # fmt: skip
     for number in place[~known]:
         note = panel.annotate(
@@ -149,14 +149,14 @@ def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
     rows = range(len(items))
     panel.barh(rows, chance, height=0.6, color=colours, alpha=0.6)
     panel.axvline(NAMING_PROBABILITY, color=BEFORE_COLOR, linewidth=1.2, linestyle=(0, (4, 2)))
-    panel.text(NAMING_PROBABILITY, -0.9, " named from here on", fontsize=7.5, color=BEFORE_COLOR, va="bottom")
+    panel.text(NAMING_PROBABILITY, -0.9, " named above this", fontsize=7.5, color=BEFORE_COLOR, va="bottom")
     for row, value in enumerate(chance):
         panel.text(value + 0.01, row, f"{value:.0%}", va="center", fontsize=8, color=FAINT_COLOR)
     panel.set_yticks(rows, [shortened(str(item.best.candidate.place), 34) for item in items])
     panel.invert_yaxis()
     panel.margins(x=0.12)
     panel.set_xlim(0, 1.12)
-    panel.set_xlabel("probability that it is there, alone or with others")
+    panel.set_xlabel("inclusion probability")
     panel.grid(axis="y", visible=False)
 
 

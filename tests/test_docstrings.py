@@ -1,0 +1,102 @@
+"""Public functions say what they return, and which errors they raise."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from fieldkit import errors
+
+pytestmark = pytest.mark.fast
+CHECK_SHAPES = False
+
+PACKAGE = Path(errors.__file__).parent
+LEFT_OUT = ("tui/", "ledger/migrations/versions/")
+"""Screens, whose methods the library names; migrations, which are never edited and whose modules say what they do."""
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def _modules() -> Iterator[tuple[str, ast.Module]]:
+    for file in sorted(PACKAGE.rglob("*.py")):
+        name = file.relative_to(PACKAGE).as_posix()
+        if not name.startswith(LEFT_OUT):
+            yield name, ast.parse(file.read_text(encoding="utf-8"))
+
+
+def _public(node: ast.AST) -> Iterator[Function]:
+    """Functions and methods without a leading underscore, nor in a class that has one or in another function."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.ClassDef) and not child.name.startswith("_"):
+            yield from _public(child)
+        elif isinstance(child, Function) and not child.name.startswith("_") and not _is_stub(child):
+            yield child
+        elif isinstance(child, ast.If | ast.Try):
+            yield from _public(child)
+
+
+def _is_stub(function: Function) -> bool:
+    """Whether it is a member of a protocol, whose class says what it is."""
+    only = function.body[0]
+    return isinstance(only, ast.Expr) and isinstance(only.value, ast.Constant) and only.value.value is ...
+
+
+def _commands(tree: ast.Module) -> set[str]:
+    """Functions that are commands: their docstring is the help, and the command line catches every error."""
+    decorated = {
+        node.name
+        for node in ast.walk(tree)
+        if isinstance(node, Function) and any("app.command" in ast.unparse(one) for one in node.decorator_list)
+    }
+    return decorated | set(re.findall(r"app\.command\(\)\((\w+)\)", ast.unparse(tree)))
+
+
+def _raised(node: ast.AST) -> Iterator[str]:
+    """Names of what is raised in a body itself."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, Function | ast.Lambda | ast.ClassDef):
+            continue
+        if isinstance(child, ast.Raise) and child.exc is not None:
+            error = child.exc.func if isinstance(child.exc, ast.Call) else child.exc
+            yield ast.unparse(error).split(".")[-1]
+        yield from _raised(child)
+
+
+def _errors() -> set[str]:
+    """`FieldkitError` and every class of the program below it."""
+    bases = {
+        node.name: {ast.unparse(base).split(".")[-1] for base in node.bases}
+        for _, tree in _modules()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+    }
+    found = {"FieldkitError"}
+    while new := {name for name, above in bases.items() if above & found} - found:
+        found |= new
+    return found
+
+
+def test_every_public_function_has_a_docstring() -> None:
+    found = [
+        f"{name}:{function.lineno}: {function.name}"
+        for name, tree in _modules()
+        for function in _public(tree)
+        if not ast.get_docstring(function)
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_a_function_that_raises_our_errors_says_so() -> None:
+    ours = _errors()
+    assert {"FieldkitError", "BadValue", "PortTrouble"} <= ours
+    found = [
+        f"{name}:{function.lineno}: {function.name} raises {', '.join(raised)}"
+        for name, tree in _modules()
+        for function in _public(tree)
+        if (raised := sorted(set(_raised(function)) & ours))
+        and function.name not in _commands(tree)
+        and not re.search(r"\bRaises?\b", ast.get_docstring(function) or "")
+    ]
+    assert not found, "\n".join(found)
