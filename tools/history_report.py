@@ -36,6 +36,7 @@ from fieldkit.plugins import trained_folder
 from fieldkit.scoring.proper_scores import crps
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
@@ -99,7 +100,7 @@ def simulated(count: int) -> None:
     rows: dict[str, list[ForecastRow]] = {"selection": [], "forecast": []}
     errors: dict[str, list[list[float]]] = {"selection": [], "forecast": []}
     while sum(map(len, rows.values())) < count:
-        for one in simulated_histories(rng, choice, quick_candidates, 10, 1):
+        for one in simulated_histories(rng, choice, quick_candidates, inclusion_probabilities(), 10, 1):
             world = "selection" if one.selects else "forecast"
             past = [
                 (flight if used else flight.with_changes(tags=("weak_launch",)), motor)

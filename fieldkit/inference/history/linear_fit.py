@@ -81,12 +81,12 @@ def history_model(
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
-    """Effects whose column was written down, each acting on all flights."""
+    """Effects that act on forecasts wherever their column was written down, each on all flights."""
     every = np.ones(len(flights))
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
         for name, effect in effects().items()
-        if effect.needs and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
 
 

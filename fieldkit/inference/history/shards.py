@@ -3,7 +3,7 @@
 import hashlib
 import io
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +16,12 @@ from fieldkit.inference.history.drawn_rockets import stock
 from fieldkit.inference.history.features import Candidates, HistorySummary, effect_names, feature_names, summarize
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
+from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.prior_predictive import split_motors
+from fieldkit.model.random_effects import priors
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Motor
+from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100
@@ -44,12 +47,14 @@ TRUTHS = (
 
 @dataclass(frozen=True, slots=True)
 class ShardPlan:
-    """What decides a shard: the seed of the whole, its number, how many rockets, whether of motors held out."""
+    """What decides a shard: the seed of the whole, its number, how many rockets, what effects are weighed by and their
+    prior probabilities, whether of motors held out."""
 
     seed: int
     number: int
     rockets: int
     candidates_of: Candidates
+    inclusion: Mapping[str, float]
     held_out: bool = False
 
 
@@ -116,7 +121,7 @@ def simulate_shard(plan: ShardPlan) -> bytes:
     rows: list[Array] = []
     for first in range(0, plan.rockets, ROCKETS_PER_BATCH):
         count = min(ROCKETS_PER_BATCH, plan.rockets - first)
-        found = simulated_histories(rng, choice, plan.candidates_of, count)
+        found = simulated_histories(rng, choice, plan.candidates_of, plan.inclusion, count)
         made = summarized(found, plan.candidates_of, names)
         rows += [row(one, summary, names) for one, summary in zip(found, made, strict=True)]
     file = io.BytesIO()
@@ -134,6 +139,7 @@ def simulate_table(
     seed: int,
     rockets: int,
     candidates_of: Candidates,
+    inclusion: Mapping[str, float],
     pool: Executor,
     on_shard: Callable[[int, int], None] | None = None,
     *,
@@ -142,10 +148,11 @@ def simulate_table(
     """The histories of so many rockets, with the shards that an earlier run left in the folder."""
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {
-        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, held_out) for number, size in enumerate(sizes)
+        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, inclusion, held_out)
+        for number, size in enumerate(sizes)
     }
     found: dict[str, Array] = {}
-    for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out), pool):
+    for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out, inclusion), pool):
         found[name] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
         if on_shard:
             on_shard(len(found), len(plans))
@@ -160,7 +167,10 @@ def table(rows: Float[Array, "history column"]) -> HistoryTable:
     return HistoryTable(whole[:, :width], whole[:, width : width + len(names)], whole[:, width + len(names) :])
 
 
-def _digest(seed: int, held_out: bool) -> str:
-    """Of what shards are made from: those of another seed, features, effects or fieldkit are never taken for them."""
-    said = json.dumps([__version__, seed, held_out, ROCKETS_PER_SHARD, feature_names(effect_names()), TRUTHS])
+def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
+    """Of what shards are made from: those of another seed, feature, prior, hyperprior or fieldkit are never taken for
+    them."""
+    drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
+    made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
+    said = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
     return hashlib.sha256(said.encode()).hexdigest()[:16]
