@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.features import History
+from fieldkit.inference.history.records import History
 from fieldkit.inference.network.history import QuickAnswer, quick_answer
 from fieldkit.model.hyperprior import Hyperprior, certified, learned
 from fieldkit.model.shared_prior import SharedPrior

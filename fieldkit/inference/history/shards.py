@@ -13,7 +13,8 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.inference.history.drawn_rockets import stock
-from fieldkit.inference.history.features import Candidates, HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
 from fieldkit.model.hyperprior import certified, learned

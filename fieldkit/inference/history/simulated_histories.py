@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
 from fieldkit.inference.history.evidence import PlacedEffect
-from fieldkit.inference.history.features import Candidates, History
+from fieldkit.inference.history.records import Candidates, History
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd

@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import DamagedModel
-from fieldkit.inference.history.features import (
-    Candidates,
-    History,
-    HistorySummary,
-    effect_names,
-    feature_names,
-    summarize,
-)
+from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
 from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
 from fieldkit.model.rocket_model import reference_area

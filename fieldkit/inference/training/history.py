@@ -16,8 +16,10 @@ from torch import nn
 from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.errors import BadValue
+from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
-from fieldkit.inference.history.features import OF_HISTORY, PER_EFFECT, Candidates, effect_names, feature_names
+from fieldkit.inference.history.features import effect_names, feature_names
+from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
 from fieldkit.inference.history.simulated_histories import SELECTION_WORLD
 from fieldkit.inference.network.ensemble import from_parts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedModel
-from fieldkit.inference.history.features import History
+from fieldkit.inference.history.records import History
 from fieldkit.inference.network.history import checked, load_history, quick_answer
 from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
 from fieldkit.selection.quick_candidates import quick_candidates
