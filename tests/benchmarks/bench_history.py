@@ -60,7 +60,7 @@ def test_the_network_alone_beside_what_is_shown_to_it(
     flight, found = flown[0]
     plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
     began = time.process_time()
-    features = forecast_at_once(flown, plan).summary.features[None]
+    features = forecast_at_once(flown, plan).summary.features
     whole = time.process_time() - began
     beside(
         benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before"

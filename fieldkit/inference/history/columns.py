@@ -1,5 +1,6 @@
 """The columns that features are made of: of the history, of the evidence for all effects, and of each effect."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -78,7 +79,8 @@ OF_HISTORY = (
 
 def of_history(
     history: History, selection: LinearFit, plain: LinearFit, robustly: LinearFit, data: Data, left_out: LeaveOneOut
-) -> dict[str, float]:
+) -> dict[str, float | Array]:
+    """Columns of the flights, and of how often each plan's motor and configuration flew."""
     count = len(history.used_in_fit)
     flown = history.flights[:count]
     used = max(int(data.seen.any(axis=1).sum()), 1)
@@ -109,8 +111,8 @@ def of_history(
         "lag": float((centered[1:] * centered[:-1]).sum() / (variance * len(centered))) if len(centered) > 2 else 0.0,
         "trend": float((centered * order).mean() / np.sqrt(variance) * np.sqrt(len(centered))),
         "trust": float(np.log(max(float(robustly.fit.data.trust.min(initial=1.0)), 1e-3))),
-        "on_motor": _before(kinds["motor"], count, data),
-        "on_config": _before(kinds["config"], count, data),
+        "on_motor": _before(kinds["motor"], data),
+        "on_config": _before(kinds["config"], data),
     }
 
 
@@ -131,10 +133,11 @@ def _scales(linear: LinearFit, suffix: str) -> dict[str, float]:
     }
 
 
-def _before(kinds: Sequence[str], count: int, data: Data) -> float:
-    """Logarithm of one more than the flights before on what the plan flies on."""
-    seen = data.seen[:, 0]
-    return float(np.log1p(sum(bool(seen[i]) and kinds[i] == kinds[count] for i in range(count))))
+def _before(kinds: Sequence[str], data: Data) -> Float[Array, "plan"]:
+    """Logarithm of one more than the flights before on what each plan flies on."""
+    count = len(data.seen)
+    flown = Counter(kind for kind, seen in zip(kinds[:count], data.seen[:, 0].tolist(), strict=True) if seen)
+    return np.asarray(np.log1p(np.array([flown[kind] for kind in kinds[count:]], float)))
 
 
 def shown_evidence(log_bayes: Array | float) -> Array:
@@ -161,12 +164,12 @@ def _leaders(trials: Trials) -> dict[str, int]:
     return {name: max(rows, key=lambda row: float(trials.weight[row])) for name, rows in families(trials).items()}
 
 
-def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float]:
-    """The strongest effects, patterns, and by how much effects shift the forecast."""
+def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Array]:
+    """The strongest effects, patterns, and by how much effects shift the forecast of each plan."""
     by_family = families(trials)
     bayes = {name: _sum(trials, rows) for name, rows in by_family.items()}
     named = sorted((value for name, value in bayes.items() if name), reverse=True)
-    columns = {
+    columns: dict[str, float | Array] = {
         "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
         "first": float(shown_evidence(named[0])) if named else 0.0,
         "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
@@ -189,26 +192,27 @@ def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float]:
     return columns | _shifts(beside_forecast)
 
 
-def _shifts(trials: Trials) -> dict[str, float]:
-    """By how much effects move the log apogee of the plan, averaged over what the flights say of each."""
+def _shifts(trials: Trials) -> dict[str, Array]:
+    """By how much effects move the log apogee of each plan, averaged over what the flights say of each."""
     by_family = {name: rows for name, rows in families(trials).items() if name}
     if not by_family:
-        return {"shift": 0.0, "shift_sd": 0.0, "shift_of_first": 0.0}
-    moved = trials.forecast_gain[0] * trials.mean
+        return dict.fromkeys(("shift", "shift_sd", "shift_of_first"), np.zeros(len(trials.forecast_gain)))
+    moved = trials.forecast_gain * trials.mean
+    moved_sd = trials.forecast_gain * trials.sd
     odds = {name: _sum(trials, rows) - np.log(2.0 * len(by_family)) for name, rows in by_family.items()}
     total = np.logaddexp.reduce([0.0, *odds.values()])
-    shift = square = 0.0
+    shift, square = np.zeros((2, len(moved)))
     for name, rows in by_family.items():
         share = np.exp(trials.weight[rows] - np.logaddexp.reduce(trials.weight[rows]))
         part = float(np.exp(odds[name] - total))
-        shift += part * float(share @ moved[rows])
-        square += part * float(share @ (moved[rows] ** 2 + (trials.forecast_gain[0, rows] * trials.sd[rows]) ** 2))
+        shift += part * (moved[:, rows] @ share)
+        square += part * ((moved[:, rows] ** 2 + moved_sd[:, rows] ** 2) @ share)
     first = max(odds, key=lambda name: odds[name])
     leader = max(by_family[first], key=lambda row: float(trials.weight[row]))
     return {
         "shift": shift,
-        "shift_sd": float(np.sqrt(max(square - shift**2, 0.0))),
-        "shift_of_first": float(moved[leader]),
+        "shift_sd": np.sqrt(np.maximum(square - shift**2, 0.0)),
+        "shift_of_first": moved[:, leader],
     }
 
 

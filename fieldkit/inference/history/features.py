@@ -5,10 +5,11 @@ Two fits stand behind it: by the hyperprior that effects are judged with, and by
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
 from fieldkit.inference.history.evidence import PlacedEffect, Trials, weigh
 from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
@@ -17,15 +18,17 @@ from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.model.readout_data import Data
+from fieldkit.model.rocket_model import Model, groups
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.shapes import Array, Float
 
 
 @dataclass(frozen=True, slots=True)
 class HistorySummary:
-    """The features of a history and the linear fits behind them. `baseline` is the forecast that the network moves."""
+    """The features of a history, a row a plan, and the linear fits behind them. `baseline` are the forecasts that the
+    network moves."""
 
-    features: Float[Array, "feature"]
+    features: Float[Array, "plan feature"]
     baseline: Moments
     selection: LinearFit
     forecast: LinearFit
@@ -45,20 +48,60 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
     return (*OF_HISTORY, *(f"{effect}.{name}" for effect in names for name in PER_EFFECT))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedHistory:
+    """What of a history stays as it is while readouts are typed: the models of both hyperpriors, what is weighed beside
+    them, and what its flights would show."""
+
+    history: History
+    response: FlightResponse
+    selection: Model
+    forecast: Model
+    candidates: tuple[PlacedEffect, ...]
+
+    @property
+    def flown(self) -> tuple[Flight, ...]:
+        """The flights that are not plans."""
+        return self.history.flights[: len(self.history.used_in_fit)]
+
+
+def prepared(history: History, response: FlightResponse, candidates_of: Candidates) -> PreparedHistory:
+    """A history whose flights' response is known, as far as its readouts do not matter."""
+    count = len(history.used_in_fit)
+    both = history.flights, history.found, count
+    model = history_model(*both, history.selection, declared=False)
+    forecast = history_model(*both, history.forecast, history.shared, declared=True)
+    candidates = candidates_of(_on_one_new_motor(model, count), history.used_in_fit)
+    return PreparedHistory(history, response, model, forecast, tuple(candidates))
+
+
+def _on_one_new_motor(model: Model, flown: int) -> Model:
+    """Plans on motors never flown as if on one: an effect of a motor is as probable whichever of them flies next."""
+    known = set(groups(model.flights[:flown], model.found[:flown], "motor"))
+    plans = groups(model.flights[flown:], model.found[flown:], "motor")
+    new = [motor for name, motor in zip(plans, model.found[flown:], strict=True) if name not in known]
+    if len(new) < 2:
+        return model
+    ahead = [motor if name in known else new[0] for name, motor in zip(plans, model.found[flown:], strict=True)]
+    return replace(model, found=(*model.found[:flown], *ahead))
+
+
 def summarize(
     history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
 ) -> HistorySummary:
     """The features of one history, whose flights' response is known."""
-    count = len(history.used_in_fit)
-    flown, found = history.flights[:count], history.found
+    ready = prepared(history, response, candidates_of)
+    return summarized(ready, ready.flown, names)
+
+
+def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
+    """The features of a history, its flown flights with the readouts that they have now."""
+    history, response, candidates = ready.history, ready.response, ready.candidates
     data = history_data(flown, history.used_in_fit, history.selection)
-    model = history_model(history.flights, found, count, history.selection, declared=False)
-    selection = linear_fit(model, data, response)
-    candidates = tuple(candidates_of(model, history.used_in_fit))
+    selection = linear_fit(ready.selection, data, response)
     trials = weigh(selection, candidates)
-    forecast_model = history_model(history.flights, found, count, history.forecast, history.shared, declared=True)
     forecast_data = history_data(flown, history.used_in_fit, history.forecast)
-    plain = linear_fit(forecast_model, forecast_data, response, start=selection.offset, rounds=1)
+    plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
     beside_forecast = weigh(plain, candidates)
     baseline, unrobust = moments(robustly), moments(plain)
@@ -77,6 +120,7 @@ def summarize(
         "cd_alpha": baseline.correlation,
     }
     each = of_effects(trials, beside_forecast, names)
-    values = np.array([columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT])
-    features = np.clip(np.nan_to_num(values, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
+    values = [columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT]
+    whole = np.stack([np.broadcast_to(value, baseline.apogee.shape) for value in values], axis=-1)
+    features = np.clip(np.nan_to_num(whole, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
     return HistorySummary(features, baseline, selection, robustly, trials, candidates, data, left_out)

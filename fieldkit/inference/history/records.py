@@ -16,7 +16,9 @@ Candidates = Callable[[Model, Sequence[bool]], Sequence[PlacedEffect]]
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """A rocket's flights in the order flown and one planned flight after them, with what they rest on."""
+    """A rocket's flights in the order flown, with what they rest on, and one planned flight after them; or several
+    plans, each as if it flew next, that differ in their motors alone and of which none or all fly on motors flown
+    before."""
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]

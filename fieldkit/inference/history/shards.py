@@ -102,16 +102,16 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
         "log_apogee": np.log(one.apogee),
         "log_cd": one.cd,
         "log_alpha": one.alpha,
-        "mean": said.apogee,
-        "sd": said.apogee_sd,
-        "cd_mean": said.cd,
-        "cd_sd": said.cd_sd,
-        "alpha_mean": said.alpha,
-        "alpha_sd": said.alpha_sd,
-        "correlation": said.correlation,
+        "mean": said.apogee[0],
+        "sd": said.apogee_sd[0],
+        "cd_mean": said.cd[0],
+        "cd_sd": said.cd_sd[0],
+        "alpha_mean": said.alpha[0],
+        "alpha_sd": said.alpha_sd[0],
+        "correlation": said.correlation[0],
     }
     flags = [name in one.effects for name in names]
-    return np.array([*made.features, *flags, *(truths[name] for name in TRUTHS)], float)
+    return np.array([*made.features[0], *flags, *(truths[name] for name in TRUTHS)], float)
 
 
 def simulate_shard(plan: ShardPlan) -> bytes:
