@@ -34,19 +34,16 @@ def moments(linear: LinearFit) -> Moments:
     """The forecasts of the plans by a linear fit, and the drag and thrust they fly with."""
     fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
     plans = slice(linear.flown, None)
-    scatter = model.hyperprior.scales()[0][:, None]
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
     fresh_means = np.array([term.mean for term in linear.fresh])
     row, fresh_row = near.slope[plans, 0], slopes(linear.fresh, linear.moved)[plans, 0]
     known = np.einsum("pt,stu,pu->sp", row, fit.covariance, row, optimize=True) + fresh_sds**2 @ fresh_row.T**2
-    reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
-    spread = (near.scatter_slope[plans, 0] ** 2).sum(axis=-1) + apogee_scatter(model)[plans] ** 2
     means = near.values[plans, 0] + (fit.mean - near.at) @ row.T + fresh_row @ fresh_means
     mean = weights @ means
     between = weights @ (means - mean) ** 2
     middle, covariance = _mixture(fit.mean, fit.covariance, weights)
-    acts = [_acting(model.terms, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
-    fresh_acts = [_acting(linear.fresh, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
+    acts = [acting(model.terms, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
+    fresh_acts = [acting(linear.fresh, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
     by_parameter = [
         (middle @ act + fresh_means @ new, (act * (covariance @ act)).sum(axis=0) + weights @ fresh_sds**2 @ new**2)
         for act, new in zip(acts, fresh_acts, strict=True)
@@ -55,7 +52,7 @@ def moments(linear: LinearFit) -> Moments:
     cd_sd, alpha_sd = (np.sqrt(np.maximum(variance, 1e-8)) for variance in (cd_variance, alpha_variance))
     return Moments(
         mean,
-        np.sqrt(weights @ (known + scatter**2 * spread + reading**2) + between),
+        np.sqrt(weights @ (known + own_variance(linear)) + between),
         np.sqrt(np.maximum(weights @ known + between, 1e-8)),
         cd,
         cd_sd,
@@ -63,6 +60,15 @@ def moments(linear: LinearFit) -> Moments:
         alpha_sd,
         (acts[0] * (covariance @ acts[1])).sum(axis=0) / (cd_sd * alpha_sd),
     )
+
+
+def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
+    """Variance of each plan's log apogee beside what is not known of the rocket: its own scatter and its reading's."""
+    model, near, plans = linear.model, linear.near, slice(linear.flown, None)
+    scatter = model.hyperprior.scales()[0][:, None]
+    reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
+    spread = (near.scatter_slope[plans, 0] ** 2).sum(axis=-1) + apogee_scatter(model)[plans] ** 2
+    return np.asarray(scatter**2 * spread + reading**2)
 
 
 def _mixture(
@@ -74,7 +80,7 @@ def _mixture(
     return middle, within + (off * weights[:, None]).T @ off
 
 
-def _acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
+def acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
     """How strongly each term bends one property of each flight."""
     acting = [term.weight * (term.bends == bends) for term in terms]
     return np.array(acting, float).reshape(len(terms), flights)
