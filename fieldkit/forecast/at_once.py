@@ -32,19 +32,22 @@ def prepare_at_once(
     `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one. Raises ImpossibleFlight
     for a flight without a dry mass.
     """
+    history = _history(flown, plans, used_in_fit, shared, hyperprior)
+    return prepared(history, response_of(history), quick_candidates)
+
+
+def _history(
+    flown: FlownFlights,
+    plans: FlownFlights,
+    used_in_fit: Sequence[bool],
+    shared: SharedPrior | None,
+    hyperprior: Hyperprior | None,
+) -> History:
     named = [  # a plan without a name would be where places without a beginning begin
         (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
     ]
-    both = [*flown, *named]
-    history = History(
-        tuple(one for one, _ in both),
-        tuple(found for _, found in both),
-        tuple(used_in_fit),
-        certified(),
-        hyperprior or learned(),
-        shared,
-    )
-    return prepared(history, response_of(history), quick_candidates)
+    flights, found = zip(*flown, *named, strict=True)
+    return History(flights, found, tuple(used_in_fit), certified(), hyperprior or learned(), shared)
 
 
 def answer_at_once(
@@ -82,16 +85,18 @@ def forecasts_at_once(
 ) -> list[QuickAnswer]:
     """What the network forecasts of plans that differ in their motors alone, each as if it flew next, in their order.
 
-    Two batches, as many as there are plans: motors that the rocket flew, and others. The rest as `forecast_at_once`.
+    All fly in one batch; motors that the rocket flew and others are summarized apart. The rest as `forecast_at_once`.
     """
     known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
     kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
-    used = [flight.clean for flight, _ in flown]
+    used, before = [flight.clean for flight, _ in flown], list(range(len(flown)))
+    response = response_of(_history(flown, plans, used, shared, hyperprior))
     found: dict[int, QuickAnswer] = {}
     for old in (True, False):
         rows = [row for row, kind in enumerate(kinds) if (kind in known) is old]
         if rows:
-            some = [plans[row] for row in rows]
-            ready = prepare_at_once(flown, some, used, shared=shared, hyperprior=hyperprior)
+            history = _history(flown, [plans[row] for row in rows], used, shared, hyperprior)
+            own = response.part([*before, *(len(flown) + row for row in rows)])
+            ready = prepared(history, own, quick_candidates)
             found |= dict(zip(rows, answer_at_once(ready, ready.flown, ensemble), strict=True))
     return [found[row] for row in range(len(plans))]

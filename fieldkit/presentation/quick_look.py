@@ -127,7 +127,11 @@ def forecast_line(found: QuickForecast) -> str:
     said = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = said["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
-    source = "by the network, checked by the fit" if found.fitted is None else "by the fit, for the network's answer failed its check"
+    source = (
+        "by the network, checked by the fit"
+        if found.fitted is None
+        else "by the fit, for the network's answer failed its check"
+    )
     return (
         f"{name}{found.plan.motor}: {apogee['p50']:.0f} m, 90 % from {apogee['p05']:.0f} to {apogee['p95']:.0f} m, "
         f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} of the certificate's"

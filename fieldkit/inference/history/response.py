@@ -50,7 +50,7 @@ class FlightResponse:
     names: tuple[str, ...]
     moved: Float[Array, "quantity drag flight readout"]
 
-    def part(self, rows: slice) -> "FlightResponse":
+    def part(self, rows: slice | list[int]) -> "FlightResponse":
         """Some of the flights."""
         return FlightResponse(self.names, self.moved[:, :, rows])
 
