@@ -118,7 +118,12 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False) -> AsyncIterator[Pilot[None]]:
     """The app on a ledger, its settings kept beside it, once it is calm; as flyers have it where it `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
-    with unchecked(), patch("textual.app.wait_for_idle", _no_wait), patch("textual.pilot.wait_for_idle", _no_wait):
+    with (
+        unchecked(),
+        patch("textual.app.wait_for_idle", _no_wait),
+        patch("textual.pilot.wait_for_idle", _no_wait),
+        patch("fieldkit.tui.add.estimate_line.PAUSE", 0.0),
+    ):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
             yield pilot

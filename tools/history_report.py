@@ -21,9 +21,13 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.at_once import forecast_at_once
 from fieldkit.forecast.evaluation.forward_in_time import unflown
 from fieldkit.forecast.predict import predict
+from fieldkit.inference.history.check import DRAWS as DRAWS_OF_CHECK
+from fieldkit.inference.history.check import LEAST_EFFECTIVE
 from fieldkit.inference.history.drawn_rockets import stock
+from fieldkit.inference.history.linear_fit import READING_NODES, SCATTER_NODES
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
+from fieldkit.inference.laplace.importance import MORE_DRAWS, RELIABLE_PARETO_K
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.inference.network.history import load_history, quick_answer
 from fieldkit.inference.validation.history import auc
@@ -36,6 +40,7 @@ from fieldkit.plugins import trained_folder
 from fieldkit.scoring.proper_scores import crps
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
@@ -45,6 +50,7 @@ ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "docs" / "measured"
 REPORT = ROOT / "docs" / "history-network.md"
 DRAWS = 1000
+SCALES = len(SCATTER_NODES) * len(READING_NODES)
 FRESH_SEED = 20_261
 """Of histories that training never draws."""
 FlownFlights = Sequence[tuple[Flight, Found]]
@@ -99,7 +105,7 @@ def simulated(count: int) -> None:
     rows: dict[str, list[ForecastRow]] = {"selection": [], "forecast": []}
     errors: dict[str, list[list[float]]] = {"selection": [], "forecast": []}
     while sum(map(len, rows.values())) < count:
-        for one in simulated_histories(rng, choice, quick_candidates, 10, 1):
+        for one in simulated_histories(rng, choice, quick_candidates, inclusion_probabilities(), 10, 1):
             world = "selection" if one.selects else "forecast"
             past = [
                 (flight if used else flight.with_changes(tags=("weak_launch",)), motor)
@@ -327,9 +333,42 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         f"{card['training']['epochs']} epochs in {card['seconds']:.0f} s, on one thread of a busy machine.",
         "Five members in one graph. A run that was cut short goes on where it was: shards that are there are taken.",
     )
+    yield from asked()
     yield from on_fresh(card)
     yield from beside_fit()
     yield from use()
+
+
+def asked() -> Iterator[str]:
+    """Where the network answers, and what is checked."""
+    yield from ("## Where it answers", "")
+    yield from prose(
+        "`loop --quick`: the probability of every effect. `predict --quick`: the next apogee, Cd and alpha. In",
+        "Add: Cd, alpha and the next apogee move with each readout that is typed; what the flights would show is",
+        "kept between readouts, and simulated again for another set-up alone. Many motors are forecast in one",
+        "batch (`forecasts_at_once`). How long each takes beside the fit is in [speed](speed.md), from `python",
+        "tools/benchmarks.py history`.",
+    )
+    yield from prose(
+        f"A quick forecast says *checked by the fit* where importance sampling bears it out. {DRAWS_OF_CHECK}",
+        "draws of log Cd and log alpha come from the network's normal distribution, the model's other unknowns",
+        "from the linear fit given those, their covariance inflated by 15 %. The readouts of each draw are",
+        "simulated; its weight is the prior times the likelihood of the one model (each flight's noise a",
+        f"multivariate Student t, summed over a grid of {SCALES} scales of scatter and reading) over the density",
+        "that it was drawn from. A generalized Pareto distribution is fitted to the largest weights; its shape k",
+        f"must be at most {RELIABLE_PARETO_K} (Vehtari, Simpson, Gelman, Yao and Gabry, Pareto smoothed importance",
+        f"sampling, Journal of Machine Learning Research 25, 2024), after {MORE_DRAWS} times as many draws where",
+        "the first do not reach it. The weighted draws are the model's forecast of the plan's apogee, and the",
+        "effective fraction of the network's own draws of it, weighted by that, must be at least",
+        f"{LEAST_EFFECTIVE}, which is a judgment: most of them count. Else the fit answers. What is printed is the",
+        "network's forecast as it is, not the weighted one. Effects that the loop accepted are in the fit's",
+        "forecast alone.",
+    )
+    yield from prose(
+        "Weights are float32. Rounding them to float16 would halve the file and moves no quantile by a thousandth",
+        "of a standard deviation, but a processor without half precision converts them back at every start: at",
+        "less than a megabyte it gains nothing, and it is not done.",
+    )
 
 
 def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:

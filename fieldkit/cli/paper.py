@@ -25,6 +25,7 @@ def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = Fa
         print_json({**found.document(), "findings": findings(found)})
         return
     _flights(found)
+    _histories(found)
     _errors(found)
     _synthetic(found)
     _rules(found)
@@ -53,12 +54,29 @@ def _flight(one: dict[str, Any]) -> tuple[str, ...]:
     return (name, one["motor"], f"{one['apogee_m']:.1f}", *compared, f"{one['next_flight_m']:.1f}")
 
 
+def _histories(report: "PaperReport") -> None:
+    headers = ("flight", "motor", "apogee", "one apogee", "history", "90 %", "Cd", "alpha")
+    say("Each flight left out [m]: from one apogee at a time, and by the history network")
+    say()
+    print_table(headers, (_history(one) for one in report.flights), numbers=headers[2:])
+    say()
+
+
+def _history(one: dict[str, Any]) -> tuple[str, ...]:
+    said = one["history_network"]
+    low, middle, high = (said["apogee_m"][key] for key in ("p05", "p50", "p95"))
+    name = f"{one['flight_id']} {one['config']}{'' if one['valid'] else ' *'}"
+    figures = (f"{one['apogee_m']:.1f}", f"{one['next_flight_m']:.1f}", f"{middle:.1f}", f"{low:.0f} to {high:.0f}")
+    return (name, one["motor"], *figures, f"{said['cd']:.3f}", f"{said['alpha']:.3f}")
+
+
 def _errors(report: "PaperReport") -> None:
     stated = report.published["stated"]
     rows = [
         ("rebuilt, here", *_three(report.reconstruction)),
         ("rebuilt, published", *_three(report.published["reconstruction"])),
         ("next flight, left out, here", *_three(report.next_flight)),
+        ("left out, by the history network", *_three(report.history_network)),
         ("OpenRocket column, recomputed", *_three(report.openrocket)),
         ("OpenRocket, as stated", f"{stated['openrocket_mae_m']}", f"{stated['openrocket_rmse_m']}", ""),
     ]

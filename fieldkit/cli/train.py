@@ -81,9 +81,10 @@ def train(
         if cluster:
             more["cluster"] = cluster
         if recipe is Recipe.history:
+            from fieldkit.selection.prior import inclusion_probabilities
             from fieldkit.selection.quick_candidates import quick_candidates
 
-            more["candidates_of"] = quick_candidates
+            more |= {"candidates_of": quick_candidates, "inclusion": inclusion_probabilities()}
         summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=on_progress, **more)
     if json:
         print_json(summary)

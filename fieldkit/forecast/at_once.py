@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.features import History
-from fieldkit.inference.network.history import QuickAnswer, quick_answer
+from fieldkit.inference.history.features import PreparedHistory, prepared, summarized
+from fieldkit.inference.history.records import History
+from fieldkit.inference.network.history import QuickAnswer, answers, load_history, response_of
 from fieldkit.model.hyperprior import Hyperprior, certified, learned
+from fieldkit.model.rocket_model import groups
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -14,9 +16,50 @@ from fieldkit.selection.quick_candidates import quick_candidates
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
+FlownFlights = Sequence[tuple[Flight, Found]]
+
+
+def prepare_at_once(
+    flown: FlownFlights,
+    plans: FlownFlights,
+    used_in_fit: Sequence[bool],
+    *,
+    shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
+) -> PreparedHistory:
+    """Flights of a rocket in the order flown, at least one, and plans, as far as readouts do not matter.
+
+    `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one. Raises ImpossibleFlight
+    for a flight without a dry mass.
+    """
+    history = _history(flown, plans, used_in_fit, shared, hyperprior)
+    return prepared(history, response_of(history), quick_candidates)
+
+
+def _history(
+    flown: FlownFlights,
+    plans: FlownFlights,
+    used_in_fit: Sequence[bool],
+    shared: SharedPrior | None,
+    hyperprior: Hyperprior | None,
+) -> History:
+    named = [  # a plan without a name would be where places without a beginning begin
+        (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
+    ]
+    flights, found = zip(*flown, *named, strict=True)
+    return History(flights, found, tuple(used_in_fit), certified(), hyperprior or learned(), shared)
+
+
+def answer_at_once(
+    ready: PreparedHistory, flown: Sequence[Flight], ensemble: "Ensemble | None" = None
+) -> list[QuickAnswer]:
+    """What the network says of each plan of a prepared history, its flown flights with the readouts they have now."""
+    network = ensemble or load_history()
+    return answers(summarized(ready, flown, tuple(network.card["effects"])), network)
+
 
 def forecast_at_once(
-    flown: Sequence[tuple[Flight, Found]],
+    flown: FlownFlights,
     plan: tuple[Flight, Found],
     *,
     shared: SharedPrior | None = None,
@@ -25,18 +68,35 @@ def forecast_at_once(
 ) -> QuickAnswer:
     """What the network forecasts of a plan from the flights of its rocket, in the order flown; at least one of them.
 
-    Flights with an anomaly tag count as flown and are not used. `shared` is what the flyer's other rockets show,
-    `hyperprior` by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    Flights with an anomaly tag count as flown and are not used. The rest is as in `prepare_at_once`.
     """
-    flight, motor = plan
-    name = flight.flight_id or "planned"  # a plan without a name would be where places without a beginning begin
-    both = [*flown, (flight.with_changes(flight_id=name), motor)]
-    history = History(
-        tuple(one for one, _ in both),
-        tuple(found for _, found in both),
-        tuple(one.clean for one, _ in flown),
-        certified(),
-        hyperprior or learned(),
-        shared,
-    )
-    return quick_answer(history, quick_candidates, ensemble)
+    used = [flight.clean for flight, _ in flown]
+    ready = prepare_at_once(flown, [plan], used, shared=shared, hyperprior=hyperprior)
+    return answer_at_once(ready, ready.flown, ensemble)[0]
+
+
+def forecasts_at_once(
+    flown: FlownFlights,
+    plans: FlownFlights,
+    *,
+    shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
+    ensemble: "Ensemble | None" = None,
+) -> list[QuickAnswer]:
+    """What the network forecasts of plans that differ in their motors alone, each as if it flew next, in their order.
+
+    All fly in one batch; motors that the rocket flew and others are summarized apart. The rest as `forecast_at_once`.
+    """
+    known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
+    kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
+    used, before = [flight.clean for flight, _ in flown], list(range(len(flown)))
+    response = response_of(_history(flown, plans, used, shared, hyperprior))
+    found: dict[int, QuickAnswer] = {}
+    for old in (True, False):
+        rows = [row for row, kind in enumerate(kinds) if (kind in known) is old]
+        if rows:
+            history = _history(flown, [plans[row] for row in rows], used, shared, hyperprior)
+            own = response.part([*before, *(len(flown) + row for row in rows)])
+            ready = prepared(history, own, quick_candidates)
+            found |= dict(zip(rows, answer_at_once(ready, ready.flown, ensemble), strict=True))
+    return [found[row] for row in range(len(plans))]

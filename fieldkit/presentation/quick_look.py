@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.quick_look import QuickForecast
@@ -72,12 +74,25 @@ def quick_lines(found: QuickLook) -> Iterator[str]:
 
 def forecast_document(found: QuickForecast) -> dict[str, Any]:
     """A forecast under the contract's keys; `cd` is on the body's frontal area, or that assumed for its mass."""
-    said, draws = found.answer, found.answer.apogee_draws(DRAWS)
-    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    checked = found.check
     return {
         "flight_id": found.plan.flight_id,
         "motor": found.plan.motor,
         "config": found.plan.config,
+        **(_by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)),
+        "check": {
+            "agrees": checked.agrees,
+            "pareto_k": checked.pareto_k if np.isfinite(checked.pareto_k) else None,
+            "effective": {"parameters": checked.parameters_effective, "apogee": checked.apogee_effective},
+            "draws": checked.draws,
+        },
+    }
+
+
+def _by_the_network(said: QuickAnswer) -> dict[str, Any]:
+    draws = said.apogee_draws(DRAWS)
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    return {
         "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
         "ejection_s": None,
         "cd": {"median": float(np.exp(said.log_cd[0])), "log_sd": said.log_cd[1]},
@@ -88,12 +103,36 @@ def forecast_document(found: QuickForecast) -> dict[str, Any]:
     }
 
 
+def _by_the_fit(said: Prediction) -> dict[str, Any]:
+    low, middle, high = said.apogee_quantiles()
+    return {
+        "apogee_m": {
+            "mean": float(said.apogee.mean()),
+            "sd": float(said.apogee.std()),
+            "p05": float(low),
+            "p50": float(middle),
+            "p95": float(high),
+        },
+        "ejection_s": said.median_eject,
+        "cd": {"median": float(np.median(said.cd)), "log_sd": float(np.log(said.cd).std())},
+        "alpha": {"median": float(np.median(said.alpha)), "log_sd": float(np.log(said.alpha).std())},
+        "rests_on": said.rests_on,
+        "model": said.model,
+        "evaluation": "fit",
+    }
+
+
 def forecast_line(found: QuickForecast) -> str:
-    """A forecast in a line."""
-    said = found.answer
-    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    """A forecast in a line, and whose it is."""
+    said = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
+    apogee = said["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
+    source = (
+        "by the network, checked by the fit"
+        if found.fitted is None
+        else "by the fit, because the network's answer failed its check"
+    )
     return (
-        f"{name}{found.plan.motor}: {middle:.0f} m, 90 % interval {low:.0f} to {high:.0f} m, by the network; "
-        f"Cd {np.exp(said.log_cd[0]):.2f}, thrust {np.exp(said.log_alpha[0]):.2f} times certified"
+        f"{name}{found.plan.motor}: {apogee['p50']:.0f} m, 90 % interval {apogee['p05']:.0f} to {apogee['p95']:.0f} m, "
+        f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} times certified"
     )

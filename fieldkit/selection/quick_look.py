@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.inference.history.columns import families
 from fieldkit.inference.history.evidence import Trials, used_readouts
-from fieldkit.inference.history.features import History, HistorySummary, families
+from fieldkit.inference.history.features import HistorySummary
+from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects

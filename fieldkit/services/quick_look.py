@@ -7,13 +7,15 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import completed, start_among
 from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.quick_look import QuickLook, quick_look
 from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import flown
+from fieldkit.services.forecasts import flown, predict_plans
 
 MIN_FLIGHTS = 4
 """Clean flights with an apogee that a look needs, as closing the loop does. [1]"""
@@ -21,11 +23,16 @@ MIN_FLIGHTS = 4
 
 @dataclass(frozen=True, slots=True)
 class QuickForecast:
-    """A plan, completed from what was last flown, and the network's answer for it."""
+    """A plan, completed from what was last flown, and the network's answer for it.
+
+    `check` is what the one model makes of the answer; where it does not bear it out, `fitted` is the fit's forecast.
+    """
 
     plan: Flight
     found: Found
     answer: QuickAnswer
+    check: Check
+    fitted: Prediction | None
 
 
 def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
@@ -45,7 +52,8 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
 def predict_quickly(
     ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], on_progress: ReportProgress = no_op
 ) -> list[QuickForecast]:
-    """The network's forecasts of planned flights, each as if it flew next; nothing is saved.
+    """The network's forecasts of planned flights, each as if it flew next, or the fit's if the check by importance
+    sampling fails; nothing is saved.
 
     Effects that the loop accepted and Cds of designs are not in it: the network weighs effects itself. Raises NoFlights
     for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.
@@ -59,5 +67,8 @@ def predict_quickly(
         whole = completed(plan, before, start_among(ledger.starts(plan.rocket), plan))
         found = motors.resolve(plan.motor)
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
-        made.append(QuickForecast(whole, found, forecast_at_once(history, (whole, found), shared=shared)))
+        said = forecast_at_once(history, (whole, found), shared=shared)
+        checked = check(said)
+        fitted = None if checked.agrees else predict_plans(ledger, motors, [plan], keep=False)[0]
+        made.append(QuickForecast(whole, found, said, checked, fitted))
     return made

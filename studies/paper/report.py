@@ -1,4 +1,4 @@
-"""Everything that `fieldkit paper` shows, computed from the twelve flights and the shipped ensemble."""
+"""Everything that `fieldkit paper` shows, computed from the twelve flights and the shipped networks."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -13,6 +13,7 @@ from fieldkit.motors import catalogue
 from fieldkit.physics import paper
 from fieldkit.shapes import Array, Float
 from studies.paper.exact import bayes_limit, lowest, reconstructions
+from studies.paper.history_network import HistoryForecast, history_errors, history_forecasts
 from studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
 from studies.paper.reference import (
     CERTIFIED_NAMES,
@@ -38,6 +39,7 @@ class PaperReport:
     reconstruction: dict[str, float]
     published: dict[str, dict[str, float]]
     next_flight: dict[str, float]
+    history_network: dict[str, float]
     synthetic: dict[str, Any]
     bayes_limit: dict[str, float]
     openrocket: dict[str, float]
@@ -61,8 +63,9 @@ def report(ensemble: Ensemble | None = None) -> PaperReport:
     curves = paper.paper_burns()
     rebuilt = heights(flights, found.cd, found.alpha, curves)
     left_out = leave_one_out(flights, carried_over(found.cd, found.alpha), np.arange(len(flights)))
+    by_history = history_forecasts(flights)
     return PaperReport(
-        flights=_table(flights, found, rebuilt, left_out),
+        flights=_table(flights, found, rebuilt, left_out, by_history),
         reconstruction=_errors(flights, rebuilt),
         published={
             "stated": dict(STATED_FIGURES),
@@ -70,6 +73,7 @@ def report(ensemble: Ensemble | None = None) -> PaperReport:
             "parameters_reflown": _reflown(flights),
         },
         next_flight=_errors(flights, left_out),
+        history_network=history_errors(flights, by_history),
         synthetic=_synthetic(ensemble),
         bayes_limit=bayes_limit(),
         openrocket=_errors(flights, flights.published_openrocket),
@@ -92,7 +96,11 @@ def _reflown(flights: Reference) -> dict[str, float]:
 
 
 def _table(
-    flights: Reference, found: Posterior, rebuilt: Float[Array, "flight"], left_out: Float[Array, "flight"]
+    flights: Reference,
+    found: Posterior,
+    rebuilt: Float[Array, "flight"],
+    left_out: Float[Array, "flight"],
+    by_history: list[HistoryForecast],
 ) -> list[dict[str, Any]]:
     return [
         {
@@ -108,6 +116,7 @@ def _table(
             "alpha_sd": float(found.alpha_sd[row]),
             "reconstructed_m": float(rebuilt[row]),
             "next_flight_m": float(left_out[row]),
+            "history_network": by_history[row].json(),
             "published_cd": float(flights.published_cd[row]),
             "published_alpha": float(flights.published_alpha[row]),
             "published_apogee_m": float(flights.published_apogee[row]),

@@ -2,7 +2,8 @@
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
 
 Processor time on one core from flights that were read: what the model lacks beside the search of the loop, the next
-apogee beside the fit, and of either the network alone.
+apogee beside the fit, that of two hundred motors beside the fit of as many, one more readout of a flight that is being
+typed beside a whole quick forecast, and of either the network alone.
 """
 
 import time
@@ -12,19 +13,21 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.forecast.at_once import answer_at_once, forecast_at_once, forecasts_at_once, prepare_at_once
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.network.history import load_history
 from fieldkit.model.readout_data import observe
-from fieldkit.motors import Found
+from fieldkit.motors import Found, catalogue
+from fieldkit.planning.motor_guide import SLANTED_PATH_DRAWS, lifts
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.quick_look import quick_look
+from fieldkit.selection.quick_look import quick_look, repeated
 from tests.benchmarks.timing import beside, measured
 from tests.seasons import season
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 FLIGHTS = 20
+MOTORS = 200
 KEPT = ("apogee", "top_speed", "coast_to_apogee")
 
 
@@ -60,8 +63,35 @@ def test_the_network_alone_beside_what_is_shown_to_it(
     flight, found = flown[0]
     plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
     began = time.process_time()
-    features = forecast_at_once(flown, plan).summary.features[None]
+    features = forecast_at_once(flown, plan).summary.features
     whole = time.process_time() - began
     beside(
         benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before"
     )
+
+
+def test_one_readout_typed_beside_the_whole_forecast(
+    benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]
+) -> None:
+    flight, found = flown[-1]
+    plan = repeated(flight), found
+    began = time.process_time()
+    forecast_at_once(flown, plan)
+    whole = time.process_time() - began
+    ready = prepare_at_once(flown, [plan], [True] * FLIGHTS)
+    others = [one for one, _ in flown[:-1]]
+    took = measured(benchmark, lambda: answer_at_once(ready, [*others, flight.with_changes(top_speed=60.0)]), rounds=20)
+    assert beside(benchmark, took, whole, "the forecast from the start") < 1
+
+
+def test_two_hundred_motors_beside_the_fit(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+    flight, _ = flown[0]
+    listings = [one for some in catalogue().listings.values() for one in some]
+    motors = [motor for motor in (one.motor() for one in listings) if lifts(motor, flight.dry_mass or 0.0)][:MOTORS]
+    assert len(motors) == MOTORS
+    plan = flight.with_changes(flight_id="next", delay=None, **dict.fromkeys(KEPT))
+    plans = [(plan.with_changes(motor=motor.name), Found(motor, None)) for motor in motors]
+    took = measured(benchmark, lambda: forecasts_at_once(flown, plans), rounds=3)
+    began = time.process_time()
+    predict(flown, plans, draws=SLANTED_PATH_DRAWS)
+    assert beside(benchmark, took, time.process_time() - began, "the fit of the motor guide") < 1

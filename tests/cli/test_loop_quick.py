@@ -2,13 +2,16 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.inference.history.check import Check
 from fieldkit.inference.history.features import effect_names
 from fieldkit.ledger import Ledger
+from fieldkit.services import quick_look
 
 CHECK_SHAPES = False
 
@@ -82,7 +85,35 @@ def test_a_quick_forecast_is_near_the_fits_and_is_not_kept(ledger: str, capsys: 
     (fit,) = json.loads(capsys.readouterr().out)["predictions"]
     assert quick["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=0.05)
     assert quick["apogee_m"]["p05"] < quick["apogee_m"]["p50"] < quick["apogee_m"]["p95"]
-    assert quick["evaluation"] == "amortized"
+    assert quick["check"]["agrees"] == (quick["evaluation"] == "amortized")
     assert quick["rests_on"] == 12
-    assert main([*command[:-1], "--quick"]) == 0
-    assert "by the network" in capsys.readouterr().out
+
+
+def answered(command: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], str]:
+    """A quick forecast as a document and as a line."""
+    capsys.readouterr()
+    assert main([*command, "--quick", "--json"]) == 0
+    (document,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert main([*command, "--quick"]) == 0
+    return document, capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("k", "effective", "agrees"), [(0.3, 0.9, True), (0.71, 0.9, False), (0.3, 0.2, False)])
+def test_it_says_checked_by_the_fit_only_where_it_is_and_else_the_fit_answers(
+    ledger: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    k: float,
+    effective: float,
+    agrees: bool,
+) -> None:
+    monkeypatch.setattr(quick_look, "check", lambda said: Check(k, 0.5, effective, 400))
+    command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra"]
+    document, line = answered(command, capsys)
+    assert document["check"]["agrees"] is agrees
+    assert document["evaluation"] == ("amortized" if agrees else "fit")
+    assert ("by the network, checked by the fit" in line) is agrees
+    capsys.readouterr()
+    assert main([*command, "--json"]) == 0
+    (fit,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_d
 from fieldkit.physics import paper
 from fieldkit.physics.single import paper_flight
 from studies.paper.exact import bayes_limit, lowest, reconstructions
+from studies.paper.history_network import history_forecasts
 from studies.paper.next_flight import leave_one_out, rules, scatter
 from studies.paper.reference import Reference, certified, heights, normalised, reference
 from studies.paper.report import PaperReport, report
@@ -276,3 +278,25 @@ def test_the_papers_physics_knows_its_motors_only() -> None:
         paper_flight(plan, 0.6, 1.0)
     with pytest.raises(ImpossibleFlight, match="no diameter"):
         paper_flight(plan.with_changes(diameter=None), 0.6, 1.0)
+
+
+def test_the_network_of_histories_forecasts_a_flight_that_it_was_not_shown(flights: Reference) -> None:
+    """Another apogee of the flight itself changes nothing of its own forecast, and something of the others'."""
+    before = history_forecasts(flights)
+    own = list(flights.flights)
+    own[1] = own[1].with_changes(apogee=1.3 * float(flights.apogee[1]))
+    after = history_forecasts(replace(flights, flights=tuple(own)))
+    assert after[1] == before[1]
+    assert after[2].apogee[1] > before[2].apogee[1]
+
+
+def test_the_report_has_both_networks_side_by_side(found: PaperReport) -> None:
+    said = [one["history_network"] for one in found.flights]
+    assert [one["flight_id"] for one in said] == [one["flight_id"] for one in found.flights]
+    for one in said:
+        low, middle, high = (one["apogee_m"][key] for key in ("p05", "p50", "p95"))
+        assert 0 < low < middle < high
+    miss = np.array(
+        [one["history_network"]["apogee_m"]["p50"] - one["apogee_m"] for one in found.flights if one["valid"]]
+    )
+    assert found.history_network["mae_m"] == pytest.approx(np.abs(miss).mean())

@@ -4,124 +4,31 @@ for any history and whatever the order in which a day's flights are listed.
 Two fits stand behind it: by the hyperprior that effects are judged with, and by the one that forecasts are made with.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.evidence import PlacedEffect, Trials, conditional, weigh
+from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
+from fieldkit.inference.history.evidence import PlacedEffect, Trials, weigh
 from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
+from fieldkit.inference.history.moments import Moments, moments
+from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
-from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out, own_reading_sd
-from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import Model, apogee_scatter, groups
-from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.motors import Found
+from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
+from fieldkit.model.readout_data import Data
+from fieldkit.model.rocket_model import Model, groups
 from fieldkit.physics.effect import effects, spoken
-from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
-
-Candidates = Callable[[Model, Sequence[bool]], Sequence[PlacedEffect]]
-"""What is weighed beside a model whose first flights have flown; given, because selection stands above inference."""
-MAX_LOG_BAYES = 60.0
-"""Size to which evidence is limited before the network sees it. [nat]"""
-LOG_BAYES_SCALE = 4.0
-"""Unit in which evidence is shown: its inverse hyperbolic sine keeps weak evidence in proportion. [nat]"""
-PER_EFFECT = (
-    "log_bayes",
-    "robust",
-    "best",
-    "beside_best",
-    "beside_pattern",
-    "by_forecast_fit",
-    "places",
-    "size",
-    "z",
-    "acts",
-)
-"""What is shown of every effect."""
-OF_HISTORY = (
-    "flights",
-    *(f"seen_{name}" for name in OBSERVED_READOUTS[:6]),
-    "motors",
-    "configs",
-    "sites",
-    "days",
-    "wind",
-    "temperature",
-    "diameter",
-    "mach",
-    "offset",
-    "scatter",
-    "reading",
-    "scatter_of_forecast",
-    "reading_of_forecast",
-    "misfit",
-    "largest_residual",
-    "largest_of_any",
-    "kurtosis",
-    "lag",
-    "trend",
-    "any_effect",
-    "first",
-    "second",
-    "pattern",
-    "pattern_robust",
-    "pattern_best",
-    "pattern_beside_best",
-    "pattern_by_forecast_fit",
-    "forecast_sd",
-    "parameter_sd",
-    "shift",
-    "shift_sd",
-    "shift_of_first",
-    "robust_shift",
-    "trust",
-    "on_motor",
-    "on_config",
-    "cd_sd",
-    "alpha_sd",
-    "cd_alpha",
-)
-"""What is shown of the history as a whole and of the plan."""
-
-
-@dataclass(frozen=True, slots=True)
-class History:
-    """A rocket's flights in the order flown and one planned flight after them, with what they rest on."""
-
-    flights: tuple[Flight, ...]
-    found: tuple[Found, ...]
-    used_in_fit: tuple[bool, ...]
-    selection: Hyperprior
-    forecast: Hyperprior
-    shared: SharedPrior | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Moments:
-    """Mean and standard deviation of the log apogee of a plan, and of log Cd and log alpha that it flies with.
-
-    `cd` is over the reference area. `reference` is the logarithm of the apogee that the means of the model give. [1]
-    """
-
-    apogee: float
-    apogee_sd: float
-    parameter_sd: float
-    cd: float
-    cd_sd: float
-    alpha: float
-    alpha_sd: float
-    correlation: float
 
 
 @dataclass(frozen=True, slots=True)
 class HistorySummary:
-    """The features of a history and the linear fits behind them. `baseline` is the forecast that the network moves."""
+    """The features of a history, a row a plan, and the linear fits behind them. `baseline` are the forecasts that the
+    network moves."""
 
-    features: Float[Array, "feature"]
+    features: Float[Array, "plan feature"]
     baseline: Moments
     selection: LinearFit
     forecast: LinearFit
@@ -141,26 +48,66 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
     return (*OF_HISTORY, *(f"{effect}.{name}" for effect in names for name in PER_EFFECT))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedHistory:
+    """What of a history stays as it is while readouts are typed: the models of both hyperpriors, what is weighed beside
+    them, and what its flights would show."""
+
+    history: History
+    response: FlightResponse
+    selection: Model
+    forecast: Model
+    candidates: tuple[PlacedEffect, ...]
+
+    @property
+    def flown(self) -> tuple[Flight, ...]:
+        """The flights that are not plans."""
+        return self.history.flights[: len(self.history.used_in_fit)]
+
+
+def prepared(history: History, response: FlightResponse, candidates_of: Candidates) -> PreparedHistory:
+    """A history whose flights' response is known, as far as its readouts do not matter."""
+    count = len(history.used_in_fit)
+    both = history.flights, history.found, count
+    model = history_model(*both, history.selection, declared=False)
+    forecast = history_model(*both, history.forecast, history.shared, declared=True)
+    candidates = candidates_of(_on_one_new_motor(model, count), history.used_in_fit)
+    return PreparedHistory(history, response, model, forecast, tuple(candidates))
+
+
+def _on_one_new_motor(model: Model, flown: int) -> Model:
+    """Plans on motors never flown as if on one: an effect of a motor is as probable whichever of them flies next."""
+    known = set(groups(model.flights[:flown], model.found[:flown], "motor"))
+    plans = groups(model.flights[flown:], model.found[flown:], "motor")
+    new = [motor for name, motor in zip(plans, model.found[flown:], strict=True) if name not in known]
+    if len(new) < 2:
+        return model
+    ahead = [motor if name in known else new[0] for name, motor in zip(plans, model.found[flown:], strict=True)]
+    return replace(model, found=(*model.found[:flown], *ahead))
+
+
 def summarize(
     history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
 ) -> HistorySummary:
     """The features of one history, whose flights' response is known."""
-    count = len(history.used_in_fit)
-    flown, found = history.flights[:count], history.found
+    ready = prepared(history, response, candidates_of)
+    return summarized(ready, ready.flown, names)
+
+
+def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
+    """The features of a history, its flown flights with the readouts that they have now."""
+    history, response, candidates = ready.history, ready.response, ready.candidates
     data = history_data(flown, history.used_in_fit, history.selection)
-    model = history_model(history.flights, found, count, history.selection, declared=False)
-    selection = linear_fit(model, data, response)
-    candidates = tuple(candidates_of(model, history.used_in_fit))
+    selection = linear_fit(ready.selection, data, response)
     trials = weigh(selection, candidates)
-    forecast_model = history_model(history.flights, found, count, history.forecast, history.shared, declared=True)
     forecast_data = history_data(flown, history.used_in_fit, history.forecast)
-    plain = linear_fit(forecast_model, forecast_data, response, start=selection.offset, rounds=1)
+    plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
     beside_forecast = weigh(plain, candidates)
     baseline, unrobust = moments(robustly), moments(plain)
     left_out = leave_one_out(selection.fit)
-    columns = _of_history(history, selection, plain, robustly, data, left_out)
-    columns |= _of_evidence(trials, beside_forecast)
+    columns = of_history(history, selection, plain, robustly, data, left_out)
+    columns |= of_evidence(trials, beside_forecast)
     columns |= {
         "forecast_sd": np.log(baseline.apogee_sd),
         "parameter_sd": np.log(baseline.parameter_sd),
@@ -172,214 +119,8 @@ def summarize(
         "alpha_sd": np.log(baseline.alpha_sd),
         "cd_alpha": baseline.correlation,
     }
-    each = _of_effects(trials, beside_forecast, names)
-    values = np.array([columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT])
-    features = np.clip(np.nan_to_num(values, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
+    each = of_effects(trials, beside_forecast, names)
+    values = [columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT]
+    whole = np.stack([np.broadcast_to(value, baseline.apogee.shape) for value in values], axis=-1)
+    features = np.clip(np.nan_to_num(whole, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
     return HistorySummary(features, baseline, selection, robustly, trials, candidates, data, left_out)
-
-
-def moments(linear: LinearFit) -> Moments:
-    """The forecast of the first plan by a linear fit, and the drag and thrust it flies with."""
-    fit, model, plan = linear.fit, linear.model, linear.flown
-    near, weights = linear.near, fit.weights
-    scatter = model.hyperprior.scales()[0]
-    row = near.slope[plan, 0]
-    known = np.einsum("t,stu,u->s", row, fit.covariance, row)
-    reading = float(own_reading_sd(np.exp(near.values[plan, :1]), model.hyperprior)[0])
-    own = scatter**2 * ((near.scatter_slope[plan, 0] ** 2).sum() + apogee_scatter(model)[plan] ** 2) + reading**2
-    means = near.values[plan, 0] + (fit.mean - near.at) @ row
-    mean = float(weights @ means)
-    between = weights @ (means - mean) ** 2
-    middle, covariance = _mixture(fit.mean, fit.covariance, weights)
-    drag, thrust = (_acting(model, kind, plan) for kind in ("drag", "thrust"))
-    cd_sd, alpha_sd = (float(np.sqrt(np.maximum(which @ covariance @ which, 1e-8))) for which in (drag, thrust))
-    return Moments(
-        mean,
-        float(np.sqrt(weights @ (known + own) + between)),
-        float(np.sqrt(max(weights @ known + between, 1e-8))),
-        float(drag @ middle),
-        cd_sd,
-        float(thrust @ middle),
-        alpha_sd,
-        float(drag @ covariance @ thrust / (cd_sd * alpha_sd)),
-    )
-
-
-def _mixture(mean: Array, covariance: Array, weights: Array) -> tuple[Array, Array]:
-    middle = weights @ mean
-    return middle, np.einsum("s,stu->tu", weights, covariance) + np.einsum(
-        "s,st,su->tu", weights, mean - middle, mean - middle
-    )
-
-
-def _acting(model: Model, bends: str, flight: int) -> Float[Array, "term"]:
-    """How strongly each term bends one property of one flight."""
-    return np.array([term.weight[flight] if term.bends == bends else 0.0 for term in model.terms])
-
-
-def _of_history(
-    history: History, selection: LinearFit, plain: LinearFit, robustly: LinearFit, data: Data, left_out: LeaveOneOut
-) -> dict[str, float]:
-    count = len(history.used_in_fit)
-    flown = history.flights[:count]
-    used = max(int(data.seen.any(axis=1).sum()), 1)
-    kinds = {per: groups(history.flights, history.found, per) for per in ("motor", "config", "site", "day")}
-    wind, temperature, diameter = (recorded(flown, name) for name in ("wind", "temperature", "diameter"))
-    residual = _residuals(selection, left_out, data)
-    apogee = residual[data.seen[:, 0], 0] if data.seen[:, 0].any() else np.zeros(1)
-    centered = apogee - apogee.mean()
-    variance = max(float((centered**2).mean()), 1e-9)
-    order = np.linspace(-1, 1, len(centered)) if len(centered) > 1 else np.zeros(1)
-    speed = np.exp(np.nanmedian(selection.fit.tangent.values[:, 1]))
-    fraction = {name: float(data.seen[:, i].mean()) for i, name in enumerate(OBSERVED_READOUTS[:6])}
-    return {
-        "flights": float(np.log(used)),
-        **{f"seen_{name}": value for name, value in fraction.items()},
-        **{f"{per}s": float(np.log(len(set(kind[:count])))) for per, kind in kinds.items()},
-        "wind": float(np.nan_to_num(wind).std()),
-        "temperature": float(np.isfinite(temperature).mean()),
-        "diameter": float(np.isfinite(diameter).mean()),
-        "mach": float(speed / 340.0),
-        "offset": selection.offset,
-        **_scales(selection, ""),
-        **_scales(plain, "_of_forecast"),
-        "misfit": float(np.log(max(float((apogee**2).mean()), 1e-3))),
-        "largest_residual": float(np.log1p(np.abs(apogee).max())),
-        "largest_of_any": float(np.log1p(np.nanmax(np.abs(residual), initial=0.0))),
-        "kurtosis": float(np.log((centered**4).mean() / variance**2 + 0.1)),
-        "lag": float((centered[1:] * centered[:-1]).sum() / (variance * len(centered))) if len(centered) > 2 else 0.0,
-        "trend": float((centered * order).mean() / np.sqrt(variance) * np.sqrt(len(centered))),
-        "trust": float(np.log(max(float(robustly.fit.data.trust.min(initial=1.0)), 1e-3))),
-        "on_motor": _before(kinds["motor"], count, data),
-        "on_config": _before(kinds["config"], count, data),
-    }
-
-
-def _residuals(linear: LinearFit, left_out: LeaveOneOut, data: Data) -> Float[Array, "flight readout"]:
-    """Residuals of flights left out in their standard deviations; nan where nothing was seen."""
-    weight = np.exp(left_out.log_weight - np.logaddexp.reduce(left_out.log_weight, axis=0))
-    return np.where(data.seen, np.einsum("sf,sfo->fo", weight, left_out.residual), np.nan)
-
-
-def _scales(linear: LinearFit, suffix: str) -> dict[str, float]:
-    """Posterior means of the logarithms of both scales, in prior standard deviations."""
-    prior = linear.model.hyperprior
-    scatter, reading, _ = prior.scales()
-    weights = linear.fit.weights
-    return {
-        f"scatter{suffix}": float(weights @ np.log(scatter / prior.scatter.median) / prior.scatter.log_sd),
-        f"reading{suffix}": float(weights @ np.log(reading / prior.reading.median) / prior.reading.log_sd),
-    }
-
-
-def _before(kinds: Sequence[str], count: int, data: Data) -> float:
-    """Logarithm of one more than the flights before on what the plan flies on."""
-    seen = data.seen[:, 0]
-    return float(np.log1p(sum(bool(seen[i]) and kinds[i] == kinds[count] for i in range(count))))
-
-
-def shown_evidence(log_bayes: Array | float) -> Array:
-    """Evidence as the network is shown it. [1]"""
-    limited = np.minimum(np.maximum(log_bayes, -MAX_LOG_BAYES), MAX_LOG_BAYES)
-    return np.asarray(np.arcsinh(limited / LOG_BAYES_SCALE))
-
-
-def families(trials: Trials) -> dict[str, list[int]]:
-    """Rows of trials by what a verdict would name; patterns under no name."""
-    found: dict[str, list[int]] = {}
-    for row, name in enumerate(trials.family):
-        found.setdefault(name, []).append(row)
-    return found
-
-
-def _sum(trials: Trials, rows: Sequence[int], which: str = "log_bayes") -> float:
-    some = list(rows)
-    return float(np.logaddexp.reduce(getattr(trials, which)[some] + trials.log_share[some]))
-
-
-def _leaders(trials: Trials) -> dict[str, int]:
-    """The strongest trial of each family."""
-    return {name: max(rows, key=lambda row: float(trials.weight[row])) for name, rows in families(trials).items()}
-
-
-def _of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float]:
-    """The strongest effects, patterns, and by how much effects shift the forecast."""
-    by_family = families(trials)
-    bayes = {name: _sum(trials, rows) for name, rows in by_family.items()}
-    named = sorted((value for name, value in bayes.items() if name), reverse=True)
-    columns = {
-        "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
-        "first": float(shown_evidence(named[0])) if named else 0.0,
-        "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
-    }
-    leaders = _leaders(trials)
-    pattern = by_family.get("", [])
-    columns |= {
-        "pattern": float(shown_evidence(bayes[""])) if pattern else 0.0,
-        "pattern_robust": float(shown_evidence(_sum(trials, pattern, "robust"))) if pattern else 0.0,
-        "pattern_best": float(shown_evidence(trials.log_bayes[leaders[""]])) if pattern else 0.0,
-        "pattern_beside_best": 0.0,
-        "pattern_by_forecast_fit": 0.0,
-    }
-    if pattern and named:
-        first = max((name for name in bayes if name), key=lambda name: bayes[name])
-        beside = conditional(trials, [leaders[""], leaders[first]])
-        columns["pattern_beside_best"] = float(shown_evidence(beside[0, 1]))
-        rows = families(beside_forecast)[""]
-        columns["pattern_by_forecast_fit"] = float(shown_evidence(_sum(beside_forecast, rows)))
-    return columns | _shifts(beside_forecast)
-
-
-def _shifts(trials: Trials) -> dict[str, float]:
-    """By how much effects move the log apogee of the plan, averaged over what the flights say of each."""
-    by_family = {name: rows for name, rows in families(trials).items() if name}
-    if not by_family:
-        return {"shift": 0.0, "shift_sd": 0.0, "shift_of_first": 0.0}
-    moved = trials.forecast_gain[0] * trials.mean
-    odds = {name: _sum(trials, rows) - np.log(2.0 * len(by_family)) for name, rows in by_family.items()}
-    total = np.logaddexp.reduce([0.0, *odds.values()])
-    shift = square = 0.0
-    for name, rows in by_family.items():
-        share = np.exp(trials.weight[rows] - np.logaddexp.reduce(trials.weight[rows]))
-        part = float(np.exp(odds[name] - total))
-        shift += part * float(share @ moved[rows])
-        square += part * float(share @ (moved[rows] ** 2 + (trials.forecast_gain[0, rows] * trials.sd[rows]) ** 2))
-    first = max(odds, key=lambda name: odds[name])
-    leader = max(by_family[first], key=lambda row: float(trials.weight[row]))
-    return {
-        "shift": shift,
-        "shift_sd": float(np.sqrt(max(square - shift**2, 0.0))),
-        "shift_of_first": float(moved[leader]),
-    }
-
-
-def _of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) -> list[Mapping[str, float]]:
-    """What is shown of each effect; zeros for one that these flights could not show."""
-    by_family, other = families(trials), families(beside_forecast)
-    leaders = _leaders(trials)
-    present = [name for name in leaders if name]
-    order = [*present, *([""] if "" in leaders else [])]
-    beside = conditional(trials, [leaders[name] for name in order]) if order else np.empty((0, 0))
-    rows: list[Mapping[str, float]] = []
-    for name in names:
-        if name not in by_family:
-            rows.append(dict.fromkeys(PER_EFFECT, 0.0))
-            continue
-        own, leader, place = by_family[name], leaders[name], order.index(name)
-        others = [i for i, one in enumerate(order) if one and one != name]
-        strongest = max(others, key=lambda i: float(beside[i, i]), default=None)
-        rows.append(
-            {
-                "log_bayes": float(shown_evidence(_sum(trials, own))),
-                "robust": float(shown_evidence(_sum(trials, own, "robust"))),
-                "best": float(shown_evidence(trials.log_bayes[leader])),
-                "beside_best": 0.0 if strongest is None else float(shown_evidence(beside[place, strongest])),
-                "beside_pattern": float(shown_evidence(beside[place, -1])) if "" in leaders else 0.0,
-                "by_forecast_fit": float(shown_evidence(_sum(beside_forecast, other[name]))),
-                "places": float(np.log(len(own))),
-                "size": float(trials.mean[leader] / trials.prior_sd[leader]),
-                "z": float(trials.mean[leader] / trials.sd[leader] / 4.0),
-                "acts": 1.0,
-            }
-        )
-    return rows

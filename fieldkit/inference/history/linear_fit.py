@@ -54,7 +54,8 @@ class LinearFit:
     """A model of flown and planned flights, and the posterior by the flown ones.
 
     `fit` is of the flown flights alone; `near` linearizes all at the same point, where the drag is off the reference
-    by `offset`; `moved` is what everything that may be missing would do there.
+    by `offset`; `moved` is what everything that may be missing would do there. `fresh` are terms that act on plans
+    alone, such as the thrust of a motor never flown: the model that is fitted does not have them.
     """
 
     model: Model
@@ -63,6 +64,7 @@ class LinearFit:
     near: Tangent
     fit: Fit
     moved: Mapping[str, Float[Array, "flight readout"]]
+    fresh: tuple[Term, ...] = ()
 
 
 def history_model(
@@ -81,12 +83,12 @@ def history_model(
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
-    """Effects whose column was written down, each acting on all flights."""
+    """Effects that act on forecasts wherever their column was written down, each on all flights."""
     every = np.ones(len(flights))
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
         for name, effect in effects().items()
-        if effect.needs and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
 
 
@@ -103,6 +105,7 @@ def linear_fit(
     """The posterior of the first flights of a model, those of `data`, the drag moved from `start` to where they put
     it."""
     flown = len(data.values)
+    model, fresh = _taught(model, flown)
     past = model.part(slice(flown))
     level = drag_term(past)
     offset = start
@@ -116,7 +119,15 @@ def linear_fit(
     for _ in range(rounds):
         offset = float(np.clip(fit.moments()[0][level] - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
         moved, near, fit = solved()
-    return LinearFit(model, flown, offset, near, fit, moved)
+    return LinearFit(model, flown, offset, near, fit, moved, fresh)
+
+
+def _taught(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
+    """A model with the terms that its flown flights or other rockets tell of, and its other terms."""
+    shared = model.shared.names if model.shared else ()
+    known = [i for i, term in enumerate(model.terms) if term.weight[:flown].any() or term.name in shared]
+    others = sorted(set(range(len(model.terms))) - set(known))
+    return model.only(known), tuple(model.terms[i] for i in others)
 
 
 def robust(linear: LinearFit) -> LinearFit:

@@ -50,7 +50,7 @@ class FlightResponse:
     names: tuple[str, ...]
     moved: Float[Array, "quantity drag flight readout"]
 
-    def part(self, rows: slice) -> "FlightResponse":
+    def part(self, rows: slice | list[int]) -> "FlightResponse":
         """Some of the flights."""
         return FlightResponse(self.names, self.moved[:, :, rows])
 
@@ -124,18 +124,25 @@ def drag_term(model: Model) -> int:
     return next(i for i, term in enumerate(model.terms) if term.bends == "drag" and np.all(term.weight == 1.0))
 
 
+def slopes(
+    terms: Sequence[Term], moved: Mapping[str, Float[Array, "flight readout"]]
+) -> Float[Array, "flight readout term"]:
+    """Derivatives of the readouts by terms, from what `moved_at` has."""
+    names = {id(effect): started(name, 0) for name, effect in effects().items()}
+    known = {**moved, **_OF_READOUTS}
+    found = np.empty((*moved[""].shape, len(terms)))
+    for number, term in enumerate(terms):
+        bends = term.bends if isinstance(term.bends, str) else names[id(term.bends)]
+        found[..., number] = known[bends] * term.weight[:, None]
+    return found
+
+
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
     """Values and derivatives of a model's terms where its drag is off the reference by `offset`, from what
     `moved_at` has there."""
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
     at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
-    names = {id(effect): started(name, 0) for name, effect in effects().items()}
-    known = {**moved, **_OF_READOUTS}
-    each = [
-        np.broadcast_to(known[term.bends if isinstance(term.bends, str) else names[id(term.bends)]], moved[""].shape)
-        for term in model.terms
-    ]
-    slope = np.stack(each, axis=-1) * np.stack([term.weight for term in model.terms], axis=-1)[:, None]
+    slope = slopes(model.terms, moved)
     scatter = [moved[kind.bends] * kind.sd for kind in model.scatter]
     return Tangent(at, moved[""], slope, np.stack(scatter, axis=-1))
 

@@ -3,7 +3,7 @@
 import hashlib
 import io
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +13,16 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.inference.history.drawn_rockets import stock
-from fieldkit.inference.history.features import Candidates, HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
+from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.prior_predictive import split_motors
+from fieldkit.model.random_effects import priors
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Motor
+from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100
@@ -44,12 +48,14 @@ TRUTHS = (
 
 @dataclass(frozen=True, slots=True)
 class ShardPlan:
-    """What decides a shard: the seed of the whole, its number, how many rockets, whether of motors held out."""
+    """What decides a shard: the seed of the whole, its number, how many rockets, what effects are weighed by and their
+    prior probabilities, whether of motors held out."""
 
     seed: int
     number: int
     rockets: int
     candidates_of: Candidates
+    inclusion: Mapping[str, float]
     held_out: bool = False
 
 
@@ -96,16 +102,16 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
         "log_apogee": np.log(one.apogee),
         "log_cd": one.cd,
         "log_alpha": one.alpha,
-        "mean": said.apogee,
-        "sd": said.apogee_sd,
-        "cd_mean": said.cd,
-        "cd_sd": said.cd_sd,
-        "alpha_mean": said.alpha,
-        "alpha_sd": said.alpha_sd,
-        "correlation": said.correlation,
+        "mean": said.apogee[0],
+        "sd": said.apogee_sd[0],
+        "cd_mean": said.cd[0],
+        "cd_sd": said.cd_sd[0],
+        "alpha_mean": said.alpha[0],
+        "alpha_sd": said.alpha_sd[0],
+        "correlation": said.correlation[0],
     }
     flags = [name in one.effects for name in names]
-    return np.array([*made.features, *flags, *(truths[name] for name in TRUTHS)], float)
+    return np.array([*made.features[0], *flags, *(truths[name] for name in TRUTHS)], float)
 
 
 def simulate_shard(plan: ShardPlan) -> bytes:
@@ -117,7 +123,7 @@ def simulate_shard(plan: ShardPlan) -> bytes:
     rows: list[Array] = []
     for first in range(0, plan.rockets, ROCKETS_PER_BATCH):
         count = min(ROCKETS_PER_BATCH, plan.rockets - first)
-        found = simulated_histories(rng, choice, plan.candidates_of, count)
+        found = simulated_histories(rng, choice, plan.candidates_of, plan.inclusion, count)
         made = summarized(found, plan.candidates_of, names)
         rows += [row(one, summary, names) for one, summary in zip(found, made, strict=True)]
     file = io.BytesIO()
@@ -135,6 +141,7 @@ def simulate_table(
     seed: int,
     rockets: int,
     candidates_of: Candidates,
+    inclusion: Mapping[str, float],
     pool: Executor,
     on_shard: Callable[[int, int], None] | None = None,
     *,
@@ -143,10 +150,11 @@ def simulate_table(
     """The histories of so many rockets, with the shards that an earlier run left in the folder."""
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {
-        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, held_out) for number, size in enumerate(sizes)
+        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, inclusion, held_out)
+        for number, size in enumerate(sizes)
     }
     found: dict[str, Array] = {}
-    for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out), pool):
+    for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out, inclusion), pool):
         found[name] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
         if on_shard:
             on_shard(len(found), len(plans))
@@ -161,7 +169,10 @@ def table(rows: Float[Array, "history column"]) -> HistoryTable:
     return HistoryTable(whole[:, :width], whole[:, width : width + len(names)], whole[:, width + len(names) :])
 
 
-def _digest(seed: int, held_out: bool) -> str:
-    """Of what shards are made from: those of another seed, features, effects or fieldkit are never taken for them."""
-    said = json.dumps([__version__, seed, held_out, ROCKETS_PER_SHARD, feature_names(effect_names()), TRUTHS])
+def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
+    """Of what shards are made from: those of another seed, feature, prior, hyperprior or fieldkit are never taken for
+    them."""
+    drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
+    made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
+    said = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
     return hashlib.sha256(said.encode()).hexdigest()[:16]

@@ -1,13 +1,13 @@
 """Simulated histories with the truth behind them: the prior predictive of the one model, randomized beyond it.
 
-Everything that the model has is drawn from a hyperprior, the effects of `models/effects` at strengths from their
-priors and in places from theirs. Beyond the model are a drag that differs between burn and coast and near the speed of
-sound, a little weathercocking, flights that went wrong unnoticed, standard deviations other than the hyperprior's, and
-patterns that no effect stands for: changes for good, single days, every so many flights, smooth functions of what was
-written down.
+Everything that the model has is drawn from a hyperprior; each effect of `models/effects` is there with its prior
+inclusion probability, at a strength and in a place from its own priors. Beyond the model are a drag that differs
+between burn and coast and near the speed of sound, a little weathercocking, flights that went wrong unnoticed, standard
+deviations other than the hyperprior's, and patterns that no effect stands for: changes for good, single days, every so
+many flights, smooth functions of what was written down.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
 from fieldkit.inference.history.evidence import PlacedEffect
-from fieldkit.inference.history.features import Candidates, History
+from fieldkit.inference.history.records import Candidates, History
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
@@ -25,12 +25,12 @@ from fieldkit.physics.effect import Prior, effects
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
-SELECTION_WORLD = 0.6
+SELECTION_WORLD = 0.55
 """Fraction of rockets drawn from the hyperprior that effects are judged with, the rest from that of forecasts. [1]"""
-NUMBER_ODDS = (0.45, 0.37, 0.13, 0.05)
-"""Prior probability of no effect, one, two and three. [1]"""
-UNEXPLAINED = 0.13
-"""Prior probability of a pattern that no effect stands for, whatever effects there are. [1]"""
+UNEXPLAINED = "unexplained"
+"""Name of the prior probability of a pattern that no effect stands for, whatever effects there are."""
+MIN_FLIGHTS_OF_PATTERN = 4
+"""Flights from which on a pattern is drawn. [1]"""
 SD_SPREAD = 0.25
 """Standard deviation of the logarithm of every standard deviation about the hyperprior's. [1]"""
 MISTAKES = 0.015
@@ -78,6 +78,7 @@ def simulated_histories(
     rng: np.random.Generator,
     choice: Stock,
     candidates_of: Candidates,
+    inclusion: Mapping[str, float],
     rockets: int = ROCKETS_PER_BATCH,
     draws: int = DRAWS_PER_ROCKET,
     flights: int | None = None,
@@ -85,10 +86,12 @@ def simulated_histories(
 ) -> list[SimulatedHistory]:
     """Histories of so many rockets, `draws` of each; plans that would not leave the pad are left out.
 
-    `flights` is how many each has, `selects` which hyperprior they come from, where these are not drawn too.
+    `inclusion` are the prior probabilities of each effect and of `UNEXPLAINED`, independent of each other; an effect
+    that some flights could not show changes nothing there. `flights` is how many each has, `selects` which hyperprior
+    they come from, where these are not drawn too.
     """
     some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
-    kinds = [[_lacks(rng, one) for _ in range(draws)] for one in some]
+    kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
     world = _World(rng, some, kinds, draws)
     readings = world.fly()
     found = []
@@ -139,16 +142,16 @@ class _Lacks:
     pattern: dict[str, Float[Array, "flight"]]
 
 
-def _lacks(rng: np.random.Generator, one: _Rocket) -> _Lacks:
-    names = sorted(one.candidates)
-    number = min(int(rng.choice(len(NUMBER_ODDS), p=NUMBER_ODDS)), len(names))
+def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float]) -> _Lacks:
     placed = []
-    for name in rng.choice(names, number, replace=False) if number else []:
-        family = one.candidates[str(name)]
+    for name in sorted(one.candidates):
+        if rng.uniform() >= inclusion[name]:
+            continue
+        family = one.candidates[name]
         odds = np.exp([candidate.log_share for candidate in family])
         placed.append(family[int(rng.choice(len(family), p=odds / odds.sum()))])
-    pattern = _pattern(rng, one.rocket) if len(one.rocket.used_in_fit) > 3 and rng.uniform() < UNEXPLAINED else {}
-    return _Lacks(tuple(placed), pattern)
+    strange = rng.uniform() < inclusion[UNEXPLAINED] and len(one.rocket.used_in_fit) >= MIN_FLIGHTS_OF_PATTERN
+    return _Lacks(tuple(placed), _pattern(rng, one.rocket) if strange else {})
 
 
 def _pattern(rng: np.random.Generator, rocket: DrawnRocket) -> dict[str, Float[Array, "flight"]]:

@@ -69,7 +69,7 @@ def _sampled(fit: Fit, rng: Generator, draws: int) -> Sampled:
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     terms, log_density = _drawn(fit, scales, rng, draws)
     likelihood, apogee = _log_likelihood(fit, scales, terms)
-    target = _log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1)
+    target = log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1)
     log_weight = np.logaddexp.reduce(target, axis=1) - log_density
     smooth, pareto_k = smoothed(log_weight)
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)
@@ -102,7 +102,7 @@ def _drawn(
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))
 
 
-def _log_prior(
+def log_prior(
     model: Model, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> Float[Array, "draw scale"]:
     """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`."""
@@ -118,13 +118,23 @@ def _log_prior(
 def _log_likelihood(
     fit: Fit, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> tuple[Float[Array, "draw scale flight"], Float[Array, "draw flight"]]:
-    """Log likelihood of every flight, up to the constant of a normal, and the apogee as it is compared."""
-    from scipy.special import gammaln
-
+    """Log likelihood of every flight as in `log_likelihood`, and the apogee as it is compared."""
     model, near = fit.model, fit.tangent
     low, high = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high"))
     readings = shown(model, np.clip(terms, low, high), {})
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
+    apogee = np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])
+    return log_likelihood(fit, scales, flown), apogee
+
+
+def log_likelihood(
+    fit: Fit, scales: Int[Integers, "scale"], flown: Float[Array, "draw flight readout"]
+) -> Float[Array, "draw scale flight"]:
+    """Log likelihood of every flight of a fit, its noise a multivariate Student t about what each draw shows as it is
+    compared, up to the constant of a normal."""
+    from scipy.special import gammaln
+
+    model, near = fit.model, fit.tangent
     usable = fit.data.seen & np.isfinite(near.values)
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
     told = flight_evidence(model, fit.data, near)
@@ -132,8 +142,7 @@ def _log_likelihood(
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
     likelihood = constant - 0.5 * told.log_det[scales] - (nu + count) / 2 * np.log1p(square / nu)
-    apogee = np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])
-    return np.where(count > 0, likelihood, 0.0), apogee
+    return np.where(count > 0, likelihood, 0.0)
 
 
 def _squares(

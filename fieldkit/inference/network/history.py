@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import DamagedModel
-from fieldkit.inference.history.features import (
-    Candidates,
-    History,
-    HistorySummary,
-    effect_names,
-    feature_names,
-    summarize,
-)
+from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
 from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
 from fieldkit.model.rocket_model import reference_area
@@ -34,6 +28,7 @@ class QuickAnswer:
     `inclusion` is the probability of each effect that the network knows, `none` that nothing is missing, `unexplained`
     that something is that no effect stands for; no effect excludes another. `log_apogee` are quantiles of the plan's
     log apogee [log m] at `levels`; `log_cd` and `log_alpha` mean and standard deviation, `correlation` theirs. [1]
+    `plan` is the number of the plan among those of the history.
     """
 
     inclusion: Mapping[str, float]
@@ -46,6 +41,7 @@ class QuickAnswer:
     correlation: float
     summary: HistorySummary
     model: str
+    plan: int = 0
 
     def apogee_at(self, level: float) -> float:
         """The plan's apogee at one of `levels`. [m]"""
@@ -87,25 +83,36 @@ def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensembl
     dry mass, DamagedModel.
     """
     network = ensemble or load_history()
+    summary = summarize(history, response_of(history), candidates_of, tuple(network.card["effects"]))
+    return answers(summary, network)[0]
+
+
+def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
+    """The network's answers for the plans of a history, in one batch."""
     names = tuple(network.card["effects"])
-    summary = summarize(history, response_of(history), candidates_of, names)
-    said = answer(network.members(summary.features[None]), len(names))
+    said = answer(network.members(summary.features), len(names))
     base = summary.baseline
     acting = {candidate.effect for candidate in summary.candidates}
-    middle = (base.cd + base.cd_sd * said.shift[0, 0], base.alpha + base.alpha_sd * said.shift[0, 1])
-    sds = (base.cd_sd * said.scale[0, 0], base.alpha_sd * said.scale[0, 1])
-    return QuickAnswer(
-        {name: float(said.inclusion[0, i]) for i, name in enumerate(names) if name in acting},
-        float(said.none[0]),
-        float(said.unexplained[0]),
-        LEVELS,
-        base.apogee + base.apogee_sd * said.quantiles[0],
-        (float(middle[0]), float(sds[0])),
-        (float(middle[1]), float(sds[1])),
-        float(np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + said.coupling[0])),
-        summary,
-        network.name,
-    )
+    middle = np.stack([base.cd + base.cd_sd * said.shift[:, 0], base.alpha + base.alpha_sd * said.shift[:, 1]], axis=-1)
+    sds = np.stack([base.cd_sd * said.scale[:, 0], base.alpha_sd * said.scale[:, 1]], axis=-1)
+    correlation = np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + said.coupling)
+    apogees = base.apogee[:, None] + base.apogee_sd[:, None] * said.quantiles
+    return [
+        QuickAnswer(
+            {name: float(said.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
+            float(said.none[plan]),
+            float(said.unexplained[plan]),
+            LEVELS,
+            apogees[plan],
+            (float(middle[plan, 0]), float(sds[plan, 0])),
+            (float(middle[plan, 1]), float(sds[plan, 1])),
+            float(correlation[plan]),
+            summary,
+            network.name,
+            plan,
+        )
+        for plan in range(len(apogees))
+    ]
 
 
 def untrained_effects(ensemble: "Ensemble") -> tuple[str, ...]:

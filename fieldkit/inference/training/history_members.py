@@ -27,6 +27,10 @@ FIRST_LOGIT = -2.5
 """Log odds of an effect before training, near those of the prior. [1]"""
 FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
 """Weights of the losses of the forecast (pinball) and of drag and thrust beside that of inclusion. [1]"""
+CERTIFIED_FORECASTS = 0.25
+"""Weight of the forecast, drag and thrust of a rocket from the hyperprior that effects are judged with, over that of
+one from the learned hyperprior, which forecasts are made with; not zero, for a rocket may be unlike those that the
+latter was learned from. [1]"""
 MAX_TARGET_SDS = 8.0
 """Standard deviations of the linear fit to which a target is limited. [1]"""
 
@@ -88,6 +92,7 @@ class HistoryTargets:
                 [standardized(table, f"log_{name}", f"{name}_mean", f"{name}_sd") for name in ("cd", "alpha")]
             )
         )
+        self.weight = _tensor(np.where(table.truth("selects") > 0, CERTIFIED_FORECASTS, 1.0))
         self.coupling = _tensor(np.arctanh(np.clip(table.truth("correlation"), -0.99, 0.99)))
 
     def rows(self, which: Tensor) -> "HistoryTargets":
@@ -123,10 +128,10 @@ def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
     found = quantiles(parts[..., first : first + len(LEVELS)])
     levels = torch.tensor(LEVELS, device=parts.device)
     miss = targets.apogee[..., None] - found
-    pinball = torch.maximum(levels * miss, (levels - 1) * miss).mean()
-    return (
-        inclusion + FORECAST_WEIGHT * pinball + PARAMETER_WEIGHT * _density(parts[..., first + len(LEVELS) :], targets)
-    )
+    pinball = torch.maximum(levels * miss, (levels - 1) * miss).mean(-1)
+    density = _density(parts[..., first + len(LEVELS) :], targets)
+    weight = targets.weight / targets.weight.mean()
+    return inclusion + (weight * (FORECAST_WEIGHT * pinball + PARAMETER_WEIGHT * density)).mean()
 
 
 def quantiles(raw: Tensor) -> Tensor:
@@ -141,9 +146,9 @@ def quantiles(raw: Tensor) -> Tensor:
 
 
 def _density(parts: Tensor, targets: HistoryTargets) -> Tensor:
-    """Negative log density of log Cd and log alpha in a normal distribution."""
+    """Negative log density of log Cd and log alpha in a normal distribution, of each history."""
     log_sd = parts[..., 2:4].clamp(*LOG_SD_RANGE)
     z = (targets.parameters - parts[..., :2]) * torch.exp(-log_sd)
     rho = torch.tanh(targets.coupling + parts[..., 4]).clamp(-0.995, 0.995)
     square = (z[..., 0] ** 2 + z[..., 1] ** 2 - 2 * rho * z[..., 0] * z[..., 1]) / (1 - rho**2)
-    return (log_sd.sum(-1) + 0.5 * torch.log(1 - rho**2) + 0.5 * square.clamp(max=200.0)).mean()
+    return log_sd.sum(-1) + 0.5 * torch.log(1 - rho**2) + 0.5 * square.clamp(max=200.0)

@@ -8,6 +8,7 @@ from textual.widgets import Button, Input
 
 from fieldkit.tui.add.add_form import BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
+from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
 
@@ -26,6 +27,7 @@ class Sheet:
             for name in SETUP:
                 yield Field(BY_NAME[name], short=True)
         yield Hand()
+        yield EstimateLine()
         with VerticalScroll(id="fields", can_focus=False):
             with Vertical(id="readouts"):
                 for name in READ:

@@ -28,6 +28,7 @@ from fieldkit.tui.add.add_form import (
 )
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.add_sheet import Sheet, field_of
+from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
@@ -106,6 +107,7 @@ class AddScreen(PageScreen):
 
     def reload(self) -> None:
         """Take up a draft, or offer what the last flight suggests."""
+        self.query_one(EstimateLine).forget()
         if not self._sheet.touched:
             self.ask(self._draft.begin, self._begun, "start")
 
@@ -163,6 +165,7 @@ class AddScreen(PageScreen):
         for name, question in BY_NAME.items():
             self.field(name).note(beside(question, self._said, self._unit_of_answer(question), system))
         self._in_hand()
+        self.query_one(EstimateLine).follow(self._said.flight)
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that was typed with an answer, else that of a number without one."""

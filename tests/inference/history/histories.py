@@ -5,7 +5,7 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.features import History
+from fieldkit.inference.history.records import History
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.rocket_model import base_model, shown
 from fieldkit.motors import catalogue

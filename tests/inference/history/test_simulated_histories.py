@@ -11,9 +11,11 @@ from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, 
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.model.prior_predictive import split_motors
+from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 
 KNOWN = stock(split_motors()[0])
+PRIOR = inclusion_probabilities()
 
 
 def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
@@ -31,18 +33,18 @@ def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
 
 
 def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> None:
-    found = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, 8, 2)
+    found = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, PRIOR, 8, 2)
     assert len({one.effects for one in found}) > 2
     for one in found:
         assert set(one.effects) <= set(effect_names())
         assert one.apogee > 3.0
         assert not one.history.flights[-1].readouts()
-    again = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, 8, 2)
+    again = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, PRIOR, 8, 2)
     assert [one.apogee for one in again] == [one.apogee for one in found]
 
 
 def test_features_are_finite_and_named() -> None:
-    found = simulated_histories(np.random.default_rng(2), KNOWN, quick_candidates, 6, 1)
+    found = simulated_histories(np.random.default_rng(2), KNOWN, quick_candidates, PRIOR, 6, 1)
     names = effect_names()
     for made in shards.summarized(found, quick_candidates, names):
         assert made.features.shape == (len(feature_names(names)),)
@@ -53,11 +55,11 @@ def test_features_are_finite_and_named() -> None:
 def test_shards_that_are_there_are_taken_and_the_rest_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 3)
     with ThreadPoolExecutor(1) as pool:
-        whole = shards.simulate_table(tmp_path, 5, 6, quick_candidates, pool)
+        whole = shards.simulate_table(tmp_path, 5, 6, quick_candidates, PRIOR, pool)
         first = sorted(tmp_path.glob("*/*.npy"))
         first[1].unlink()
         kept = first[0].stat().st_mtime_ns
-        again = shards.simulate_table(tmp_path, 5, 6, quick_candidates, pool)
+        again = shards.simulate_table(tmp_path, 5, 6, quick_candidates, PRIOR, pool)
     assert len(first) == 2
     assert first[0].stat().st_mtime_ns == kept
     assert np.array_equal(whole.features, again.features)

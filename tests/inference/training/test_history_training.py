@@ -93,10 +93,11 @@ def test_training_that_was_cut_short_goes_on(small: None, tmp_path: Path) -> Non
 
     from fieldkit.inference.history.shards import simulate_table
     from fieldkit.inference.training.history import HistoryPlan, fit_history, split
+    from fieldkit.selection.prior import inclusion_probabilities
     from fieldkit.selection.quick_candidates import quick_candidates
 
     with ThreadPoolExecutor(1) as pool:
-        train, validation, _ = split(simulate_table(tmp_path, 1, 20, quick_candidates, pool))
+        train, validation, _ = split(simulate_table(tmp_path, 1, 20, quick_candidates, inclusion_probabilities(), pool))
     plan, state, seen = HistoryPlan(epochs=6, batch=8), tmp_path / "state.npy", []
 
     def stop(epoch: int, epochs: int, loss: float) -> None:

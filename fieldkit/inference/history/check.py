@@ -1,0 +1,190 @@
+"""Whether the one model bears out what the network says of a plan, by importance sampling.
+
+The network's draws are weighted by the one model's posterior density over the density that they were drawn from (Robert
+and Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. Log Cd and
+log alpha of the plan are drawn from the network's normal distribution, the other terms from the linear fit given those,
+a little wider. A draw's weight is its prior times its likelihood, the noise of each flight a multivariate Student t,
+summed over the scales of scatter and reading. With these weights the draws are the model's forecast of the plan's
+apogee. The network's draws of the apogee, those beyond its last quantiles with the tails of that Student t, are
+weighted by the density of this forecast over their own.
+
+Weights whose largest follow a generalized Pareto distribution of shape k > 0.7 cannot be relied on (Vehtari, Simpson,
+Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024): then the
+network does not reach where the model's answer lies. Of the apogee both densities are known, and what is left to ask is
+how much they overlap: the effective fraction of the network's draws.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator
+
+from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.moments import acting, own_variance
+from fieldkit.inference.laplace.importance import INFLATION, MORE_DRAWS, RELIABLE_PARETO_K, log_likelihood, log_prior
+from fieldkit.inference.laplace.pareto import smoothed
+from fieldkit.inference.laplace.posterior import term_sds
+from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.inference.network.history_parts import LEVELS, STANDARD
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
+from fieldkit.model.rocket_model import Model, shown
+from fieldkit.shapes import Array, Float
+
+DRAWS = 400
+"""Draws that are weighted: enough for a tail of 60 that its shape is fitted to. [1]"""
+LEAST_EFFECTIVE = 0.5
+"""Effective fraction of the apogee's draws from which on both forecasts are taken to agree: most of them count. [1]"""
+LEAST_SD = 1e-4
+"""Least standard deviation of log Cd and log alpha, where nothing is left open. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """What the one model makes of the network's draws of the parameters and of the planned apogee.
+
+    `pareto_k` is the shape of the tail of the parameters' weights; the others are effective numbers of draws over their
+    number. [1]
+    """
+
+    pareto_k: float
+    parameters_effective: float
+    apogee_effective: float
+    draws: int
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the weights of the parameters can be relied on and most draws of the apogee count."""
+        return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
+
+
+def check(said: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
+    """Weight the network's draws for the plan of a history by the one model that forecasts are made with; more of them
+    where the weights of the first cannot be relied on.
+
+    Raises ValueError for a history of several plans.
+    """
+    linear = said.summary.forecast
+    if len(linear.model.flights) != linear.flown + 1:
+        raise ValueError(f"found {len(linear.model.flights) - linear.flown} plans, expected one")
+    rng = np.random.default_rng(seed)
+    first = _check(said, linear, rng, draws)
+    return first if first.agrees else _check(said, linear, rng, MORE_DRAWS * draws)
+
+
+def _check(said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> Check:
+    terms, log_density = _drawn(said, linear, rng, draws)
+    model = replace(linear.model.with_terms(*linear.fresh), coarse=True)
+    flown = _flown(model, terms)
+    scales = np.arange(len(linear.fit.weights))
+    data = replace(linear.fit.data, trust=np.ones_like(linear.fit.data.trust))
+    likelihood = log_likelihood(replace(linear.fit, data=data), scales, flown[:, :-1])
+    past = replace(linear.fit.model, terms=(*linear.fit.model.terms, *linear.fresh))
+    joint = log_prior(past, scales, terms) + likelihood.sum(axis=-1)
+    total = np.logaddexp.reduce(joint, axis=1)
+    smooth, pareto_k = smoothed(total - log_density)
+    weights = _normalized(smooth)
+    with np.errstate(invalid="ignore"):
+        by_scale = weights[:, None] * np.nan_to_num(np.exp(joint - total[:, None]))
+    apogees, own_density = _apogees(said.log_apogee, draws, linear.model.hyperprior.tail)
+    by_apogee = _normalized(_log_forecast(linear, flown[:, -1, 0], by_scale, apogees) - own_density)
+    return Check(float(pareto_k), _effective(weights), _effective(by_apogee), draws)
+
+
+def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
+    """Weights that sum to one; zeros where no draw has any."""
+    total = np.logaddexp.reduce(log_weight)
+    return np.exp(log_weight - total) if np.isfinite(total) else np.zeros(len(log_weight))
+
+
+def _effective(weights: Float[Array, "draw"]) -> float:
+    """The effective number of draws over their number (Kish): 1 where all weigh alike, 0 where none weighs. [1]"""
+    return float(1 / (weights**2).sum() / len(weights)) if weights.any() else 0.0
+
+
+def _flown(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw flight readout"]:
+    """What every draw shows, as a fit compares it."""
+    low, high = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high"))
+    readings = shown(model, np.clip(terms, low, high), {})
+    return compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
+
+
+def _drawn(
+    said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
+    """Draws of the terms, log Cd and log alpha of the plan as the network has them, and their log density."""
+    fit, fresh = linear.fit, linear.fresh
+    known, count = fit.mean.shape[1], fit.mean.shape[1] + len(fresh)
+    mean = np.concatenate([fit.mean, np.tile([term.mean for term in fresh], (len(fit.mean), 1))], axis=1)
+    covariance = np.zeros((len(mean), count, count))
+    covariance[:, :known, :known] = fit.covariance
+    new = np.arange(known, count)
+    covariance[:, new, new] = term_sds(replace(fit.model, terms=fresh, shared=None)) ** 2
+    covariance *= INFLATION
+    every = linear.model.with_terms(*fresh).terms
+    plan = np.stack([acting(every, kind, linear.flown + 1)[:, -1] for kind in ("drag", "thrust")])
+    open_ = plan @ covariance @ plan.T + LEAST_SD**2 * np.eye(2)
+    gain = covariance @ plan.T @ np.linalg.inv(open_)
+    which = rng.choice(len(mean), size=draws, p=fit.weights)
+    roots = np.linalg.cholesky(covariance)
+    terms = mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, count)))
+    middle, sds = np.array([said.log_cd[0], said.log_alpha[0]]), np.array([said.log_cd[1], said.log_alpha[1]])
+    sds = np.hypot(sds, LEAST_SD)
+    wanted = np.diag(sds**2) + said.correlation * sds[0] * sds[1] * (1 - np.eye(2))
+    drawn = middle + rng.normal(size=(draws, 2)) @ np.linalg.cholesky(wanted).T
+    free = terms @ plan.T + LEAST_SD * rng.normal(size=(draws, 2))
+    terms = terms + np.einsum("dtk,dk->dt", gain[which], drawn - free)
+    at = terms @ plan.T
+    by_scale = np.stack(
+        [
+            _log_normal(terms - mean[s], covariance[s]) - _log_normal(at - plan @ mean[s], open_[s])
+            for s in range(len(mean))
+        ],
+        axis=1,
+    )
+    log_density = np.logaddexp.reduce(np.log(np.maximum(fit.weights, 1e-300)) + by_scale, axis=1)
+    return terms, np.asarray(log_density + _log_normal(at - middle, wanted))
+
+
+def _apogees(
+    quantiles: Float[Array, "level"], count: int, freedom: float
+) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+    """Equally likely log apogees by the network's quantiles, beyond the last of which they follow a Student t, and
+    their log density."""
+    from scipy.stats import norm, t
+
+    levels = np.asarray((np.arange(count) + 0.5) / count)
+    piece = np.clip(np.searchsorted(LEVELS, levels) - 1, 0, len(LEVELS) - 2)
+    outside = (levels < LEVELS[0]) | (levels > LEVELS[-1])
+    knots, tail_knots = np.array(STANDARD), np.asarray(t.ppf(LEVELS, freedom))
+    standard = np.where(outside, t.ppf(levels, freedom), norm.ppf(levels))
+    start = np.where(outside, tail_knots[piece], knots[piece])
+    slope = np.diff(quantiles)[piece] / np.where(outside, np.diff(tail_knots)[piece], np.diff(knots)[piece])
+    density = np.where(outside, t.logpdf(standard, freedom), norm.logpdf(standard)) - np.log(slope)
+    return quantiles[piece] + slope * (standard - start), density
+
+
+def _log_normal(off: Float[Array, "draw n"], covariance: Float[Array, "n n"]) -> Float[Array, "draw"]:
+    """Log density of a normal distribution, up to 2 pi."""
+    root = np.linalg.cholesky(covariance)
+    scaled = np.linalg.solve(root, off.T)
+    return np.asarray(-0.5 * (scaled**2).sum(axis=0) - np.log(np.diagonal(root)).sum())
+
+
+def _log_forecast(
+    linear: LinearFit,
+    middle: Float[Array, "draw"],
+    by_scale: Float[Array, "draw scale"],
+    apogees: Float[Array, "apogee"],
+) -> Float[Array, "apogee"]:
+    """Log density of the model's forecast of the plan's log apogee: every draw with a Student t about it."""
+    from scipy.special import gammaln
+
+    flies = np.isfinite(middle)
+    sd = np.sqrt(own_variance(linear)[:, 0])
+    nu = linear.model.hyperprior.tail
+    constant = gammaln((nu + 1) / 2) - gammaln(nu / 2) - 0.5 * np.log(nu * np.pi)
+    z = (apogees[:, None, None] - middle[flies][:, None]) / sd
+    density = constant - np.log(sd) - (nu + 1) / 2 * np.log1p(z**2 / nu)
+    with np.errstate(divide="ignore"):
+        weighed = np.log(by_scale[flies]) + density
+    return np.asarray(np.logaddexp.reduce(weighed.reshape(len(apogees), -1), axis=1))

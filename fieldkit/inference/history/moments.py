@@ -1,0 +1,86 @@
+"""Moments of what a linear fit says of plans: their apogees, and the Cd and alpha that they fly with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.response import slopes
+from fieldkit.inference.laplace.leave_one_out import own_reading_sd
+from fieldkit.inference.laplace.posterior import term_sds
+from fieldkit.model.rocket_model import Term, apogee_scatter
+from fieldkit.shapes import Array, Float
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """Mean and standard deviation of the log apogee of plans, and of log Cd and log alpha that they fly with.
+
+    `parameter_sd` is the part of `apogee_sd` that more flights would narrow, `cd` is over the reference area. [1]
+    """
+
+    apogee: Float[Array, "plan"]
+    apogee_sd: Float[Array, "plan"]
+    parameter_sd: Float[Array, "plan"]
+    cd: Float[Array, "plan"]
+    cd_sd: Float[Array, "plan"]
+    alpha: Float[Array, "plan"]
+    alpha_sd: Float[Array, "plan"]
+    correlation: Float[Array, "plan"]
+
+
+def moments(linear: LinearFit) -> Moments:
+    """The forecasts of the plans by a linear fit, and the drag and thrust they fly with."""
+    fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
+    plans = slice(linear.flown, None)
+    fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
+    fresh_means = np.array([term.mean for term in linear.fresh])
+    row, fresh_row = near.slope[plans, 0], slopes(linear.fresh, linear.moved)[plans, 0]
+    known = np.einsum("pt,stu,pu->sp", row, fit.covariance, row, optimize=True) + fresh_sds**2 @ fresh_row.T**2
+    means = near.values[plans, 0] + (fit.mean - near.at) @ row.T + fresh_row @ fresh_means
+    mean = weights @ means
+    between = weights @ (means - mean) ** 2
+    middle, covariance = _mixture(fit.mean, fit.covariance, weights)
+    acts = [acting(model.terms, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
+    fresh_acts = [acting(linear.fresh, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
+    by_parameter = [
+        (middle @ act + fresh_means @ new, (act * (covariance @ act)).sum(axis=0) + weights @ fresh_sds**2 @ new**2)
+        for act, new in zip(acts, fresh_acts, strict=True)
+    ]
+    (cd, cd_variance), (alpha, alpha_variance) = by_parameter
+    cd_sd, alpha_sd = (np.sqrt(np.maximum(variance, 1e-8)) for variance in (cd_variance, alpha_variance))
+    return Moments(
+        mean,
+        np.sqrt(weights @ (known + own_variance(linear)) + between),
+        np.sqrt(np.maximum(weights @ known + between, 1e-8)),
+        cd,
+        cd_sd,
+        alpha,
+        alpha_sd,
+        (acts[0] * (covariance @ acts[1])).sum(axis=0) / (cd_sd * alpha_sd),
+    )
+
+
+def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
+    """Variance of each plan's log apogee beside what is not known of the rocket: its own scatter and its reading's."""
+    model, near, plans = linear.model, linear.near, slice(linear.flown, None)
+    scatter = model.hyperprior.scales()[0][:, None]
+    reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
+    spread = (near.scatter_slope[plans, 0] ** 2).sum(axis=-1) + apogee_scatter(model)[plans] ** 2
+    return np.asarray(scatter**2 * spread + reading**2)
+
+
+def _mixture(
+    mean: Float[Array, "scale term"], covariance: Float[Array, "scale term term"], weights: Float[Array, "scale"]
+) -> tuple[Float[Array, "term"], Float[Array, "term term"]]:
+    middle, terms = weights @ mean, mean.shape[-1]
+    off = mean - middle
+    within = (weights @ covariance.reshape(len(weights), -1)).reshape(terms, terms)
+    return middle, within + (off * weights[:, None]).T @ off
+
+
+def acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
+    """How strongly each term bends one property of each flight."""
+    acting = [term.weight * (term.bends == bends) for term in terms]
+    return np.array(acting, float).reshape(len(terms), flights)

@@ -1,0 +1,139 @@
+"""While a flight is being typed: Cd, alpha and the next apogee by the network, from what is typed so far."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from threading import Lock
+
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import implausible
+from fieldkit.forecast.at_once import FlownFlights, answer_at_once, prepare_at_once
+from fieldkit.inference.history.features import PreparedHistory
+from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.ledger import Ledger
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.motors import Catalogue, Found, is_cluster
+from fieldkit.selection.quick_look import repeated
+from fieldkit.services.fleet import fleet_prior
+from fieldkit.services.plausible_flights import followed
+
+Interval = tuple[float, float, float]
+"""A figure at 5, 50 and 95 %."""
+NORMAL_95 = 1.6448536
+"""Standard deviations from the median of a normal distribution to its 95 % quantile. [1]"""
+SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
+"""Columns without which a flight says nothing of drag, and how a flyer calls them."""
+
+
+@dataclass(frozen=True, slots=True)
+class TypedEstimate:
+    """What the network makes of a rocket's flights with the one that is being typed.
+
+    `cd` (on the body's frontal area) and `alpha` are those that the same flight flown again would have [1], and
+    `next_apogee` is what it would show [m]; all None where `needs` says what is missing for them, or `odd` why the
+    figures cannot be those of a flight.
+    """
+
+    needs: tuple[str, ...] = ()
+    odd: str = ""
+    cd: Interval | None = None
+    alpha: Interval | None = None
+    next_apogee: Interval | None = None
+    flights: int = 0
+
+
+def missing(typed: Flight, others: int) -> tuple[str, ...]:
+    """What a flight lacks for an estimate, beside `others` of the same rocket that show something."""
+    lacks = [name for column, name in SET_UP.items() if not getattr(typed, column)]
+    if not others and not shows(typed):
+        lacks.append("a readout")
+    return tuple(lacks)
+
+
+def shows(flight: Flight) -> bool:
+    """Whether a flight has a readout that a fit compares."""
+    return any(flight.number(name) is not None for name in OBSERVED_READOUTS)
+
+
+def set_up(flight: Flight) -> Flight:
+    """A flight without its readouts and whatever was noted: what decides how it would fly."""
+    return replace(
+        flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=(), flight_id="typed"),
+        notes="",
+        extra={},
+    )
+
+
+class TypedFlight:
+    """The flight being typed, beside the flights of its rocket in a ledger.
+
+    What does not depend on readouts is kept from one answer to the next, so that a readout costs one linear pass and
+    the network. Safe to be asked from any thread; one question is answered at a time.
+    """
+
+    def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
+        self._ledger, self._motors, self._lock = ledger, motors, Lock()
+        self._rocket: str | None = None
+        self._flown: FlownFlights = ()
+        self._shared: SharedPrior | None = None
+        self._asked: tuple[Flight, bool] | None = None
+        self._ready: PreparedHistory | None = None
+
+    def estimate(self, typed: Flight) -> TypedEstimate:
+        """What can be said with the flight as far as it is typed; never a figure that is not finite."""
+        with self._lock:
+            self._turn_to(typed.rocket)
+            if lacks := missing(typed, sum(flight.clean and shows(flight) for flight, _ in self._flown)):
+                return TypedEstimate(lacks)
+            found = None if is_cluster(typed.motor) else self._motor(typed.motor)
+            if found is None:
+                return TypedEstimate(("a motor of the catalogue",))
+            if odd := implausible(typed, found.motor):
+                return TypedEstimate(odd=odd)
+            used = typed.clean and shows(typed)
+            ready = self._prepared(typed, found, used)
+            flights = [*(flight for flight, _ in self._flown), typed]
+            return _estimate(answer_at_once(ready, flights)[0])
+
+    def _motor(self, name: str) -> Found | None:
+        try:
+            return self._motors.resolve(name)
+        except UnknownMotor:
+            return None
+
+    def _turn_to(self, rocket: str) -> None:
+        """Read the flights of a rocket, once."""
+        if rocket == self._rocket:
+            return
+        self._flown = followed(self._ledger.flights(rocket), self._motors) if rocket else ()
+        self._shared = fleet_prior(self._ledger, self._motors, rocket)
+        self._rocket, self._asked = rocket, None
+
+    def _prepared(self, typed: Flight, found: Found, used: bool) -> PreparedHistory:
+        """What the flights would show, computed anew for another set-up alone."""
+        asked = (set_up(typed), used)
+        if self._ready is None or asked != self._asked:
+            plan = repeated(asked[0])
+            before = [flight.clean for flight, _ in self._flown]
+            flown = [*self._flown, (asked[0], found)]
+            self._ready = prepare_at_once(flown, [(plan, found)], [*before, used], shared=self._shared)
+            self._asked = asked
+        return self._ready
+
+
+def _estimate(said: QuickAnswer) -> TypedEstimate:
+    """An answer as intervals, or why there is none."""
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    cd, alpha = _interval(said.log_cd), _interval(said.log_alpha)
+    if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):
+        return TypedEstimate(odd="these figures do not go together")
+    return TypedEstimate(
+        cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(said.summary.data.seen.any(axis=1).sum())
+    )
+
+
+def _interval(logarithm: Sequence[float]) -> Interval:
+    mean, sd = logarithm
+    return math.exp(mean - NORMAL_95 * sd), math.exp(mean), math.exp(mean + NORMAL_95 * sd)

@@ -1,0 +1,76 @@
+"""The check of the network by the one model: passed by the model's own answer, not by one elsewhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.inference.history.check import Check, check
+from fieldkit.inference.network.history import QuickAnswer, quick_answer
+from fieldkit.inference.network.history_parts import STANDARD
+from fieldkit.selection.quick_candidates import quick_candidates
+from tests.inference.history.histories import history
+
+
+@pytest.fixture(scope="module")
+def said() -> QuickAnswer:
+    return quick_answer(history(4), quick_candidates)
+
+
+@pytest.fixture(scope="module")
+def own(said: QuickAnswer) -> QuickAnswer:
+    """What the linear fit says, in the network's place."""
+    base = said.summary.baseline
+    return replace(
+        said,
+        log_apogee=base.apogee[0] + base.apogee_sd[0] * np.array(STANDARD),
+        log_cd=(float(base.cd[0]), float(base.cd_sd[0])),
+        log_alpha=(float(base.alpha[0]), float(base.alpha_sd[0])),
+        correlation=float(base.correlation[0]),
+    )
+
+
+def test_the_models_own_answer_passes(own: QuickAnswer) -> None:
+    found = check(own)
+    assert found.agrees
+    assert found.apogee_effective > 0.8
+
+
+def test_the_same_draws_come_with_the_same_seed(own: QuickAnswer) -> None:
+    assert check(own) == check(own)
+    assert check(own, seed=1) != check(own)
+
+
+def test_an_apogee_elsewhere_does_not_pass(own: QuickAnswer) -> None:
+    sd = float(own.summary.baseline.apogee_sd[0])
+    effective = [check(replace(own, log_apogee=own.log_apogee + off * sd)).apogee_effective for off in (0.0, 1.0, 3.0)]
+    assert effective == sorted(effective, reverse=True)
+    assert not check(replace(own, log_apogee=own.log_apogee + 3 * sd)).agrees
+
+
+def test_parameters_elsewhere_do_not_pass(own: QuickAnswer) -> None:
+    mean, sd = own.log_cd
+    assert check(own).parameters_effective > check(replace(own, log_cd=(mean + 3 * sd, sd))).parameters_effective
+    assert not check(replace(own, log_cd=(mean + 8 * sd, 0.1 * sd))).agrees
+
+
+def test_a_wide_network_passes_and_a_narrow_one_counts_for_less(own: QuickAnswer) -> None:
+    mean, sd = own.log_cd
+    alpha, alpha_sd = own.log_alpha
+    wide = replace(own, log_cd=(mean, 1.5 * sd), log_alpha=(alpha, 1.5 * alpha_sd))
+    narrow = replace(own, log_cd=(mean, 0.2 * sd), log_alpha=(alpha, 0.2 * alpha_sd), correlation=0.0)
+    assert check(wide).pareto_k < check(narrow).pareto_k
+
+
+def test_it_takes_both_to_agree() -> None:
+    assert Check(0.7, 0.1, 0.5, 400).agrees
+    assert not Check(0.71, 0.9, 0.9, 400).agrees
+    assert not Check(0.1, 0.9, 0.49, 400).agrees
+    assert not Check(np.inf, 0.0, 0.0, 400).agrees
+
+
+def test_several_plans_are_refused(said: QuickAnswer) -> None:
+    linear = said.summary.forecast
+    two = replace(linear, flown=linear.flown - 1)
+    with pytest.raises(ValueError, match="expected one"):
+        check(replace(said, summary=replace(said.summary, forecast=two)))

@@ -1,0 +1,62 @@
+"""Add while a flight is typed: Cd, alpha and the next apogee move with each readout."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fieldkit.services.typed_flight import TypedFlight
+from fieldkit.tui.add.estimate_line import EstimateLine
+from tests.pressing import frozen, hurry, opened, press, season, told, typed
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+def figures(line: str) -> tuple[float, float]:
+    """Cd and the next apogee of a line."""
+    found = re.search(r"Cd ([\d.]+) \(.*alpha .*next apogee ([\d.]+)", line)
+    assert found, line
+    return float(found[1]), float(found[2])
+
+
+async def test_figures_move_with_each_readout_that_is_typed(file: Path) -> None:
+    async with opened(file, (120, 40)) as pilot:
+        await press(pilot, "a")
+        before = figures(told(pilot, "#estimate"))
+        await press(pilot, *typed("240m"), "enter")
+        lower = figures(told(pilot, "#estimate"))
+        await press(pilot, *typed("230mph"), "enter")
+        faster = figures(told(pilot, "#estimate"))
+    assert before != lower != faster
+
+
+async def test_what_is_missing_is_named_and_figures_come_with_it(file: Path) -> None:
+    async with opened(file, (120, 40)) as pilot:
+        await press(pilot, "a")
+        page = pilot.app.screen
+        mass = page.query_one("#in-dry_mass")
+        page.set_focus(mass)
+        await press(pilot, "ctrl+u")
+        assert told(pilot, "#estimate") == "Cd and next apogee: needs mass"
+        await press(pilot, *typed("448"))
+        assert figures(told(pilot, "#estimate"))
+
+
+async def test_keys_in_a_row_ask_for_the_last_flight_alone(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    estimate = TypedFlight.estimate
+    monkeypatch.setattr(TypedFlight, "estimate", lambda self, flight: asked.append(flight) or estimate(self, flight))
+    async with opened(file, (120, 40)) as pilot:
+        await press(pilot, "a")
+        monkeypatch.setattr("fieldkit.tui.add.estimate_line.PAUSE", 0.3)
+        asked.clear()
+        await hurry(pilot, *"281m")
+        assert [round(flight.apogee, 1) for flight in asked] == [281.0]
+        assert figures(str(pilot.app.screen.query_one(EstimateLine).content))
