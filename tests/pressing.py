@@ -115,12 +115,18 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @asynccontextmanager
-async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, once it is calm; as flyers have it where it `stays`."""
+async def opened(
+    file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
+) -> AsyncIterator[Pilot[None]]:
+    """The app on a ledger, its settings kept beside it, turned to a page, once it is calm; as flyers have it where it
+    `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with unchecked(), patch("textual.app.wait_for_idle", _no_wait), patch("textual.pilot.wait_for_idle", _no_wait):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
+            if page != app.current_mode:
+                await app.action_page(page)
+                await calm(pilot)
             yield pilot
             app.workers.cancel_all()
     if app.errors:
@@ -198,4 +204,4 @@ def told(pilot: Pilot[None], place: str) -> str:
 
 def words(pilot: Pilot[None]) -> str:
     """The screen as one line, blanks between the words, frames left out."""
-    return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▌▁]+", " ", shown(pilot))
+    return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▀▌▁]+", " ", shown(pilot))

@@ -69,7 +69,7 @@ class FieldkitApp(InOrder):
     CommandPalette > .command-palette--help-text { text-style: not bold; }
     """  # as bright as the rest: Textual dims what explains a command
     BINDINGS: ClassVar[list[BindingType]] = [
-        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
+        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
         Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
         Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
@@ -274,9 +274,9 @@ class FieldkitApp(InOrder):
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
-        names = list(pages())
-        if number <= len(names):
-            await self.action_page(names[number - 1])
+        for name, page in pages().items():
+            if page.number == number:
+                await self.action_page(name)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Digits lead to pages, but not while something is typed or asked."""

@@ -117,6 +117,7 @@ class PageScreen(Screen[None]):
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
         Binding("a", "app.page('add')", "Add", show=False, tooltip="Type a flight in"),
+        Binding("f", "app.page('next_flight')", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
         Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """
@@ -149,7 +150,7 @@ class PageScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
-        yield TopBar([(name, page.title) for name, page in pages().items()], self.NAME)
+        yield TopBar([(name, page.number, page.title) for name, page in pages().items()], self.NAME)
         with Container(id="body"):
             yield from self.body()
         yield NoticeBar()

@@ -65,7 +65,7 @@ def test_intervals_stand_below_each_other_on_one_scale_with_its_ends_and_marks_b
     rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
     assert lines[0].index("●") < lines[0].index("◎")
-    assert lines[1].index("◉") < lines[1].index("✗")
+    assert lines[1].index("◉") < lines[1].index("◆")
     assert lines[2].split() == ["-1.5", "s", "apogee", "+0.0", "s", "+1.8", "s"]
 
 

@@ -98,7 +98,7 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         await press(pilot, "escape", "home", "enter")
         assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
         assert "flown 198.1 m: 4.1 m higher, inside the interval" in words(pilot)
-        assert "✗" in shown(pilot)
+        assert "◆" in shown(pilot)
 
 
 async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:

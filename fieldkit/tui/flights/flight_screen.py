@@ -46,7 +46,7 @@ class FlightScreen(PageScreen):
         (
             ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
-            ("├──●──┤", "The forecast: 5 %, median and 95 %. The cross ✗ is the apogee that was flown."),
+            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the apogee that was flown."),
             ("± 1 m", "How sure a figure is that was measured in a log: two times of three the truth is that near."),
             ("Log", "Altitude, speed and acceleration against time, an upright line at each event."),
             ("Also on record", "What the file of the flight said besides, in its own words."),

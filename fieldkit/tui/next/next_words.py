@@ -79,7 +79,7 @@ def saved_in_words(said: "Prediction", system: str) -> str:
 
 
 def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:
-    """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
+    """The names of all checks, those that fail first: `⊘ rail exit speed`, `? ground wind, ceiling`."""
     from fieldkit.planning.check import MARKS
 
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")

@@ -54,7 +54,7 @@ class ImportScreen(PageScreen):
         "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
         "of several altimeters in one flight.",
         (
-            ("format", "The parser that recognised the file, by what is in it. f names another one."),
+            ("format", "The parser that recognised the file, by what is in it. F names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
             ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
             ("set", "Columns the file leaves open, such as rocket=Astra; several apart by a semicolon."),
@@ -71,7 +71,7 @@ class ImportScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
-        Binding("f", "format", "Format", tooltip="Name the parser to read with"),
+        Binding("F", "format", "Format", tooltip="Name the parser to read with"),
         Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket=Astra"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),

@@ -15,7 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.motor_list import MotorList
-from fieldkit.tui.next.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
+from fieldkit.tui.next.next_plan import QUESTIONS, Plan, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.widgets.table import Table
 
@@ -56,7 +56,7 @@ class NextScreen(PageScreen):
             ("true", "The height in fact; on a hot day a barometric altimeter shows less than that, in the cold more."),
             ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; - is before."),
             (
-                "✓ ! ✗ ?",
+                "✓ ! ⊘ ?",
                 "Safety checks: well, caution, unsafe, not known; each with its figures and limit further down.",
             ),
             (
@@ -269,8 +269,9 @@ class NextScreen(PageScreen):
         ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
-        texts, name = plan_texts(plan), f"{plan.rocket} {plan.config}".strip()
-        self.change(lambda: self.resources.ledger.change_draft(DRAFT, texts, "plan", name), lambda _: self.reload())
+        from fieldkit.tui.next.plan_form import keep_plan
+
+        keep_plan(self, plan)
 
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:

@@ -12,7 +12,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Digits, Static
+from textual.widgets import Static
 
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, number, spelled, unit_of
@@ -21,6 +21,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
+from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.table import Head, Table
@@ -98,7 +99,7 @@ class CaptureScreen(PageScreen):
                 yield Static("", id="said")
             yield Static("", id="count")
             with Horizontal(id="now"):
-                yield Digits("", id="big")
+                yield Big(id="big")
                 yield Static("", id="state")
             yield Plot(id="heights")
 
@@ -155,7 +156,7 @@ class CaptureScreen(PageScreen):
         """Nothing of the capture before stands beside what comes now."""
         from fieldkit.tui.widgets.plots import Plot
 
-        self.query_one("#big", Digits).update("")
+        self.query_one(Big).show("")
         for place in ("#count", "#state"):
             self.query_one(place, Static).update("")
         self.query_one(Plot).display = False
@@ -223,7 +224,7 @@ class CaptureScreen(PageScreen):
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
         unit = spelled(unit_of(cards.APOGEE, system))
-        self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
+        self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)
         speed = measure(BY_NAME["top_speed"], sample.speed, system)
         lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
