@@ -5,14 +5,14 @@ import gc
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
 from rich.console import Console
 from textual import events
-from textual.app import SystemCommand
+from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette
 from textual.screen import Screen
@@ -24,11 +24,13 @@ from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, unit_of
 from fieldkit.settings import UNITS
 from fieldkit.tui.crash import Crash, place_of, record
+from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.in_order import InOrder
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
+from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
 from fieldkit.tui.widgets.dialogs import AskText
@@ -63,6 +65,7 @@ class FieldkitApp(InOrder):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
+    COMMANDS = App.COMMANDS | {Finder}  # as Textual has it
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
@@ -318,6 +321,18 @@ class FieldkitApp(InOrder):
         """The next system of units."""
         self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
+    async def open_flight(self, id: str) -> None:
+        """Open a flight over the page Flights."""
+        await self.action_page("flights")
+        if isinstance(page := self.screen, FlightsScreen):
+            page.open_flight(id)
+
+    async def show_flights(self, words: str) -> None:
+        """The flights that hold all of some words."""
+        await self.action_page("flights")
+        if isinstance(page := self.screen, FlightsScreen):
+            page.show_only(words)
+
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards: `Esc`, as notices have it."""
         return "Esc" if binding.key == "escape" else super().get_key_display(binding)
@@ -328,15 +343,16 @@ class FieldkitApp(InOrder):
 
     def choose(self, said: str = "", **changes: Any) -> None:
         """Change settings, show what they change, and keep them."""
-        settings = replace(self.resources.settings, **changes)
+        before = self.resources.settings
         try:
-            self.resources.choose(settings)
+            self.resources.choose(**changes)
         except FieldkitError as error:
             self.show_notice(str(error), error=True)
         else:
             self.show_notice(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
-        self.theme = settings.theme
-        if changes.keys() <= LOOKS:
+        now = self.resources.settings
+        self.theme = now.theme
+        if {name for name in asdict(now) if getattr(now, name) != getattr(before, name)} <= LOOKS:
             self.look += 1
         else:
             self.revision += 1

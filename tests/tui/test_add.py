@@ -230,7 +230,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     async with opened(file) as pilot:
         await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Kept: AeroTech F24W to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W to" in words(pilot)
         await press(pilot, "2")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)

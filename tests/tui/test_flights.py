@@ -197,18 +197,24 @@ async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
         assert "[x] windy" in shown(pilot)
 
 
-async def test_a_flight_is_edited_and_a_slip_becomes_a_notice_that_stays(file: Path) -> None:
+async def test_a_flight_is_edited_in_the_form_of_add_and_slips_are_questioned(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "end", "up", "enter", "e", *typed("apogee=2o2"), "enter")
-        assert "✗ error apogee: found" in words(pilot)
-        await press(pilot, "down", "up", "t")
-        assert "✗ error apogee: found" in words(pilot)
-        await press(pilot, "escape")
-        assert "✗ error" not in words(pilot)
-        await press(pilot, "escape", "e", *typed("apogee=900ft;notes=calm"), "enter")
+        await press(pilot, "end", "up", "enter", "e", *["down"] * 4, *typed("2o2"), "ctrl+s")
+        assert "✗ found '2o2'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("900ft"), "up", *typed("2026-13-40"), "ctrl+s")
+        assert "expected a date" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("2026-05-02"), "up", *typed("F24-W4"), "ctrl+s")
+        assert "did you mean F24-4W" in words(pilot)
+        await press(pilot, "n", "ctrl+u", *typed("f24"), "down", "enter", "ctrl+s")
+        assert "Saved flight 2: date, apogee. u to undo" in words(pilot)
         with Ledger.open(file) as ledger:
-            assert ledger.flight("2").apogee == pytest.approx(274.32)
-            assert ledger.flight("2").notes == "calm"
+            flight = ledger.flight("2")
+            assert flight.apogee == pytest.approx(274.32)
+            assert f"{flight.date_time}" == "2026-05-02 00:00:00"
+            assert flight.motor == "F24-4W"
+        await press(pilot, "escape", "u", "_")
+        with Ledger.open(file) as ledger:
+            assert ledger.flight("2").apogee == pytest.approx(281.3)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:

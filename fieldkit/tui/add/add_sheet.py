@@ -6,10 +6,13 @@ from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
+from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.quantities import measure
 from fieldkit.tui.add.add_form import BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.picker import Picker
 
 
 class Sheet:
@@ -19,6 +22,7 @@ class Sheet:
         self._page = page
         self._held: Field | None = None
         self.touched: set[str] = set()
+        self.picker = Picker()
 
     def body(self) -> Iterable[Widget]:
         """The widgets, in their order."""
@@ -34,6 +38,7 @@ class Sheet:
             with Vertical(id="more"):
                 for name in MORE_FIELDS:
                     yield Field(BY_NAME[name])
+        yield self.picker
 
     def field(self, name: str) -> Field:
         """The field of a question."""
@@ -48,12 +53,13 @@ class Sheet:
         """What stands in each line, by question."""
         return {name: self.field(name).answer for name in BY_NAME}
 
-    def fill(self, texts: Mapping[str, str]) -> None:
-        """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
+    def fill(self, texts: Mapping[str, str], system: str = "") -> None:
+        """Fill lines in which nothing was typed, or was typed and its message is still on the way; numbers in the units
+        of a system, if one is named."""
         with self._page.prevent(Input.Changed):
             for name in texts.keys() & BY_NAME.keys() - self.touched:
                 if not self.field(name).typed:
-                    self.field(name).fill(texts[name])
+                    self.field(name).fill(texts[name], in_units(BY_NAME[name], texts[name], system) if system else "")
 
     def clear(self) -> None:
         """Empty every line."""
@@ -75,6 +81,12 @@ class Sheet:
             if one is not None:
                 one.set_class(one is self._held, "-hand")
         return self._held
+
+
+def in_units(question: Question, text: str, system: str) -> str:
+    """An offered answer as a flyer reads it: `8.0 mph` for `3.57632 m/s`."""
+    value = read_answer(question.name, text) if question.column is not None else None
+    return measure(question.column, value, system) if question.column and isinstance(value, float) else text
 
 
 def field_of(widget: Widget | None) -> Field | None:

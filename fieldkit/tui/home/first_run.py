@@ -61,7 +61,7 @@ async def take(page: PageScreen, step: Step) -> None:
 def _ask_rocket(page: PageScreen, motors: "Catalogue") -> None:
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[name], system) for name in ("dry_mass", "diameter")}
-    form = Form("Your rocket", QUESTIONS, {}, units, partial(read_first, motors))
+    form = Form("Your rocket", QUESTIONS, {}, units, partial(read_first, motors), page.resources.names)
     page.app.push_screen(form, partial(_described, page))
 
 

@@ -193,7 +193,7 @@ def left_out(look: Look) -> Hanging:
 
 
 def in_a_line(given: Mapping[str, str]) -> str:
-    """What is set, as it is typed: `rocket=Astra; config=A`."""
+    """What was given, in a line: `rocket=Astra; config=A`."""
     return "; ".join(f"{name}={value}" for name, value in given.items())
 
 

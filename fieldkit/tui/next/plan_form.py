@@ -23,7 +23,9 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
         except BadValue as error:
             page.complain(str(error))
 
-    page.app.push_screen(Form("The plan", QUESTIONS, plan_texts(plan, system), units), answered)
+    page.app.push_screen(
+        Form("The plan", QUESTIONS, plan_texts(plan, system), units, names=page.resources.names), answered
+    )
 
 
 def keep_plan(page: PageScreen, plan: Flight) -> None:

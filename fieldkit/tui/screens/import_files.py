@@ -23,7 +23,6 @@ from fieldkit.tui.imports.import_look import (
     ReadOptions,
     by_keys,
     folder_text,
-    in_a_line,
     left_out,
     listed,
     look_at,
@@ -57,7 +56,7 @@ class ImportScreen(PageScreen):
             ("format", "The parser that recognised the file, by what is in it. F names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
             ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
-            ("set", "Columns the file leaves open, such as rocket=Astra; several apart by a semicolon."),
+            ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
             (
                 "design",
                 "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
@@ -72,7 +71,7 @@ class ImportScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("F", "format", "Format", tooltip="Name the parser to read with"),
-        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket=Astra"),
+        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
         Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),
@@ -207,11 +206,11 @@ class ImportScreen(PageScreen):
     def action_format(self) -> None:
         """Name a parser."""
         from fieldkit.importing.recognize import parsers
+        from fieldkit.services.pickers import Pick
 
-        known = ", ".join(parsers())
-        self.app.push_screen(
-            AskText("Read it as", self._reading.format or "", f"One of: {known}. Empty: by its content."), self._named
-        )
+        picks = [Pick(name, parser.title) for name, parser in parsers().items()]
+        about = "The format; ↓ chooses one. Empty: by its content."
+        self.app.push_screen(AskText("Read it as", self._reading.format or "", about, picks), self._named)
 
     def _named(self, text: str | None) -> None:
         if text is not None:
@@ -229,15 +228,13 @@ class ImportScreen(PageScreen):
         self._examine()
 
     def action_set(self) -> None:
-        """Columns that the file leaves open."""
-        about = "COLUMN=VALUE for flights that leave it open, several apart by ; such as rocket=Astra; config=A"
-        self.app.push_screen(AskText("Set", in_a_line(self._reading.given), about), self._set)
+        """Type what the file leaves open."""
+        from fieldkit.tui.imports.given_form import ask_given
 
-    def _set(self, text: str | None) -> None:
-        if text is None:
-            return
-        pairs = [part.partition("=") for part in text.split(";") if part.strip()]
-        self._read_as(replace(self._reading, given={name.strip(): value.strip() for name, _, value in pairs}))
+        ask_given(self, self._reading.given, self._set)
+
+    def _set(self, given: dict[str, str]) -> None:
+        self._read_as(replace(self._reading, given=given))
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""

@@ -179,7 +179,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             return self._strip(NO_MARK, [head.title for head in self.heads], style)
         row = round(self.scroll_y) + y - 1
         if row >= len(self.keys):
-            text = f" {self.empty}" if y == 1 and not self.keys else ""
+            lines = self.empty.splitlines() if not self.keys else []
+            text = f" {lines[y - 1]}" if y <= len(lines) else ""
             return Strip([Segment(set_cell_size(text, self.size.width), base)])
         style = base
         if row == self.cursor:
