@@ -24,13 +24,13 @@ def next_lines(view: Overview, system: str) -> Iterator[str]:
 
 
 def weather_line(conditions: Flight, system: str) -> str:
-    """The weather of the day: `Wind 2.1 m/s, temperature 21 °C`; how to type it if none was typed."""
+    """The weather of the day: `Today: wind 2.1 m/s, 21 °C`; how to type it if none was typed."""
     known = [
-        f"{BY_NAME[name].title.lower()} {measure(BY_NAME[name], conditions.number(name), system)}"
+        f"{'wind ' if name == 'wind' else ''}{measure(BY_NAME[name], conditions.number(name), system)}"
         for name in WEATHER
         if conditions.number(name) is not None
     ]
-    return f"Today: {', '.join(known)}" if known else "Today's weather: not typed yet, e types it"
+    return f"Today: {', '.join(known)}" if known else "Weather today: e types it"
 
 
 def forecast_title(one: SavedForecast) -> str:

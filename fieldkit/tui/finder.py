@@ -1,4 +1,4 @@
-"""What the palette finds besides the keys: flights, rockets, motors, settings, help, and commands to type in a shell."""
+"""What the palette finds besides keys: flights, rockets, motors, settings, help, and commands to type in a shell."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator

@@ -82,6 +82,7 @@ class NextCard(HomeCard):
         """The open forecast, else the rocket to plan."""
         from fieldkit.presentation import home_text
 
+        self.border_subtitle = ""
         if view is None:
             self.say("No rocket yet. Choose a first step below: Enter starts it.")
             return
@@ -94,7 +95,8 @@ class NextCard(HomeCard):
         low, middle, high = said.interval
         title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
         big = number(cards.APOGEE, middle, system)
-        self.figure(f"{title}: flown? a types it in", big, words, Interval("", low, middle, high), weather)
+        self.border_subtitle = "Flown? a types it in"
+        self.figure(title, big, words, Interval("", low, middle, high), weather)
 
 
 class LastCard(HomeCard):

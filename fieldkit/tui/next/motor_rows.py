@@ -119,6 +119,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     """Nine flights of ten as a line, for all motors on one scale, and the target on it."""
     system, target = settings.units, settings.target
     top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
+    top = min(top, 2 * target) if target else top
     end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
     mark = " ◎ target" if target else ""
 
