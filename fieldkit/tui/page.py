@@ -50,7 +50,7 @@ class Dropped(Exception):
 
 
 def go_on() -> None:
-    """Called within a question's work. Raises Dropped where nobody waits for its answer any more."""
+    """Called within a question's work. Raises Dropped if nobody waits for its answer any more."""
     if get_current_worker().is_cancelled:
         raise Dropped
 
@@ -161,7 +161,7 @@ class PageScreen(Screen[None]):
         return ()
 
     def reload(self) -> None:
-        """Fill the page anew; called when it comes to the front and the ledger has changed since it last did."""
+        """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
 
     def redraw(self) -> None:
         """Show the same in other units, colours or against another target, at once where nothing has to be read."""
@@ -211,7 +211,7 @@ class PageScreen(Screen[None]):
             show()
 
     def changed_for_others(self) -> None:
-        """This page has changed the ledger in a way that only others have to look at anew."""
+        """This page has changed the ledger in a way that only other pages have to show."""
         self.field_app.revision += 1
         self._seen = (self.field_app.revision, self.field_app.look)
 

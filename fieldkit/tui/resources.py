@@ -91,7 +91,7 @@ class Resources:
         return names_of(self.ledger, self.motors)
 
     def forget_motors(self) -> None:
-        """Read the motors anew when they are next asked for."""
+        """Read the motors again when they are next asked for."""
         with self._lock:
             self.__dict__.pop("_motors", None)
 

@@ -200,7 +200,7 @@ async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
 async def test_a_flight_is_edited_in_the_form_of_add_and_slips_are_questioned(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "enter", "e", *["down"] * 4, *typed("2o2"), "ctrl+s")
-        assert "✗ found '2o2'" in words(pilot)
+        assert "✗ found the unit 'o2'" in words(pilot)
         await press(pilot, "ctrl+u", *typed("900ft"), "up", *typed("2026-13-40"), "ctrl+s")
         assert "expected a date" in words(pilot)
         await press(pilot, "ctrl+u", *typed("2026-05-02"), "up", *typed("F24-W4"), "ctrl+s")
@@ -273,11 +273,11 @@ async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_l
 
 async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
-        assert "no flights yet; a adds one" in words(pilot)
+        assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "no flights yet; 2 adds one, 3 imports a file, p plans without" in words(pilot)
+        assert "No plan yet: p types one" in words(pilot)
         await press(pilot, "5")
-        assert "no flights yet; 2 adds one, 3 imports a file" in words(pilot)
+        assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)
         await press(pilot, "l", "A", "escape", "4")
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")

@@ -155,7 +155,7 @@ class FlightScreen(PageScreen):
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the fit"]),
         ]
         if flight.extra:
             blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))

@@ -92,9 +92,9 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
         if mark.found != mark.found:
             parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
             continue
-        alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
+        similar = "similar" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
         leans = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
-        parts.append(f"\n{title:{name}}{''.join(leans)} {alike}")
+        parts.append(f"\n{title:{name}}{''.join(leans)} {similar}")
     return Content.assemble(*parts)
 
 

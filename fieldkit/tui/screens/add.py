@@ -56,7 +56,7 @@ class AddScreen(PageScreen):
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
+        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
         Binding("up", "step(-1)", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
@@ -118,7 +118,7 @@ class AddScreen(PageScreen):
         self._sheet.fill(start.offers, self.resources.settings.units)
         self._sheet.picker.sources = start.names.sources()
         if start.draft and not self._draft.shown:
-            self.show_notice("a flight was typed halfway: it goes on here; ^N starts anew")
+            self.show_notice("You were typing a flight: go on here, or ^N to start over")
         self._draft.shown = True
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
@@ -214,7 +214,7 @@ class AddScreen(PageScreen):
         except FieldkitError as error:
             self._unkept = str(error)
             if self._unkept != before:
-                self.complain(f"what is typed cannot be kept: {error}")
+                self.complain(f"What you type cannot be saved: {error}")
 
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
@@ -343,7 +343,7 @@ class AddScreen(PageScreen):
 
     def _forgotten(self, any_was: bool) -> None:
         if any_was:
-            self.show_notice("begun anew; ^Z brings back what was typed")
+            self.show_notice("Started over. ^Z brings back what was typed")
         self.reload()
 
     def resting_place(self) -> Widget | None:

@@ -49,11 +49,11 @@ class FlightsScreen(PageScreen):
             ("id, date", "Its number in the ledger, and when it flew; without a date it stands where it was entered."),
             ("rocket, cfg", "The rocket and its configuration; motor is what it flew on, with the delay."),
             ("apogee", "Highest point above the pad, as your altimeter showed it."),
-            ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
+            ("Cd", "How much drag the rocket had in this flight, inferred from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
             ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
             ("miss*", "The forecast was stale: mass, motor, weather or model had changed between it and the flight."),
-            ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
+            ("tags", "What was odd. A flight with a tag such as weak_launch stays and is left out of the fit."),
         ),
         (
             "fieldkit flights [--rocket R] [--tag T]",

@@ -48,7 +48,7 @@ class ImportScreen(PageScreen):
     TITLE = "Import"
     ABOUT = Help(
         "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-        "what it was recognised as, how many flights it would bring, each row that would be left out, with the "
+        "what it was recognized as, how many flights it would bring, each row that would be left out, with the "
         "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
         "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
         "of several altimeters in one flight.",
@@ -74,7 +74,7 @@ class ImportScreen(PageScreen):
         Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
-        Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),
+        Binding("r", "reload", "Look again", tooltip="List the folder and read the file again", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -112,7 +112,7 @@ class ImportScreen(PageScreen):
         return self.query_one("#files", Table)
 
     def reload(self) -> None:
-        """List the folder anew."""
+        """List the folder again."""
         self.go(self._folder)
 
     def go(self, folder: Path, mark: Path | None = None) -> None:
@@ -172,7 +172,7 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
-            self.show_notice("it is still being read; Enter again stores it")
+            self.show_notice("Still reading the file; Enter again stores it")
 
     def action_mark(self) -> None:
         """Read the file under the cursor together with others that are marked, or no longer."""
@@ -186,13 +186,13 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: "Receipt") -> None:
         self._reading = replace(self._reading, marked=())
-        counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-        undo = "; u takes them back" if receipt.ids else ""
+        counts = f"{receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"
+        undo = ". u to undo" if receipt.ids else ""
         self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
+        self.show_notice("Saved as the start of this rocket: Next uses it. u to undo" if new else "Saved already")
         self.field_app.changed()
 
     def action_reload(self) -> None:

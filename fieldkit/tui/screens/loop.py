@@ -35,7 +35,7 @@ class LoopScreen(PageScreen):
         "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
         "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
         "l looks, which takes some seconds; nothing changes until you accept with A. D leaves the model as it is. "
-        "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
+        "Under Versions, Enter predicts with another model from now on; u undoes that as well.",
         (
             ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
             (
@@ -45,7 +45,7 @@ class LoopScreen(PageScreen):
             ),
             (
                 "Fingerprint",
-                "What an effect (n chooses) would leave in each readout, and what was there: alike or not.",
+                "What an effect (n chooses) would leave in each readout, and what was there: similar or not.",
             ),
             (
                 "Ranking",

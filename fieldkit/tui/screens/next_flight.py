@@ -141,7 +141,7 @@ class NextScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the plan, and forecast every motor anew."""
+        """Read the plan, and forecast every motor again."""
         self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:

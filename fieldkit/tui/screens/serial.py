@@ -59,7 +59,7 @@ class CaptureScreen(PageScreen):
         Binding("k", "stop", "Stop", tooltip="End the capture in good order"),
         Binding("h", "device", "Device", tooltip="Name what is on the port"),
         Binding("space", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
-        Binding("r", "look", "Look again", tooltip="List the ports anew"),
+        Binding("r", "look", "Look again", tooltip="List the ports again"),
     ]
     DEFAULT_CSS = """
     CaptureScreen #ports { height: 8; }
@@ -117,7 +117,7 @@ class CaptureScreen(PageScreen):
         self.action_look()
 
     def action_look(self) -> None:
-        """List the ports anew."""
+        """List the ports again."""
 
         def look() -> "list[Port]":
             from fieldkit.capture import ports
@@ -241,7 +241,7 @@ class CaptureScreen(PageScreen):
             return
         whole = "all of it" if end.whole else "NOT all of it; the space bar goes on with it"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; kept in {end.file}")
-        question = f"{end.file.name}: {end.samples} samples, {whole}.\nTake its flights into the ledger?"
+        question = f"{end.file.name}: {end.samples} samples, {whole}.\nAdd its flights to the ledger?"
         self.app.push_screen(AskYes(question), partial(self._answered, end))
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
@@ -255,7 +255,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
+        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} duplicates. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:

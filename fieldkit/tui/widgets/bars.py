@@ -105,12 +105,12 @@ class KeyBar(Static):
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
     def on_resize(self) -> None:
-        """Lines are broken anew."""
+        """Lines are broken again."""
         self.follow()
 
     def follow(self) -> None:
         """Show what can be pressed now. The lines that were taken once are kept: a page that grew and shrank with the
-        focus would jump under the eyes, and be laid out anew for it."""
+        focus would jump under the eyes, and be laid out again for it."""
         lines, room = self._lines(), self._room()
         width, most = self._most
         most = min(self.MOST, max(len(lines), most if width == room else 0))
