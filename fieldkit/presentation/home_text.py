@@ -65,7 +65,7 @@ def flown_lines(one: ListedFlight, system: str) -> Iterator[str]:
     way = "high" if said.miss >= 0 else "low"
     where = "inside" if low <= one.flight.apogee <= high else "OUTSIDE"
     yield f"forecast {number(APOGEE, middle, system)}"
-    yield f"{number(APOGEE, abs(said.miss), system)} {way}, {where} 90 %"
+    yield f"{number(APOGEE, abs(said.miss), system)} {way}, {where}"
 
 
 def day_line(flights: Sequence[ListedFlight], system: str) -> str:

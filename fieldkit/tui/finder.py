@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
@@ -89,9 +89,9 @@ class Finder(Provider):
         """Every field that a page explains, and every command that does the same."""
         commands: set[str] = set()
         for page in pages().values():
-            show = partial(self._show_help, page.title, page.screen.ABOUT)
             for name, text in page.screen.ABOUT.fields:
-                yield Entry(f"Help: {name} ({page.title})", text, show)
+                topic = replace(page.screen.ABOUT, about=f"{name}: {text}")
+                yield Entry(f"Help: {name} ({page.title})", text, partial(self._show_help, page.title, topic))
             for command in page.screen.ABOUT.twin:
                 if command not in commands:
                     commands.add(command)

@@ -216,7 +216,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         for field in self.query(Field):
             value, note = self._read(field)
             if note.startswith("✗"):
-                field.line.focus()
+                self.set_focus(field.line)  # at once: the next key is for it
                 return
             doubts |= {field: note.removeprefix("? ")} if note.startswith("? ") else {}
             values[field.question.name] = value
@@ -229,6 +229,6 @@ class Form(ModalScreen[dict[str, object] | None]):
             if yes:
                 self.dismiss(values)
             else:
-                next(iter(doubts)).line.focus()
+                self.set_focus(next(iter(doubts)).line)
 
         self.app.push_screen(AskYes("\n".join([*doubts.values(), "Save it as it is?"])), sure)

@@ -23,14 +23,15 @@ class HomeCard(Vertical):
     """A heading, a large number with words beside it, an interval, a last line."""
 
     DEFAULT_CSS = """
-    HomeCard { width: 1fr; height: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1; }
+    HomeCard { width: 1fr; height: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1;
+        border-title-color: $foreground; border-subtitle-color: $foreground; }
     HomeCard > Static { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }
     HomeCard > .heading { text-style: bold; }
     HomeCard > .bar { color: $accent; }
     HomeCard Horizontal { height: 3; }
     HomeCard Horizontal > .words { width: 1fr; height: 3; padding: 0 0 0 2; }
     HomeCard.-plain Horizontal, HomeCard.-plain .bar { display: none; }
-    HomeCard.-plain > .heading { height: auto; text-wrap: wrap; }
+    HomeCard.-plain > .last { height: auto; text-wrap: wrap; }
     """
     interval: Interval | None = None
 
@@ -90,7 +91,7 @@ class NextCard(HomeCard):
         said = view.forecast
         if said is None:
             heading = "\n".join(home_text.next_lines(view, system))
-            self.say(f"{heading}\nNo forecast is waiting. f chooses a motor, Enter there saves its forecast.", weather)
+            self.say(heading, f"No forecast is waiting: f chooses a motor, Enter there saves its forecast.\n{weather}")
             return
         low, middle, high = said.interval
         title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
