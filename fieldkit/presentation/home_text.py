@@ -42,9 +42,9 @@ def forecast_title(one: SavedForecast) -> str:
 
 def forecast_lines(one: SavedForecast, system: str) -> Iterator[str]:
     """What stands beside the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
-    low, _, high = (number(APOGEE, value, system) for value in one.interval)
+    low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
     yield f"{spelled(unit_of(APOGEE, system))} forecast"
-    yield f"90 % in {low} to {high}"
+    yield f"90 % {low}-{high}"
     yield f"saved {one.made.at.astimezone():%m-%d %H:%M}" + (", stale" if one.stale else "")
 
 
@@ -74,6 +74,8 @@ def day_line(flights: Sequence[ListedFlight], system: str) -> str:
     counted = f"{len(flights)} flight{'' if len(flights) == 1 else 's'} today"
     if not apogees:
         return counted if flights else "No flights yet today"
+    if len(apogees) == 1:
+        return f"{counted}, to {measure(APOGEE, apogees[0], system)}"
     ends = f"{number(APOGEE, min(apogees), system)} to {measure(APOGEE, max(apogees), system)}"
     return f"{counted}  {sparkline(apogees, len(apogees))}  {ends}"
 

@@ -37,6 +37,11 @@ class Choosing(InOrder):
             self.notices.append(notice)
         self._show_notices()
 
+    def withdraw(self, text: str) -> None:
+        """Take back a notice that no longer holds."""
+        self.notices = [notice for notice in self.notices if notice.text != text]
+        self._show_notices()
+
     def action_read(self) -> None:
         """The notice in front was read."""
         self.notices = self.notices[1:]

@@ -73,6 +73,9 @@ class Host(Protocol):
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something."""
 
+    def withdraw(self, text: str) -> None:
+        """Take back a notice that no longer holds."""
+
     def survive(self, error: Exception) -> None:
         """Write down an error that nobody foresaw, and say so."""
 

@@ -173,9 +173,7 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert "12 of 12" in shown(pilot)
         await press(pilot, "ctrl+p", *typed("motor aerotech f39t"), "_", "enter", "_")
         assert "What is on record of this motor" in words(pilot)
-        await press(
-            pilot, "escape", "ctrl+p", *typed("setting: target"), "_", "enter", *typed("800ft"), "enter"
-        )
+        await press(pilot, "escape", "ctrl+p", *typed("setting: target"), "_", "enter", *typed("800ft"), "enter")
         assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
         await press(pilot, "escape", "ctrl+p", *typed("help: top speed (next)"), "_", "enter", "_")
         assert "The fastest it gets" in words(pilot)
@@ -195,3 +193,33 @@ def test_large_digits_are_solid_and_differ() -> None:
     assert len(set(drawn.values())) == 10
     assert set("".join(drawn.values())) <= set("█▀ \n")
     assert [len(line) for line in large("281.3").splitlines()] == [17, 17, 17]
+
+
+async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        await press(pilot, "enter", *typed("Lark"), "enter", *typed("330g"), "enter", *typed("66mm"), "enter")
+        await press(pilot, *typed("f24w-4"), "down", "enter", "_", "escape", "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert pilot.app.focused is screen.field("apogee").line
+        for text in ("235m", "80", "2.1x", "79", "39", "5.6", "0.3", "230", "5", "45"):
+            await press(pilot, *typed(text), "enter")
+        await press(pilot, "ctrl+s")
+        assert "Burn time: found the unit 'x'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("2.1"), "ctrl+s", "_")
+        seen = words(pilot)
+        for text in (
+            "Saved flight 1, u to undo",
+            "flown 235.0 m",
+            "inside the 90 % interval",
+            "Next on AeroTech F24W-4",
+        ):
+            assert text in seen
+        assert "Burn time: found" not in seen, "what was mended is no longer said"
+        await press(pilot, "escape", "0", "_")
+        assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
+        assert "low, inside" in told(pilot, "#last .words")
+        await press(pilot, "u", "_")
+        assert "Flown? a types it in" in shown(pilot), "the saved forecast waits again"
+    with Ledger.open(empty) as ledger:
+        assert not ledger.flights()

@@ -69,8 +69,8 @@ class Sheet:
                 self.field(name).fill("")
 
     def first_empty(self) -> Input:
-        """The first line that is asked and empty: what the flight was, else the first readout not typed."""
-        named = [name for name in SETUP[:3] if not self.field(name).line.value]
+        """The first line that is asked and empty: rocket and motor, else the first readout not typed."""
+        named = [name for name in ("rocket", "motor") if not self.field(name).line.value]
         unread = [name for name in READ if not self.field(name).line.value]
         return self.field((named or unread or READ)[0]).line
 

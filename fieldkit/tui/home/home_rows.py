@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number
 from fieldkit.tui.next.intervals import Interval, bar, point
+from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.services.launch_day import ListedFlight
 
-PROFILE_CELLS = 16
-"""Width of the sparkline of a flight. [cell]"""
+PROFILE_CELLS, MOTOR_CELLS = 16, 10
+"""Widths of the sparkline and of the motor of a flight. [cell]"""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
 """Widths from which a table has room for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
@@ -21,7 +22,7 @@ APOGEE = BY_NAME["apogee"]
 
 def flight_heads(width: int) -> list[Head]:
     """The columns that fit in a width."""
-    heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", 10)]
+    heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
     heads += [Head("apogee", 7, True), Head("miss", 6, True)]
     heads += [Head("profile", PROFILE_CELLS)] if width >= NORMAL_TABLE else []
     return [*heads, Head("forecast and flown ◆", _bar_width(width))] if width >= WIDE_TABLE else heads
@@ -42,7 +43,8 @@ def flight_row(
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
         miss = "" if said is None or said.miss is None else signed(said.miss, system) + "*" * said.stale
-        texts = [one.id, when, build_of(flight), flight.motor, apogee, miss]
+        motor = motor_name(flight.motor, MOTOR_CELLS)
+        texts = [one.id, when, build_of(flight), motor, apogee, miss]
         texts += [profile] if width >= NORMAL_TABLE else []
         return [*texts, _drawn(one, low, high, _bar_width(width))] if width >= WIDE_TABLE else texts
 

@@ -85,6 +85,7 @@ class AddScreen(PageScreen):
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
         self._unkept = ""
+        self._objections: list[str] = []
         self._pen = ThreadPoolExecutor(1, "draft")
         """Writes keys down at once, whatever other workers are busy with."""
 
@@ -283,6 +284,7 @@ class AddScreen(PageScreen):
 
     def _say_motor(self, trouble: str) -> None:
         if trouble:
+            self._objections.append(trouble)
             self.complain(trouble)
 
     def _offer_again(self) -> None:
@@ -316,9 +318,13 @@ class AddScreen(PageScreen):
             self.app.push_screen(AskYes(saved.confirm), self._confirmed)
             return
         if saved.wrong:
+            self._objections.append(saved.trouble)
             self.complain(saved.trouble)
             self.set_focus(self.field(saved.wrong).line)
             return
+        for mended in self._objections:
+            self.field_app.withdraw(mended)
+        self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
         said = f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else "It is in the ledger already."
         self.show_notice(said)
