@@ -1,8 +1,11 @@
 """What a flyer chose once and keeps: units, colors, the height to hit. A small JSON file in the user's folder."""
 
+import dataclasses
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from fieldkit.errors import FieldkitError
 from fieldkit.files import read_own, replace
@@ -47,6 +50,14 @@ def read_settings(file: Path | None = None) -> Settings:
 def _number(saved: object, most: float) -> float | None:
     """A number above nothing and below a bound, else None."""
     return float(saved) if isinstance(saved, int | float) and 0 < saved < most else None
+
+
+def change_settings(changes: Mapping[str, Any], file: Path | None = None) -> Settings:
+    """Keep what was changed, beside what is kept by now, and return all of it: two programs that are open at once
+    leave each other's choices alone. Raises FieldkitError if the file cannot be written."""
+    settings = dataclasses.replace(read_settings(file), **changes)
+    keep_settings(settings, file)
+    return settings
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:

@@ -115,8 +115,11 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @asynccontextmanager
-async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, once it is calm; as flyers have it where it `stays`."""
+async def opened(
+    file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
+) -> AsyncIterator[Pilot[None]]:
+    """The app on a ledger, its settings kept beside it, turned to a page, once it is calm; as flyers have it where it
+    `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with (
         unchecked(),
@@ -126,6 +129,9 @@ async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = 
     ):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
+            if page != app.current_mode:
+                await app.action_page(page)
+                await calm(pilot)
             yield pilot
             app.workers.cancel_all()
     if app.errors:
@@ -203,4 +209,4 @@ def told(pilot: Pilot[None], place: str) -> str:
 
 def words(pilot: Pilot[None]) -> str:
     """The screen as one line, blanks between the words, frames left out."""
-    return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▌▁]+", " ", shown(pilot))
+    return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▀▌▁]+", " ", shown(pilot))

@@ -6,7 +6,7 @@ take and refuse the same.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from difflib import get_close_matches
 
 from fieldkit import units
@@ -92,7 +92,14 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return _number(BY_NAME[name], text, unit)
     if name == "tags":
         return read_tags(text)
-    return read_date(text) if name == "date_time" else text
+    return read_date(_day_in_words(text)) if name == "date_time" else text
+
+
+def _day_in_words(text: str) -> str:
+    """`today` as this minute, `yesterday` as its date, any other text as it is."""
+    now = datetime.now()
+    words = {"today": now.isoformat(timespec="minutes"), "yesterday": f"{now.date() - timedelta(days=1)}"}
+    return words.get(text.casefold(), text)
 
 
 def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:

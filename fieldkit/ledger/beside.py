@@ -93,6 +93,14 @@ class BesideFlights(OpenLedger):
                 pen.sign(command, what)
         return changed
 
+    def change_drafts(self, contents: Mapping[str, Mapping[str, Any]], command: str, what: str) -> bool:
+        """The same of several names, as one change."""
+        with self._changing() as pen:
+            changed = [drafts.change(pen, name, content) for name, content in contents.items()]
+            if any(changed):
+                pen.sign(command, what)
+        return any(changed)
+
     def draft(self, name: str) -> dict[str, Any] | None:
         """What was typed so far, or None."""
         with self._reading() as connection:

@@ -12,7 +12,7 @@ SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
 """Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
 
 Verdict = Literal["ok", "caution", "unsafe", "unknown"]
-MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unknown": "?"}
+MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "⊘", "unknown": "?"}
 """A sign for each verdict, next to its word."""
 SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
 """Verdicts from the mildest to the worst."""
@@ -38,7 +38,7 @@ class SafetyCheck:
         return self.verdict in ("caution", "unsafe")
 
     def words(self) -> str:
-        """The check in a line: `✗ ground wind: unsafe: 10.0 m/s ...`, with rule and source if it is not well."""
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and source if it is not well."""
         rule = f" {self.rule}" if self.rule and self.failed else ""
         source = f" [{self.source}]" if self.failed else ""
         doubt = " (unverified)" if self.mark == "U" else ""

@@ -11,6 +11,7 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, a
 from fieldkit.ledger import Added, Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
+from fieldkit.services.launch_day import typed_weather
 
 WEATHER = ("wind", "temperature")
 """Questions whose answers belong to the day."""
@@ -86,10 +87,15 @@ def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> 
 
 
 def _weather(ledger: Ledger, name: str) -> str:
-    """What the last flight of this very day had: weather belongs to a flight, and the next one's is likely the same."""
+    """What was typed for the day, or what the last flight of this very day had, whichever is newer: the weather of the
+    next flight is likely the same."""
     last = ledger.latest()
-    same_day = last is not None and last.date_time is not None and last.date_time.date() == datetime.now().date()
-    return answer_text(last, name) if last is not None and same_day else ""
+    flown = last.date_time.replace(tzinfo=None) if last is not None and last.date_time is not None else None
+    typed, at = typed_weather(ledger)
+    if at is not None and name in typed and (flown is None or flown < at):
+        return typed[name]
+    same_day = flown is not None and flown.date() == datetime.now().date()
+    return answer_text(last, name) if last is not None and same_day else typed.get(name, "")
 
 
 def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:

@@ -1,37 +1,35 @@
 """The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
 
 import asyncio
-import gc
 import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
 from rich.console import Console
 from textual import events
-from textual.app import SystemCommand
+from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette
 from textual.screen import Screen
 from textual.widget import AwaitMount
 from textual.widgets import Input
 
-from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.flight import BY_NAME
-from fieldkit.quantities import measure, unit_of
+from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
+from fieldkit.tui.choosing import Choosing
 from fieldkit.tui.crash import Crash, place_of, record
+from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import gone, terminal
-from fieldkit.tui.in_order import InOrder
+from fieldkit.tui.memory import keep_from_collector
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
+from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.themes import THEMES
-from fieldkit.tui.widgets.bars import Notice, NoticeBar
-from fieldkit.tui.widgets.dialogs import AskText
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
@@ -41,9 +39,6 @@ TERMINAL_CHECK_INTERVAL = 1.0
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
-
-LOOKS = {"units", "theme", "target"}
-"""Settings that change how things are shown and nothing that is worked out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +50,7 @@ class Whereabouts:
     crash: Crash
 
 
-class FieldkitApp(InOrder):
+class FieldkitApp(Choosing):
     """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
 
     One that `stays` has its process to itself, and makes ready in it what keys would else have to wait for.
@@ -63,16 +58,17 @@ class FieldkitApp(InOrder):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
+    COMMANDS = App.COMMANDS | {Finder}  # as Textual has it
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
     CommandPalette > .command-palette--help-text { text-style: not bold; }
     """  # as bright as the rest: Textual dims what explains a command
     BINDINGS: ClassVar[list[BindingType]] = [
-        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
+        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
         Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
-        Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
+        Binding("T", "next_theme", "Colors", show=False, tooltip="Next colors: field, sun, night, terminal"),
         Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
         Binding("W", "whole_notice", "Whole notice", show=False, tooltip="All of a notice, files by their whole paths"),
         Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
@@ -88,7 +84,7 @@ class FieldkitApp(InOrder):
         stays: bool = False,
         back: Whereabouts | None = None,
     ) -> None:
-        super().__init__()
+        super().__init__(Resources(where, settings_file))
         self.error_console = Console(stderr=True, quiet=True)  # what fails is told in a line
         self._back = back
         self.place: Whereabouts | None = None
@@ -97,10 +93,7 @@ class FieldkitApp(InOrder):
         """What nobody foresaw and was survived."""
         self._crashes: dict[str, Crash] = {}
         self._stays = stays
-        self.resources = Resources(where, settings_file)
-        self.notices: list[Notice] = []
         self._opened: dict[str, PageScreen] = {}
-        self.revision = self.look = 0
         self._length: int | None = None
         self._hides = True
         self.unseen = self._readied = False
@@ -155,7 +148,7 @@ class FieldkitApp(InOrder):
             self.screen.go_to_row(self._back.row)
             self._back = None
         if self._stays:
-            _keep_from_collector()
+            keep_from_collector()
         if self._stays and not self._readied:
             self._readied = True
             self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
@@ -167,7 +160,7 @@ class FieldkitApp(InOrder):
         for name in (*pages(), *pages()):
             await asyncio.sleep(PAUSE)
             await self._open_unseen(name)
-        _keep_from_collector()
+        keep_from_collector()
 
     async def _open_unseen(self, name: str) -> None:
         """Open a page and the screens above it, and come back before anything is painted; keys wait meanwhile."""
@@ -187,16 +180,6 @@ class FieldkitApp(InOrder):
     def on_unmount(self) -> None:
         """Let go of the ledger."""
         self.resources.close()
-
-    def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Say something; what went wrong waits until it is read, what went right makes room for the next."""
-        self.notices = [notice for notice in self.notices if notice.error]
-        notice = Notice(text, error)
-        if not error:
-            self.notices.insert(0, notice)
-        elif notice not in self.notices:
-            self.notices.append(notice)
-        self._show_notices()
 
     def survive(self, error: Exception) -> None:
         """Write down an error that nobody foresaw, once for each place that it comes from, and say so."""
@@ -225,28 +208,15 @@ class FieldkitApp(InOrder):
         if not isinstance(self.screen, CommandPalette):
             self.push_screen(Palette(id="--command-palette"))
 
-    def action_read(self) -> None:
-        """The notice in front was read."""
-        self.notices = self.notices[1:]
-        self._show_notices()
-
-    def action_whole_notice(self) -> None:
-        """All of the notice in front, files by their whole paths."""
-        self._show_notices(whole=True)
-
-    def _show_notices(self, whole: bool = False) -> None:
-        for bar in self.screen.query(NoticeBar):
-            bar.show_notice(self.notices, whole)
-
     def changed(self) -> None:
-        """The ledger has changed: pages fill themselves anew."""
+        """The ledger has changed: pages fill themselves again."""
         self.revision += 1
         self._length = None
         self._refresh_page()
         self.look_round()
 
     def look_round(self) -> None:
-        """Fill pages anew where another program has changed the ledger: a second app, a command."""
+        """Fill pages again if another program has changed the ledger: a second app, a command."""
         if isinstance(self.screen, PageScreen):
             self.screen.ask(lambda: self.resources.ledger.length(), self._seen_round, "others")
 
@@ -260,10 +230,6 @@ class FieldkitApp(InOrder):
         """The flyer is back from another window."""
         self.look_round()
 
-    def _refresh_page(self) -> None:
-        if isinstance(self.screen, PageScreen):
-            self.screen.refresh_if_changed()
-
     async def action_page(self, name: str) -> None:
         """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
         await self.switch_mode(name)
@@ -274,9 +240,9 @@ class FieldkitApp(InOrder):
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
-        names = list(pages())
-        if number <= len(names):
-            await self.action_page(names[number - 1])
+        for name, page in pages().items():
+            if page.number == number:
+                await self.action_page(name)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Digits lead to pages, but not while something is typed or asked."""
@@ -309,14 +275,17 @@ class FieldkitApp(InOrder):
         self.show_notice(f"{said}: {change.command} {change.what}")
         self.changed()
 
-    def action_next_theme(self) -> None:
-        """The next colours."""
-        names = list(THEMES)
-        self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
+    async def open_flight(self, id: str) -> None:
+        """Open a flight over the page Flights."""
+        await self.action_page("flights")
+        if isinstance(page := self.screen, FlightsScreen):
+            page.open_flight(id)
 
-    def action_next_units(self) -> None:
-        """The next system of units."""
-        self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
+    async def show_flights(self, words: str) -> None:
+        """The flights that hold all of some words."""
+        await self.action_page("flights")
+        if isinstance(page := self.screen, FlightsScreen):
+            page.show_only(words)
 
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards: `Esc`, as notices have it."""
@@ -326,49 +295,12 @@ class FieldkitApp(InOrder):
         """What lies over a page while a question is open, in themes that do not say."""
         return {"backdrop": "black 60%"}
 
-    def choose(self, said: str = "", **changes: Any) -> None:
-        """Change settings, show what they change, and keep them."""
-        settings = replace(self.resources.settings, **changes)
-        try:
-            self.resources.choose(settings)
-        except FieldkitError as error:
-            self.show_notice(str(error), error=True)
-        else:
-            self.show_notice(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
-        self.theme = settings.theme
-        if changes.keys() <= LOOKS:
-            self.look += 1
-        else:
-            self.revision += 1
-        self._refresh_page()
-
-    def ask_target(self) -> None:
-        """The height to hit, that motors are compared against."""
-        now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
-        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
-        self.push_screen(AskText("Target", now, about), self._targeted)
-
-    def action_ask_target(self) -> None:
-        """Type the height to hit."""
-        self.ask_target()
-
-    def _targeted(self, text: str | None) -> None:
-        if text is None:
-            return
-        apogee, system = BY_NAME["apogee"], self.resources.settings.units
-        try:
-            target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
-        except BadValue as error:
-            self.show_notice(f"target: {error}, such as 800ft", error=True)
-            return
-        self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)
-
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """What the palette finds: pages, colours, units, and what the page in front can do."""
         for name, page in pages().items():
             yield SystemCommand(page.title, f"Go to {page.title} ({page.number})", partial(self.action_page, name))
         for theme in THEMES:
-            yield SystemCommand(f"Colours: {theme}", "Change the colours", partial(self.choose, theme=theme))
+            yield SystemCommand(f"Colors: {theme}", "Change the colors", partial(self.choose, theme=theme))
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
         for active in screen.active_bindings.values():
@@ -376,13 +308,6 @@ class FieldkitApp(InOrder):
             if active.enabled and binding.description and (binding.show or binding.tooltip):
                 label, key = binding.tooltip or binding.description, self.get_key_display(binding)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
-
-
-def _keep_from_collector() -> None:
-    """Have the collector pass by what is there, flights and widgets: with 5,000 flights to look through them takes 230
-    ms of a key, without them 30 to 50 ms."""
-    gc.collect(1)
-    gc.freeze()
 
 
 def run(where: str | None) -> None:

@@ -10,3 +10,12 @@ class Help:
     about: str
     fields: tuple[tuple[str, str], ...] = ()
     twin: tuple[str, ...] = ()
+
+
+NO_FLIGHTS = """No flights yet.
+
+0 Home    describe a rocket or load the demo rocket
+2 Add     type in what the altimeter shows
+3 Import  read a log or a table of flights
+7 Capture read a logger out by its cable"""
+"""What a page says before anything has flown."""

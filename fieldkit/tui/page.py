@@ -50,7 +50,7 @@ class Dropped(Exception):
 
 
 def go_on() -> None:
-    """Called within a question's work. Raises Dropped where nobody waits for its answer any more."""
+    """Called within a question's work. Raises Dropped if nobody waits for its answer any more."""
     if get_current_worker().is_cancelled:
         raise Dropped
 
@@ -72,6 +72,9 @@ class Host(Protocol):
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something."""
+
+    def withdraw(self, text: str) -> None:
+        """Take back a notice that no longer holds."""
 
     def survive(self, error: Exception) -> None:
         """Write down an error that nobody foresaw, and say so."""
@@ -117,6 +120,7 @@ class PageScreen(Screen[None]):
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
         Binding("a", "app.page('add')", "Add", show=False, tooltip="Type a flight in"),
+        Binding("f", "app.page('next_flight')", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
         Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """
@@ -149,7 +153,7 @@ class PageScreen(Screen[None]):
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
-        yield TopBar([(name, page.title) for name, page in pages().items()], self.NAME)
+        yield TopBar([(name, page.number, page.title) for name, page in pages().items()], self.NAME)
         with Container(id="body"):
             yield from self.body()
         yield NoticeBar()
@@ -160,7 +164,7 @@ class PageScreen(Screen[None]):
         return ()
 
     def reload(self) -> None:
-        """Fill the page anew; called when it comes to the front and the ledger has changed since it last did."""
+        """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
 
     def redraw(self) -> None:
         """Show the same in other units, colours or against another target, at once where nothing has to be read."""
@@ -210,7 +214,7 @@ class PageScreen(Screen[None]):
             show()
 
     def changed_for_others(self) -> None:
-        """This page has changed the ledger in a way that only others have to look at anew."""
+        """This page has changed the ledger in a way that only other pages have to show."""
         self.field_app.revision += 1
         self._seen = (self.field_app.revision, self.field_app.look)
 

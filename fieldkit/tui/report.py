@@ -24,7 +24,7 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
     path = Path(name.strip()).expanduser()
 
     if is_taken(path):
-        question = f"{path} is there already. Replace it?"
+        question = f"{path} exists. Replace it?"
         page.app.push_screen(AskYes(question), lambda yes: _make(page, what, path, force=True) if yes else None)
     else:
         _make(page, what, path, force=False)

@@ -1,17 +1,19 @@
 """What the pages work on: the ledger, the motors, the settings. Opened when first asked for, by whichever worker."""
 
+from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from threading import RLock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fieldkit.errors import FieldkitError
-from fieldkit.settings import Settings, keep_settings, read_settings
+from fieldkit.settings import Settings, change_settings, read_settings
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
+    from fieldkit.services.pickers import Names
 
 
 ENGINE = (
@@ -20,6 +22,8 @@ ENGINE = (
     "fieldkit.services.imports",
     "fieldkit.services.saved_forecasts",
     "fieldkit.services.forecasts",
+    "fieldkit.services.launch_day",
+    "fieldkit.services.pickers",
     "fieldkit.inference.network.field_ensemble",
     "fieldkit.planning.motor_guide",
     "fieldkit.tui.widgets.plots",
@@ -79,15 +83,23 @@ class Resources:
         self.complaints += errors
         return motors
 
+    def names(self) -> "Names":
+        """What can be picked as an answer in a form. Raises LedgerError."""
+        self.import_engine()
+        from fieldkit.services.pickers import names_of
+
+        return names_of(self.ledger, self.motors)
+
     def forget_motors(self) -> None:
-        """Read the motors anew when they are next asked for."""
+        """Read the motors again when they are next asked for."""
         with self._lock:
             self.__dict__.pop("_motors", None)
 
-    def choose(self, settings: Settings) -> None:
-        """Hold these settings and keep them. Raises FieldkitError where they cannot be kept."""
-        self.settings = settings
-        keep_settings(settings, self._file)
+    def choose(self, **changes: Any) -> None:
+        """Change settings and keep what was changed, beside what another app has kept since. Raises FieldkitError if
+        it cannot be kept."""
+        self.settings = replace(self.settings, **changes)
+        self.settings = change_settings(changes, self._file)
 
     def close(self) -> None:
         """Let go of the ledger, if it was opened."""

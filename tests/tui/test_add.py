@@ -86,7 +86,7 @@ async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) ->
             assert ledger.draft(DRAFT) == {"apogee": "923ft", "top_speed": "14m/s"}
     async with opened(file) as pilot:
         await press(pilot, "a")
-        assert "typed halfway" in words(pilot)
+        assert "You were typing a flight" in words(pilot)
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("apogee").line.value == "923ft"
@@ -97,7 +97,7 @@ async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) ->
         with Ledger.open(file) as ledger:
             assert ledger.draft(DRAFT) is None
         await press(pilot, "ctrl+z", "_")
-        assert screen.field("apogee").line.value == "923ft", "begun anew by a slip"
+        assert screen.field("apogee").line.value == "923ft", "started over by a slip"
 
 
 async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_undo(file: Path) -> None:
@@ -230,7 +230,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     async with opened(file) as pilot:
         await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Kept: AeroTech F24W to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W to" in words(pilot)
         await press(pilot, "2")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)

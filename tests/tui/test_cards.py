@@ -65,7 +65,7 @@ def test_intervals_stand_below_each_other_on_one_scale_with_its_ends_and_marks_b
     rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
     assert lines[0].index("●") < lines[0].index("◎")
-    assert lines[1].index("◉") < lines[1].index("✗")
+    assert lines[1].index("◉") < lines[1].index("◆")
     assert lines[2].split() == ["-1.5", "s", "apogee", "+0.0", "s", "+1.8", "s"]
 
 
@@ -99,7 +99,7 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         await press(pilot, "6", "slash", *typed("f24"), "enter")
         assert "thrust [N] against time [s]" in words(pilot)
         await press(pilot, "right", "down")
-        assert "8, 4 of them teach the model" in words(pilot)
+        assert "8, 4 of them used in the fit" in words(pilot)
         assert "E35-5W 4 times, to between 131.1 and 174.7 m" in words(pilot)
         await press(pilot, "right")
         assert "281.3 m Astra F24-4W" in words(pilot)

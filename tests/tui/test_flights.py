@@ -98,7 +98,7 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         await press(pilot, "escape", "home", "enter")
         assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
         assert "flown 198.1 m: 4.1 m higher, inside the interval" in words(pilot)
-        assert "✗" in shown(pilot)
+        assert "◆" in shown(pilot)
 
 
 async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:
@@ -197,18 +197,24 @@ async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
         assert "[x] windy" in shown(pilot)
 
 
-async def test_a_flight_is_edited_and_a_slip_becomes_a_notice_that_stays(file: Path) -> None:
+async def test_a_flight_is_edited_in_the_form_of_add_and_slips_are_questioned(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "end", "up", "enter", "e", *typed("apogee=2o2"), "enter")
-        assert "✗ error apogee: found" in words(pilot)
-        await press(pilot, "down", "up", "t")
-        assert "✗ error apogee: found" in words(pilot)
-        await press(pilot, "escape")
-        assert "✗ error" not in words(pilot)
-        await press(pilot, "escape", "e", *typed("apogee=900ft;notes=calm"), "enter")
+        await press(pilot, "end", "up", "enter", "e", *["down"] * 4, *typed("2o2"), "ctrl+s")
+        assert "✗ found the unit 'o2'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("900ft"), "up", *typed("2026-13-40"), "ctrl+s")
+        assert "expected a date" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("2026-05-02"), "up", *typed("F24-W4"), "ctrl+s")
+        assert "did you mean F24-4W" in words(pilot)
+        await press(pilot, "n", "ctrl+u", *typed("f24"), "down", "enter", "ctrl+s")
+        assert "Saved flight 2: date, apogee. u to undo" in words(pilot)
         with Ledger.open(file) as ledger:
-            assert ledger.flight("2").apogee == pytest.approx(274.32)
-            assert ledger.flight("2").notes == "calm"
+            flight = ledger.flight("2")
+            assert flight.apogee == pytest.approx(274.32)
+            assert f"{flight.date_time}" == "2026-05-02 00:00:00"
+            assert flight.motor == "F24-4W"
+        await press(pilot, "escape", "u", "_")
+        with Ledger.open(file) as ledger:
+            assert ledger.flight("2").apogee == pytest.approx(281.3)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:
@@ -267,11 +273,11 @@ async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_l
 
 async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
-        assert "no flights yet; a adds one" in words(pilot)
+        assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "no flights yet; 2 adds one, 3 imports a file, p plans without" in words(pilot)
+        assert "No plan yet: p types one" in words(pilot)
         await press(pilot, "5")
-        assert "no flights yet; 2 adds one, 3 imports a file" in words(pilot)
+        assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)
         await press(pilot, "l", "A", "escape", "4")
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")

@@ -25,6 +25,9 @@ from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, 
 
 CHECK_SHAPES = False
 
+SURE = ("y", "_", "enter", "_")
+"""A rocket that has not flown is questioned; Enter then stores the file."""
+
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -47,16 +50,16 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         await press(pilot, "3", "down")
         seen = words(pilot)
         assert "Flight table (CSV)" in seen
-        assert "1 flight, 0 there already, 2 rejected" in seen
+        assert "1 flight, 0 duplicates, 2 rejected" in seen
         assert "✗ row 2, apogee_m: found '1o4'" in seen
         assert "✗ row 3, motor: 'ZZ99': found no such motor" in seen
         assert "3 · Comet · C6-5 Apogee 210.0 m" in told(pilot, "#more")
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12
         await press(pilot, "enter")
-        assert "1 imported, 0 there already, 2 rejected" in words(pilot)
+        assert "1 imported, 0 duplicates, 2 rejected" in words(pilot)
         await press(pilot, "enter")
-        assert "0 imported, 1 there already" in words(pilot)
+        assert "0 imported, 1 duplicates" in words(pilot)
         await press(pilot, "escape", "u")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
@@ -71,7 +74,7 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
         assert "✗ error photo.jpg: no parser recognizes this file" in words(pilot)
         await press(pilot, "escape")
         assert "✗ error" not in words(pilot), "the same is to be read once"
-        await press(pilot, "f", *typed("nonsense"), "enter")
+        await press(pilot, "F", *typed("nonsense"), "enter")
         assert "no parser is called 'nonsense'" in told(pilot, "#said")
 
 
@@ -83,8 +86,8 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert "OpenRocket design" in words(pilot)
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
-        await press(pilot, "e", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
-        assert "kept; the page Next starts from it" in words(pilot)
+        await press(pilot, "e", *typed("Lark"), "enter", *typed("A"), "ctrl+s", *SURE)
+        assert "Saved as the start of this rocket: Next uses it. u to undo" in words(pilot)
         await press(pilot, "enter")
         assert "duplicate: it is already saved" in words(pilot)
         await press(pilot, "down", "enter")
@@ -105,13 +108,13 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "enter", "down")
         assert "PerfectFlite" in words(pilot)
-        await press(pilot, "e", *typed("apogy=3"), "enter")
-        assert "did you mean apogee" in words(pilot)
+        await press(pilot, "e", *["down"] * 5, *typed("4o0"), "ctrl+s")
+        assert "found the unit 'o0'" in words(pilot)
         await press(pilot, "escape", "enter")
         assert "1 imported" in words(pilot)
         await press(pilot, "4")
         assert "Astra B · 448 g" in words(pilot), "a log that names no rocket does not stand in the way of the next"
-        await press(pilot, "3", "u", "e", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "3", "u", "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "1 imported" in words(pilot)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
@@ -133,14 +136,14 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         (folder / name).write_text("time (s),altitude (m)\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "space", "down", "space", "down", "space")
-        assert "recognised as 2 files together" in told(pilot, "#said")
+        assert "recognized as 2 files together" in told(pilot, "#said")
         assert "+ a.csv" in shown(pilot)
-        await press(pilot, "e", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         brought = told(pilot, "#said")
         assert "+ a.csv" not in shown(pilot)
         assert "imported" in words(pilot), brought
         await press(pilot, "up")
-        assert "1 there already" in told(pilot, "#said")
+        assert "1 duplicates" in told(pilot, "#said")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
 
@@ -156,7 +159,7 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         assert "✗ error columns: found the channel 'height', expected one of" in words(pilot)
         await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
         assert "would bring 1 flight" in told(pilot, "#said")
-        await press(pilot, "e", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "1 imported" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
@@ -185,7 +188,7 @@ async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path)
     async with opened(file, (160, 40)) as pilot:
         await press(pilot, "4", "g", *typed("800ft"), "enter")
         table = pilot.app.screen.query_one(Table)
-        offs = [table.cells(key)[5] for key in table.keys]
+        offs = [table.cells(key)[5] for key in table.keys if not table.cells(key)[0].startswith("✗")]
         assert len(offs) > 20
         distances = [abs(float(off)) for off in offs]
         assert distances == sorted(distances)
@@ -195,7 +198,7 @@ async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path)
 async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Kept: AeroTech F24W to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W to" in words(pilot)
     with Ledger.open(file) as ledger:
         (_, said) = ledger.predictions("Astra")
     assert said.payload["motor"] == "AeroTech F24W"
@@ -222,9 +225,9 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
         assert "nothing here to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
         assert "0 of 1 fit" in shown(pilot)
-        assert "▸✗ AeroTech H128W" in shown(pilot)
+        assert "▸✗ H128W" in shown(pilot)
         await press(pilot, "c", "y", "c")
-        assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
+        assert pilot.app.clipboard.startswith("motor ✗ H128W")
         assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
 
 
@@ -282,11 +285,11 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             await press(pilot, "right")
             assert "wear" in shown(pilot)
             await press(pilot, "D")
-            assert "declined: the model stays as it is" in words(pilot)
+            assert "Declined: the model stays as it is" in words(pilot)
             await press(pilot, "right")
             assert "▸  0" in shown(pilot)
             await press(pilot, "enter")
-            assert "Astra predicts with the plain model; u takes it back" in words(pilot)
+            assert "Astra predicts with the plain model. u to undo" in words(pilot)
             with Ledger.open(file) as ledger:
                 assert ledger.active_version("Astra") is None
             await press(pilot, "u")
@@ -308,7 +311,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
     async with opened(tmp_path / "ledger.db") as pilot:
         await press(pilot, "5", "D")
-        assert "nothing to decline yet" in words(pilot)
+        assert "Nothing to decline yet" in words(pilot)
         await press(pilot, "l")
         assert "expected at least 4 to close the loop" in words(pilot)
         assert "looking:" not in words(pilot)
@@ -322,7 +325,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
 async def test_a_build_is_changed_in_all_its_flights_and_undone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "6", "right", "enter", "ctrl+u", *typed("Comet"), "enter", "enter", *typed("450g"), "ctrl+s")
-        assert "4 flights changed; u takes it back" in words(pilot)
+        assert "4 flights. u to undo" in words(pilot)
         with Ledger.open(file) as ledger:
             assert {f.dry_mass for f in ledger.flights("Comet")} == {0.45}
         await press(pilot, "u")
@@ -370,7 +373,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             await press(pilot, "7")
             assert "0403:6015 FTDI chip" in words(pilot)
             await press(pilot, "enter")
-            assert "Take its flights into the ledger?" in words(pilot)
+            assert "Add its flights to the ledger?" in words(pilot)
             await press(pilot, "n")
             seen = words(pilot)
             assert "! the cable was pulled" in seen
@@ -438,7 +441,7 @@ async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path
             titles |= {line[:9].strip() for line in card.text.splitlines() if line[:9].strip() and line[9:11] == "  "}
         if isinstance(screen, FlightScreen):
             titles |= {column.title for column in (*READOUTS, *SETUP, *CONDITIONS)} | {"Log", "Cd", "alpha"}
-        plain = {re.sub(r"^[✓!✗?] | (m/s|s)$|[ ▲▼]+$", "", title).lower() for title in titles}
+        plain = {re.sub(r"^[✓!⊘✗?] | (m/s|s)$|[ ▲▼]+$", "", title).lower() for title in titles}
         assert plain
         assert not {title for title in plain if title not in helped and not title[:1].isdigit()}
 
@@ -505,7 +508,7 @@ async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:
 
 async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "ctrl+p", *typed("colours: night"), "_", "enter")
+        await press(pilot, "ctrl+p", *typed("colors: night"), "_", "enter")
         await pilot.pause(0.3)
         await calm(pilot)
         assert pilot.app.theme == "night"
@@ -513,7 +516,7 @@ async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
 
 async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
     async with opened(file) as pilot:
-        await pilot.click("TopBar", offset=(26, 0))
+        await pilot.click("TopBar", offset=(32, 0))
         await calm(pilot)
         assert "file" in shown(pilot)
         for _ in range(3):  # on a busy machine a click may fall into a repaint

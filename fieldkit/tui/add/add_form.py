@@ -12,13 +12,16 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, i
 from fieldkit.quantities import measure, spelled
 
 if TYPE_CHECKING:
+    from fieldkit.services.pickers import Names
     from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, and offered from the last flight."""
-BY_NAME = {question.name: question for question in QUESTIONS}
+DATE = Question("date_time", "Date", "When it flew: today, yesterday, 2026-05-01 or 2026-05-01T10:30.", offered=True)
+BY_NAME = {question.name: question for question in (DATE, *QUESTIONS)}
 READ = tuple(column.name for column in READOUTS)
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
+TODAY = "today"
 OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
 """The system in which a figure is repeated beside it."""
 
@@ -40,6 +43,7 @@ class FormStart:
     draft: Mapping[str, str]
     units: Mapping[str, str]
     offers: Mapping[str, str]
+    names: "Names"
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,14 +132,18 @@ class Draft:
 
         ledger = self._resources.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
-        return FormStart(draft, self._units, self.offers(draft))
+        return FormStart(draft, self._units, self.offers(draft), self.names())
+
+    def names(self) -> "Names":
+        """What can be picked as an answer."""
+        return self._resources.names()
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """What the flight that was planned, or the last one, suggests, given what was answered."""
         from fieldkit.services.manual_entry import offer, planned_answers
 
         plan = planned_answers(self._resources.ledger)
-        flight, offers = Flight(), dict[str, str]()
+        flight, offers = Flight(), {DATE.name: TODAY}
         for question in QUESTIONS:
             text = answers.get(question.name)
             if text is None:
@@ -197,14 +205,18 @@ class Draft:
         return Saved(added.new[0] if added.new else "", flight, lacks=lacks(said.flight), trouble="; ".join(odd))
 
     def _question(self, flight: Flight) -> str:
-        """What is asked of an apogee that can hardly be right, empty where it may well be."""
+        """What is asked of a name that may be a slip or an apogee that can hardly be right; empty if all is well."""
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
 
+        named = self.names()
+        doubts = [doubt for name in ("rocket", "site") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
-        if expected is None or flight.apogee is None:
-            return ""
-        return question(expected, flight.apogee, self._resources.settings.units)
+        if expected is not None and flight.apogee is not None:
+            doubts.append(question(expected, flight.apogee, self._resources.settings.units))
+        elif doubts:
+            doubts.append("Save it as it is?")
+        return "\n".join(doubts)
 
     def outcome(self, flight: Flight) -> str:
         """How a flight that was saved did beside its forecast, and the next one; empty where nothing can be said."""

@@ -1,27 +1,18 @@
 """The field in hand of the page Add: its number in large digits, what it means, what the figures say together."""
 
 from collections.abc import Iterable
-from typing import Self
 
 from textual.containers import Horizontal
 from textual.content import Content
-from textual.geometry import Region
 from textual.widget import Widget
-from textual.widgets import Digits, Static
+from textual.widgets import Static
 
 from fieldkit.importing.manual_entry import Question, implausible_answers
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.add.add_form import Answered, summary, together
 from fieldkit.tui.add.fields import Field
-
-
-class Big(Digits):
-    """Digits in a place of their own size, whatever they are: a key lays nothing out anew."""
-
-    def refresh(self, *regions: Region, repaint: bool = True, layout: bool = False, recompose: bool = False) -> Self:
-        """Paint them; a layout that they ask for is left out."""
-        return super().refresh(*regions, repaint=repaint, recompose=recompose)
+from fieldkit.tui.widgets.big import Big
 
 
 class Hand(Horizontal):
@@ -35,7 +26,7 @@ class Hand(Horizontal):
 
     def compose(self) -> Iterable[Widget]:
         """The digits and the words."""
-        yield Big("", id="big")
+        yield Big(id="big")
         yield Static("", id="says")
 
     def show(self, field: Field, said: Answered, unit: str, system: str) -> None:
@@ -47,7 +38,7 @@ class Hand(Horizontal):
         """No field: the flight in a line, and what Enter does with it."""
         self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
         self.border_subtitle = ""
-        self.query_one("#big", Digits).update("")
+        self.query_one(Big).show("")
         self._say(summary(said.flight), said, system)
 
     def _say(self, first: str, said: Answered, system: str) -> None:
@@ -63,7 +54,7 @@ class Hand(Horizontal):
         asked = f" ({spelled(unit)})" if question.column else ""
         self.border_title = Content(f"{question.title}{asked}")
         self.border_subtitle = spelled(typed_unit(text)) if known else ""
-        self.query_one("#big", Digits).update(text[: len(text) - len(typed_unit(text))] if known else "")
+        self.query_one(Big).show(text[: len(text) - len(typed_unit(text))].strip() if known else "")
 
 
 def _meaning(question: Question, answer: str, said: Answered) -> str:

@@ -6,11 +6,14 @@ from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
+from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.quantities import measure
 from fieldkit.tui.add.add_form import BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.picker import Picker
 
 
 class Sheet:
@@ -20,6 +23,7 @@ class Sheet:
         self._page = page
         self._held: Field | None = None
         self.touched: set[str] = set()
+        self.picker = Picker()
 
     def body(self) -> Iterable[Widget]:
         """The widgets, in their order."""
@@ -36,6 +40,7 @@ class Sheet:
             with Vertical(id="more"):
                 for name in MORE_FIELDS:
                     yield Field(BY_NAME[name])
+        yield self.picker
 
     def field(self, name: str) -> Field:
         """The field of a question."""
@@ -50,12 +55,13 @@ class Sheet:
         """What stands in each line, by question."""
         return {name: self.field(name).answer for name in BY_NAME}
 
-    def fill(self, texts: Mapping[str, str]) -> None:
-        """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
+    def fill(self, texts: Mapping[str, str], system: str = "") -> None:
+        """Fill lines in which nothing was typed, or was typed and its message is still on the way; numbers in the units
+        of a system, if one is named."""
         with self._page.prevent(Input.Changed):
             for name in texts.keys() & BY_NAME.keys() - self.touched:
                 if not self.field(name).typed:
-                    self.field(name).fill(texts[name])
+                    self.field(name).fill(texts[name], in_units(BY_NAME[name], texts[name], system) if system else "")
 
     def clear(self) -> None:
         """Empty every line."""
@@ -65,8 +71,8 @@ class Sheet:
                 self.field(name).fill("")
 
     def first_empty(self) -> Input:
-        """The first line that is asked and empty: what the flight was, else the first readout not typed."""
-        named = [name for name in SETUP[:3] if not self.field(name).line.value]
+        """The first line that is asked and empty: rocket and motor, else the first readout not typed."""
+        named = [name for name in ("rocket", "motor") if not self.field(name).line.value]
         unread = [name for name in READ if not self.field(name).line.value]
         return self.field((named or unread or READ)[0]).line
 
@@ -77,6 +83,12 @@ class Sheet:
             if one is not None:
                 one.set_class(one is self._held, "-hand")
         return self._held
+
+
+def in_units(question: Question, text: str, system: str) -> str:
+    """An offered answer as a flyer reads it: `8.0 mph` for `3.57632 m/s`."""
+    value = read_answer(question.name, text) if question.column is not None else None
+    return measure(question.column, value, system) if question.column and isinstance(value, float) else text
 
 
 def field_of(widget: Widget | None) -> Field | None:

@@ -1,7 +1,9 @@
 """A question with a line to type its answer in, and a note on the answer."""
 
+import asyncio
 from collections.abc import Callable, Iterable
-from typing import Any, ClassVar
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -11,11 +13,15 @@ from textual.screen import ModalScreen
 from textual.widget import Widget
 from textual.widgets import Input, Label, Static
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.picker import Picker
+
+if TYPE_CHECKING:
+    from fieldkit.services.pickers import Names
 
 
 class Line(Input):
@@ -50,11 +56,12 @@ class Field(Horizontal):
     def __init__(self, question: Question, *, short: bool = False, text: str = "") -> None:
         super().__init__(id=f"field-{question.name}", classes="-short" if short else "")
         self.question, self._meant, self._noted = question, text, ""
+        self._filled = printable(text)
 
     def compose(self) -> Iterable[Widget]:
         """Label, line, note."""
         yield Label(self.question.title if self.question.name != "config" else "Config")
-        yield Line(printable(self._meant), takes_marks=self.question.name == "notes", id=f"in-{self.question.name}")
+        yield Line(self._filled, takes_marks=self.question.name == "notes", id=f"in-{self.question.name}")
         yield Static("", classes="note")
 
     @property
@@ -64,19 +71,19 @@ class Field(Horizontal):
 
     @property
     def answer(self) -> str:
-        """What was typed, or what was filled in as it was meant: a line shows no escapes, a name may have some."""
+        """What was typed, or what was filled in as it was meant: a line shows no escapes, and numbers rounded."""
         text = self.line.value.strip()
-        return self._meant if text == printable(self._meant).strip() else text
+        return self._meant if text == self._filled.strip() else text
 
     @property
     def typed(self) -> bool:
         """Whether the line holds anything else than what was filled in."""
-        return self.line.value != printable(self._meant)
+        return self.line.value != self._filled
 
-    def fill(self, text: str) -> None:
-        """Put an answer in the line."""
-        self._meant = text
-        self.line.value = printable(text)
+    def fill(self, text: str, shown: str = "") -> None:
+        """Put an answer in the line, as it is `shown` to the flyer."""
+        self._meant, self._filled = text, printable(shown or text)
+        self.line.value = self._filled
 
     def note(self, text: str) -> None:
         """Say something about the answer, in the line there is for it."""
@@ -89,7 +96,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
     `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
-    raises BadValue.
+    raises BadValue. `names` finds what is offered as answers are typed; those that it does not know are questioned.
     """
 
     DEFAULT_CSS = """
@@ -100,11 +107,11 @@ class Form(ModalScreen[dict[str, object] | None]):
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+s", "take", "Take it", key_display="^S", priority=True),
+        Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
-        Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
-        Binding("escape", "dismiss(None)", "Leave it"),
+        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
+        Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
+        Binding("escape", "leave", "Cancel", priority=True),
     ]
 
     def __init__(
@@ -114,10 +121,13 @@ class Form(ModalScreen[dict[str, object] | None]):
         texts: dict[str, str],
         units: dict[str, str],
         read: Callable[[str, str, str], object] = read_answer,
+        names: "Callable[[], Names] | None" = None,
     ) -> None:
         super().__init__()
         self._title, self._questions, self._texts, self._units = title, tuple(questions), texts, units
-        self._value = read
+        self._value, self._find_names = read, names
+        self._names: Names | None = None
+        self._picker = Picker()
 
     def compose(self) -> ComposeResult:
         """The questions, and what the one in hand means."""
@@ -128,46 +138,97 @@ class Form(ModalScreen[dict[str, object] | None]):
                     yield Field(question, text=self._texts.get(question.name, ""))
             yield Static("", id="help")
             yield KeyBar()
+        yield self._picker
+
+    def on_mount(self) -> None:
+        """What is offered as answers comes when it is read."""
+        if self._find_names is not None:
+            self.run_worker(self._have_names, group="names")  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _have_names(self) -> None:
+        with suppress(FieldkitError):  # without a ledger answers are typed in full
+            self._names = await asyncio.to_thread(self._find_names) if self._find_names is not None else None
+        if self._names is not None:
+            self._picker.sources = self._names.sources()
 
     def on_descendant_focus(self) -> None:
         """Explain the field in hand, or all of why it cannot be read."""
         field = self.focused.parent if self.focused is not None else None
         for one in self.query(Field):
             one.set_class(one is field, "-hand")
-            one.note(self._read(one)[1])
+            one.note(self._read(one)[1] if one.answer else spelled(self._units.get(one.question.name, "")))
         if isinstance(field, Field):
             note = self._read(field)[1]
-            about = printable(note) if note.startswith("✗") else field.question.help
+            about = printable(note) if note.startswith(("✗", "? ")) else field.question.help
             self.query_one("#help", Static).update(Content(about))
 
-    def on_input_changed(self) -> None:
-        """The note follows what is typed."""
+    def on_descendant_blur(self) -> None:
+        """A list belongs to the line that is typed in."""
+        self._picker.close()
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """The note follows what is typed, and so do the answers that are offered."""
         self.on_descendant_focus()
+        if isinstance(event.input.parent, Field) and event.input.parent.typed:
+            self._picker.follow(event.input, event.input.parent.question.name)
 
     def _read(self, field: Field) -> tuple[object, str]:
         """The value of a field, and a note on it that begins with a cross where it cannot be read."""
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
-            return self._value(name, "" if text == NOT_RECORDED else text, unit), spelled(unit)
+            value = self._value(name, "" if text == NOT_RECORDED else text, unit)
         except BadValue as error:
             return None, f"✗ {error}"
+        doubt = self._names.doubt(name, value) if self._names is not None and field.typed else ""
+        return value, f"? {doubt}" if doubt else spelled(unit)
 
     def action_go_on(self) -> None:
-        """To the next line; on the last one it takes the form."""
+        """To the next line; on the last one it takes the form. An answer that was chosen is taken first."""
+        self._picker.take()
         field = self.focused.parent if self.focused is not None else None
         if isinstance(field, Field) and field.question == self._questions[-1]:
             self.action_take()
         else:
             self.focus_next()
 
+    def action_step(self, by: int) -> None:
+        """To the next line or the one before, or in the list that is open."""
+        if self._picker.open:
+            self._picker.move(by)
+        elif by > 0:
+            self.focus_next()
+        else:
+            self.focus_previous()
+
+    def action_leave(self) -> None:
+        """Close the list, else leave everything as it was."""
+        if self._picker.open:
+            self._picker.close()
+        else:
+            self.dismiss(None)
+
     def action_take(self) -> None:
-        """Hand the answers over, if all can be read."""
+        """Hand the answers over, if all can be read; one that may be a slip is questioned."""
         values: dict[str, object] = {}
+        doubts: dict[Field, str] = {}
+        self._picker.close()
         for field in self.query(Field):
             value, note = self._read(field)
             if note.startswith("✗"):
-                field.line.focus()
+                self.set_focus(field.line)  # at once: the next key is for it
                 return
+            doubts |= {field: note.removeprefix("? ")} if note.startswith("? ") else {}
             values[field.question.name] = value
-        self.dismiss(values)
+        if not doubts:
+            self.dismiss(values)
+            return
+        from fieldkit.tui.widgets.dialogs import AskYes
+
+        def sure(yes: bool | None) -> None:
+            if yes:
+                self.dismiss(values)
+            else:
+                self.set_focus(next(iter(doubts)).line)
+
+        self.app.push_screen(AskYes("\n".join([*doubts.values(), "Save it as it is?"])), sure)

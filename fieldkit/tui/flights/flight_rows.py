@@ -59,6 +59,7 @@ def _date(form: str) -> Callable[[Row, str], str]:
 def columns(width: int) -> list[Shown]:
     """All ten columns in any width: narrow ones shorten the date and the tags."""
     wide, tight = width >= 108, width < 76
+    motor = 14 if wide else 6 if tight else 8
     return [
         Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
         Shown(
@@ -69,7 +70,7 @@ def columns(width: int) -> list[Shown]:
         ),
         Shown("rocket", 14 if wide else 6, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()),
         Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
-        Shown("motor", 14 if wide else 6 if tight else 8, lambda r, _: r.flight.motor, lambda r: r.flight.motor),
+        Shown("motor", motor, lambda r, _: cards.motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
         Shown(
             "apogee",
             9 if wide else 7,

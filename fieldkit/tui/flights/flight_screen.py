@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, Flight
+from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
@@ -46,9 +46,9 @@ class FlightScreen(PageScreen):
         (
             ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
-            ("├──●──┤", "The forecast: 5 %, median and 95 %. The cross ✗ is the apogee that was flown."),
+            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the apogee that was flown."),
             ("± 1 m", "How sure a figure is that was measured in a log: two times of three the truth is that near."),
-            ("Log", "Altitude, speed and acceleration against time, an upright line at each event."),
+            ("Log", "Altitude, speed and acceleration from liftoff (T+0) to landing, an upright line at each event."),
             ("Also on record", "What the file of the flight said besides, in its own words."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
         ),
@@ -63,7 +63,7 @@ class FlightScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back", priority=True),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
+        Binding("e", "edit", "Edit", tooltip="Change what is known of this flight"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
         REMOVE,
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
@@ -155,7 +155,7 @@ class FlightScreen(PageScreen):
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the fit"]),
         ]
         if flight.extra:
             blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
@@ -184,7 +184,7 @@ class FlightScreen(PageScreen):
             title.update(Content(printable(log)))
             return
         events = sorted(log.events.items(), key=lambda one: one[1])
-        marks = ", ".join(f"{name} {time:.2f} s" for name, time in events)
+        marks = ", ".join(f"{name} T{time:+.2f} s" for name, time in events)
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
 
@@ -233,40 +233,11 @@ class FlightScreen(PageScreen):
             self.app.push_screen(TagScreen(self._flight_id, self._flight))
 
     def action_edit(self) -> None:
-        """Type changes as `fieldkit edit` takes them."""
-        from fieldkit.tui.widgets.dialogs import AskText
+        """Change what is known of the flight."""
+        from fieldkit.tui.flights.edit_form import ask_changes
 
-        names = ", ".join(list(BY_NAME)[:3])
-        about = f"COLUMN=VALUE, several apart by ;  such as apogee=281m; wind=2 m/s ({names}, ...). Empty clears."
-        self.app.push_screen(AskText(f"Change flight {self._flight_id}", "", about), self._edited)
-
-    def _edited(self, text: str | None) -> None:
-        if not text or self._flight is None:
-            return
-        flight = self._flight
-
-        def change() -> Flight:
-            from fieldkit.errors import BadValue
-            from fieldkit.importing.manual_entry import read_changes
-
-            pairs = [part.partition("=") for part in text.split(";") if part.strip()]
-            if not all(sign for _, sign, _ in pairs):
-                raise BadValue(f"found {text!r}, expected COLUMN=VALUE such as apogee=281m")
-            changes = read_changes(flight, {name.strip(): value.strip() for name, _, value in pairs})
-            motor = str(changes.get("motor", ""))
-            if motor and (complaint := self.resources.motors.complaint(motor)):
-                raise BadValue(f"motor: {complaint}")
-            return self.resources.ledger.edit(self._flight_id, **changes)
-
-        self.change(change, self._changed)
-
-    def _changed(self, flight: Flight) -> None:
-        self.show_notice(
-            f"{self._flight_id} changed; u takes it back"
-            if flight != self._flight
-            else f"{self._flight_id} is so already"
-        )
-        self.field_app.changed()
+        if self._flight is not None:
+            ask_changes(self, self._flight_id, self._flight)
 
     def copied(self) -> str:
         """The flight as a card of text."""

@@ -1,6 +1,6 @@
 """The log of a flight as it is drawn: its channels against time, with a line at each event."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import BY_NAME
@@ -33,7 +33,23 @@ class Drawn:
         ends = [(trace.time[0], trace.time[-1]) for trace in self.traces.values() if trace.time]
         return min((first for first, _ in ends), default=0.0), max((last for _, last in ends), default=0.0)
 
+    def from_liftoff(self) -> "Drawn":
+        """The same with time from liftoff, from shortly before it to landing; as it is if liftoff is not known. [s]"""
+        start = self.events.get("liftoff")
+        if start is None:
+            return self
+        end = self.events.get("landing", self.span[1]) + BESIDE
+        traces: dict[str, ChannelTrace] = {}
+        for name, trace in self.traces.items():
+            kept = [(t - start, v) for t, v in zip(trace.time, trace.values, strict=True) if start - BESIDE <= t <= end]
+            if kept:
+                time, values = zip(*kept, strict=True)
+                traces[name] = replace(trace, time=list(time), values=list(values))
+        return Drawn(self.device, traces, {name: time - start for name, time in self.events.items()})
 
+
+BESIDE = 1.0
+"""Time that is drawn before liftoff and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
 """What is drawn of a log, from top to bottom."""
 POINTS = 400
@@ -72,7 +88,8 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
             time[good][::every].tolist(),
             [scale.from_si(value) for value in values[good][::every].tolist()],
         )
-    return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
+    events = {name: event.time for name, event in found.recorded.events.items()}
+    return Drawn(found.kind, traces, events).from_liftoff()
 
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
@@ -83,7 +100,7 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     low, high = min(trace.values), max(trace.values)
     for time in inside.values():
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
-    ends = {f"{last:.0f} s": last}
+    ends = {f"T+{last:.0f} s": last}
     named = sorted((time, name) for name, time in {**inside, **ends}.items())
     labels = spaced(named, first, last, ink.width)
     plt.xticks(list(labels), list(labels.values()))

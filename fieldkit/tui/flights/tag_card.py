@@ -71,7 +71,7 @@ class TagCard(VerticalScroll):
             ("means", meaning(tag)),
             (
                 "does",
-                "a flight with it teaches the model no more" if tag in TAGS else "the flight still teaches the model",
+                "a flight with it is left out of the fit" if tag in TAGS else "the flight is still used in the fit",
             ),
             ("here", "" if tag == OWN_TAG_ROW else "this flight bears it" if there else "this flight does not bear it"),
             ("borne by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),

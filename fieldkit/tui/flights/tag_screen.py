@@ -27,8 +27,8 @@ class TagScreen(PageScreen):
     NAME = "flights"
     TITLE = "Tags"
     ABOUT = Help(
-        "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
-        "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
+        "A tag says that something was odd. A flight that bears one of these stays in the ledger and is left "
+        "out of the fit. Below the list you see what that does to the rocket's drag and to the forecast of its "
         "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
         tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),

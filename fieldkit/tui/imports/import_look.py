@@ -145,7 +145,7 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     parts: Parts = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
     if look.start is not None:
-        parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+        parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
         return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
     if receipt is None:
@@ -155,9 +155,9 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
             "\n\nf names the parser to read it with, m says what the columns of a table are",
         ]
         return Content.assemble(*parts)
-    parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+    parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
-    parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
+    parts += [f", {receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
     parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
@@ -193,7 +193,7 @@ def left_out(look: Look) -> Hanging:
 
 
 def in_a_line(given: Mapping[str, str]) -> str:
-    """What is set, as it is typed: `rocket=Astra; config=A`."""
+    """What was given, in a line: `rocket=Astra; config=A`."""
     return "; ".join(f"{name}={value}" for name, value in given.items())
 
 

@@ -100,10 +100,10 @@ class Panels(Container):
         heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 16)]
         self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
-    def show_verdict(self, system: str) -> None:
-        """The verdict, in these units."""
+    def show_verdict(self, system: str, *, accepted: bool = False) -> None:
+        """The verdict, in these units, and whether it was accepted."""
         if self.found is not None:
-            self.query_one("#verdict", Static).update(verdict(self.found, system))
+            self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
 
     def show_residuals(self, turn: int) -> None:
         """Residuals against a column, flight by flight."""

@@ -23,7 +23,7 @@ EVEN_LOG_BAYES_FACTOR = 0.5
 Parts = list[str | tuple[str, str]]
 
 
-def verdict(found: "Findings", system: str) -> Content:
+def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Content:
     """What is missing, how sure that is, and the error on flights not seen, before and after."""
     from fieldkit.presentation.loop_text import beside_verdict
 
@@ -33,7 +33,9 @@ def verdict(found: "Findings", system: str) -> Content:
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
-    if any(places for _, places in diagnosis.averaged):
+    if accepted:
+        parts.append(("\nAccepted: forecasts use it. u to undo", "b"))
+    elif any(places for _, places in diagnosis.averaged):
         parts.append(("\nA accepts it, D leaves the model as it is", "b"))
     return Content.assemble(*parts)
 
@@ -90,9 +92,9 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
         if mark.found != mark.found:
             parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
             continue
-        alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
+        similar = "similar" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
         leans = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
-        parts.append(f"\n{title:{name}}{''.join(leans)} {alike}")
+        parts.append(f"\n{title:{name}}{''.join(leans)} {similar}")
     return Content.assemble(*parts)
 
 

@@ -72,7 +72,7 @@ def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "
 def _against_flown(answer: "Answer", rows: tuple[Interval, ...], system: str) -> "Answer":
     if not rows:
         return answer
-    title = "Forecast and flown: 90 % of flights should end in the line, ● its middle, ✗ where it ended"
+    title = "Forecast and flown: 90 % of flights should end in the line, ● its middle, ◆ where it ended"
     return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
 
 

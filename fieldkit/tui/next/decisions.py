@@ -97,7 +97,7 @@ class Decision:
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
-            return Answer(("No forecast of this rocket is kept yet: Enter on the page Next keeps one.",))
+            return Answer(("No forecast of this rocket is saved yet: Enter on the page Next saves one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             said = one.made.payload

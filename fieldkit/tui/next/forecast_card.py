@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
-from textual.widgets import Digits, Static
+from textual.widgets import Static
 
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.next import motor_rows, next_words
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ class ForecastCard(VerticalScroll):
 
     DEFAULT_CSS = """
     ForecastCard Static { height: auto; }
-    ForecastCard #big { height: 3; width: auto; color: $accent; }
+    ForecastCard #big { height: 3; width: 1fr; }
     ForecastCard #hill { height: 6; }
     """
     text = ""
@@ -35,7 +36,7 @@ class ForecastCard(VerticalScroll):
         from fieldkit.tui.widgets.plots import Plot
 
         yield Static("", id="title")
-        yield Digits("", id="big")
+        yield Big(id="big")
         yield Static("", id="range")
         yield Static("", id="safety")
         yield Plot(id="hill")
@@ -48,7 +49,7 @@ class ForecastCard(VerticalScroll):
         middle = number(cards.APOGEE, one.apogee, system)
         more, checks = next_words.figures(plan, one, system), next_words.checks(one)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
-        self.query_one("#big", Digits).update(middle)
+        self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
         self.query_one("#safety", Static).update(hanging(next_words.safety_in_brief(one.lines)))
         self.query_one("#more", Static).update(stacked([cards.lines("", more, 9), cards.lines("", checks, 1)]))
@@ -61,7 +62,7 @@ class ForecastCard(VerticalScroll):
 
         for name in ("title", "range", "safety", "more"):
             self.query_one(f"#{name}", Static).update("")
-        self.query_one("#big", Digits).update("")
+        self.query_one(Big).show("")
         self.query_one(Plot).show(None)
         self.text = ""
 

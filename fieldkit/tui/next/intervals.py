@@ -11,6 +11,9 @@ from textual.visual import RenderOptions, Visual
 
 from fieldkit.safe_text import printable
 
+FLOWN = "◆"
+"""Where a flight ended up: neither wrong (✗) nor unsafe."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interval:
@@ -82,7 +85,7 @@ class Intervals(Visual):
 
 
 def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
-    """An interval on a scale from `start` to `end`: `├──●──┤`, `◎` at the marks and `✗` where it ended up."""
+    """An interval on a scale from `start` to `end`: `├──●──┤`, `◎` at the marks and `◆` where it ended up."""
     line = [" "] * width
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)
@@ -92,7 +95,14 @@ def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float,
             at = _cell(mark, start, end, width)
             line[at] = "◎" if line[at] != "●" else "◉"
     if row.flown is not None:
-        line[_cell(row.flown, start, end, width)] = "✗"
+        line[_cell(row.flown, start, end, width)] = FLOWN
+    return "".join(line)
+
+
+def point(value: float, start: float, end: float, width: int) -> str:
+    """A flight without a forecast on the same scale: `◆` where it ended up."""
+    line = [" "] * width
+    line[_cell(value, start, end, width)] = FLOWN
     return "".join(line)
 
 

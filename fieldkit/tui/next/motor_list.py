@@ -18,6 +18,9 @@ AT_ONCE = 40
 MAX_FORECAST_MOTORS = 200
 """Motors that a search forecasts; a longer word narrows the search."""
 
+TOO_WEAK = "thrust to weight"
+"""The safety line that a motor fails which does not lift the rocket well."""
+
 
 @dataclass(slots=True)
 class MotorList:
@@ -43,8 +46,10 @@ class MotorList:
         return [motor for motor in self.found[:MAX_FORECAST_MOTORS] if motor not in self.known][:AT_ONCE]
 
     def fits(self, motor: "Motor") -> bool:
-        """Whether the rocket can fly on it."""
-        return self.plan is None or self.plan.wanted.fits(motor)
+        """Whether the rocket can fly on it: it goes in, and what is known by now does not say that it is too weak."""
+        one = self.known.get(motor)
+        weak = one is not None and any(line.name == TOO_WEAK for line in one.why_not)
+        return not weak and (self.plan is None or self.plan.wanted.fits(motor))
 
     def ordered(self, target: float | None) -> "list[Motor]":
         """What fits first; the nearest to the target [m] before others, without one those flown last."""

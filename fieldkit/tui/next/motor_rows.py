@@ -1,5 +1,6 @@
 """The table of the page Next: a motor a row, and as many figures of its forecast as there is room for."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -17,9 +18,9 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
     from fieldkit.planning.motor_guide import MotorChoice
 
-NAME = 22
-"""Cells for a motor's name where all the others are told."""
-LEAST_BAR = 20
+NAME, SHORT_NAME = 22, 14
+"""Cells for a motor's name beside its other figures: with its maker, and without."""
+LEAST_BAR = 14
 """Cells below which an interval is not drawn."""
 
 
@@ -35,17 +36,22 @@ class MotorColumn:
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
     """Headings and cells in a width: beside a card a `brief` choice, else all that there is room for."""
     columns = _brief(settings) if brief else _narrow(settings) if width < 76 else _every(settings, width >= 100)
-    used = 1 + NAME + 1 + sum(column.width + 1 for column in columns)
-    room = width - used
-    drawn = not brief and room >= LEAST_BAR
+    left = width - 2 - sum(column.width + 1 for column in columns)
+    name = NAME if left - NAME >= 2 * LEAST_BAR else SHORT_NAME
+    room = left - name
+    drawn = room >= LEAST_BAR
     if drawn:
         columns.append(_bar(motors, settings, room - 1))
-    heads = [Head("motor", NAME if drawn else 0)]
+    heads = [Head("motor", name if drawn else 0)]
+    with_maker = (drawn and name == NAME) or (not drawn and left >= NAME)
+    shared = Counter(motor.designation for motor in motors.found)
     heads += [Head(column.title, column.width, right=not (drawn and column is columns[-1])) for column in columns]
 
     def cells(motor: "Motor") -> Sequence[str]:
         one = motors.known.get(motor)
-        name = f"{'' if motors.fits(motor) else '✗ '}{motor.maker} {motor.designation}"
+        called = f"{motor.maker} {motor.designation}" if with_maker else motor.designation
+        called = f"{called} {motor.maker}" if not with_maker and shared[motor.designation] > 1 else called
+        name = f"{'' if motors.fits(motor) else '✗ '}{called}"
         if one is None:
             return [name, "…", *[""] * (len(columns) - 1)]
         return [name, *(column.text(one) for column in columns)]
@@ -113,6 +119,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     """Nine flights of ten as a line, for all motors on one scale, and the target on it."""
     system, target = settings.units, settings.target
     top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
+    top = min(top, 2 * target) if target else top
     end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
     mark = " ◎ target" if target else ""
 

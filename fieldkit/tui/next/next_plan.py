@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
-from fieldkit.importing.manual_entry import Question, answer_text, read_answer
+from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.quantities import measure
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from fieldkit.planning.motor_guide import Wanted
     from fieldkit.tui.resources import Resources
 
-DRAFT = "plan"
-"""Name under which the ledger keeps the plan."""
 MAX_NAMED_FLIGHTS = 8
 """Flights behind a forecast that are named one by one."""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
@@ -100,15 +98,14 @@ def read_plan(resources: "Resources") -> Plan | None:
     from fieldkit.paths import data_folder
     from fieldkit.planning.limits import limits
     from fieldkit.planning.motor_guide import Wanted, mount_of
+    from fieldkit.services import launch_day
     from fieldkit.services.planning import completed_plan, rocket_of
 
     ledger = resources.ledger
-    flights, draft = ledger.flights(), ledger.draft(DRAFT) or {}
-    if not flights and not draft:
+    flights = ledger.flights()
+    plan = launch_day.planned(ledger, flights)
+    if plan is None:
         return None
-    last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
-    plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
-    plan = plan.with_changes(**plan_changes(draft))
     rocket = rocket_of(ledger, resources.motors, plan.rocket)
     full = completed_plan(ledger, resources.motors, plan, resources.settings)
     if full.dry_mass is None:
@@ -135,13 +132,6 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
     model = f"version {version.number}" if version else "the plain model"
     more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""
     return f"{len(clean)} clean flights ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
-
-
-def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
-    """The fields of a plan from what was typed, as the ledger keeps it; the motor's temperature beside them."""
-    values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
-    warm = texts.get(MOTOR_TEMPERATURE, "")
-    return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
 
 
 def planned(values: Mapping[str, object]) -> Flight:

@@ -75,11 +75,11 @@ def saved_in_words(said: "Prediction", system: str) -> str:
     """That a forecast was saved, and what it says."""
     low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
-    return f"Kept: {said.plan.motor} to {middle} {unit} ({low} to {high}). Add starts from it. u to undo"
+    return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a adds the flight, u to undo"
 
 
 def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:
-    """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
+    """The names of all checks, those that fail first: `⊘ rail exit speed`, `? ground wind, ceiling`."""
     from fieldkit.planning.check import MARKS
 
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")

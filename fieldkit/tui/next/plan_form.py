@@ -23,4 +23,17 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
         except BadValue as error:
             page.complain(str(error))
 
-    page.app.push_screen(Form("The plan", QUESTIONS, plan_texts(plan, system), units), answered)
+    page.app.push_screen(
+        Form("The plan", QUESTIONS, plan_texts(plan, system), units, names=page.resources.names), answered
+    )
+
+
+def keep_plan(page: PageScreen, plan: Flight) -> None:
+    """Keep a plan, and its weather as that of today."""
+
+    def work() -> bool:
+        from fieldkit.services.launch_day import save_plan
+
+        return save_plan(page.resources.ledger, plan_texts(plan))
+
+    page.change(work, lambda _: page.field_app.changed())

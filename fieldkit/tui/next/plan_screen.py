@@ -37,7 +37,7 @@ class PlanScreen(PageScreen):
     NAME = "next_flight"
     TITLE = "Decide"
     ABOUT = Help(
-        "What is left to decide once the motor is chosen, from what this rocket's flights taught, in the weather of "
+        "What is left to decide once the motor is chosen, from the flights of this rocket, in the weather of "
         "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
         "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
         "expect by a season's rule. Kept: the forecasts that were kept. Score: how good they are. Forecasts are "

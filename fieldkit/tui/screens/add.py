@@ -55,10 +55,10 @@ class AddScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
+        Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
-        Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
+        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
+        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
     ]
@@ -86,6 +86,7 @@ class AddScreen(PageScreen):
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
         self._unkept = ""
+        self._objections: list[str] = []
         self._pen = ThreadPoolExecutor(1, "draft")
         """Writes keys down at once, whatever other workers are busy with."""
 
@@ -115,10 +116,12 @@ class AddScreen(PageScreen):
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
         self._units = dict(start.units) | self._units
         ahead = self.field(READ[0]).typed
-        self._sheet.fill({**start.offers, **start.draft})
+        self._sheet.fill(start.draft)
         self._sheet.touched |= start.draft.keys() & BY_NAME.keys()
+        self._sheet.fill(start.offers, self.resources.settings.units)
+        self._sheet.picker.sources = start.names.sources()
         if start.draft and not self._draft.shown:
-            self.show_notice("a flight was typed halfway: it goes on here; ^N starts anew")
+            self.show_notice("You were typing a flight: go on here, or ^N to start over")
         self._draft.shown = True
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
@@ -156,6 +159,7 @@ class AddScreen(PageScreen):
             self._sheet.touched.add(field.question.name)
             kept = self._keep()
             self._look()
+            self._sheet.picker.follow(event.input, field.question.name)
             wait([kept], AT_MOST)
 
     def _look(self) -> None:
@@ -214,7 +218,7 @@ class AddScreen(PageScreen):
         except FieldkitError as error:
             self._unkept = str(error)
             if self._unkept != before:
-                self.complain(f"what is typed cannot be kept: {error}")
+                self.complain(f"What you type cannot be saved: {error}")
 
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
@@ -235,7 +239,9 @@ class AddScreen(PageScreen):
         return super().check_action(action, parameters)
 
     def action_go_on(self) -> None:
-        """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
+        """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight. An
+        answer that was chosen from the list is taken first."""
+        self._sheet.picker.take()
         if isinstance(self.focused, Button):
             self.action_save() if self.typed else self._to_first()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
@@ -243,12 +249,29 @@ class AddScreen(PageScreen):
         else:
             self.focus_next()
 
+    def action_step(self, by: int) -> None:
+        """To the next field or the one before, or in the list that is open."""
+        if self._sheet.picker.open:
+            self._sheet.picker.move(by)
+        elif by > 0:
+            self.focus_next()
+        else:
+            self.focus_previous()
+
+    def action_back(self) -> None:
+        """Close the list that is open, else as on every page."""
+        if self._sheet.picker.open:
+            self._sheet.picker.close()
+        else:
+            super().action_back()
+
     @on(Input.Blurred)
     def _left(self, event: Input.Blurred) -> None:
         """A field was left: its unit is the next one's, another rocket suggests other answers."""
         from fieldkit.services.manual_entry import kind, typed_unit
 
         field = field_of(event.input)
+        self._sheet.picker.close()
         if field is None or field.question.name not in self._sheet.touched:
             return
         question, column = field.question, field.question.column
@@ -264,6 +287,7 @@ class AddScreen(PageScreen):
 
     def _say_motor(self, trouble: str) -> None:
         if trouble:
+            self._objections.append(trouble)
             self.complain(trouble)
 
     def _offer_again(self) -> None:
@@ -271,7 +295,7 @@ class AddScreen(PageScreen):
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:
-        self._sheet.fill(offers)
+        self._sheet.fill(offers, self.resources.settings.units)
         self._look()
         self._ask_usual()
 
@@ -297,9 +321,13 @@ class AddScreen(PageScreen):
             self.app.push_screen(AskYes(saved.confirm), self._confirmed)
             return
         if saved.wrong:
+            self._objections.append(saved.trouble)
             self.complain(saved.trouble)
             self.set_focus(self.field(saved.wrong).line)
             return
+        for mended in self._objections:
+            self.field_app.withdraw(mended)
+        self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
         said = f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else "It is in the ledger already."
         self.show_notice(said)
@@ -324,7 +352,7 @@ class AddScreen(PageScreen):
 
     def _forgotten(self, any_was: bool) -> None:
         if any_was:
-            self.show_notice("begun anew; ^Z brings back what was typed")
+            self.show_notice("Started over. ^Z brings back what was typed")
         self.reload()
 
     def resting_place(self) -> Widget | None:

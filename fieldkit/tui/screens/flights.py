@@ -19,7 +19,7 @@ from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
-from fieldkit.tui.help import Help
+from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
@@ -33,7 +33,6 @@ FLIGHTS_PER_BATCH = 200
 """Flights whose drag and thrust are computed together, so that others need not wait."""
 REST = 0.15
 """How long the cursor stays on a flight before its log is read. [s]"""
-NONE_YET = "no flights yet; a adds one, 3 imports a file"
 NOT_FOUND = "no flight holds all of these words; / changes them"
 
 
@@ -50,11 +49,11 @@ class FlightsScreen(PageScreen):
             ("id, date", "Its number in the ledger, and when it flew; without a date it stands where it was entered."),
             ("rocket, cfg", "The rocket and its configuration; motor is what it flew on, with the delay."),
             ("apogee", "Highest point above the pad, as your altimeter showed it."),
-            ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
+            ("Cd", "How much drag the rocket had in this flight, inferred from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
             ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
             ("miss*", "The forecast was stale: mass, motor, weather or model had changed between it and the flight."),
-            ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
+            ("tags", "What was odd. A flight with a tag such as weak_launch stays and is left out of the fit."),
         ),
         (
             "fieldkit flights [--rocket R] [--tag T]",
@@ -171,7 +170,7 @@ class FlightsScreen(PageScreen):
             Head(c.title + (arrow if n == self._sort else ""), c.width, c.right, tail=c.title == "id")
             for n, c in enumerate(shown)
         ]
-        self.query_one(Table).empty = NOT_FOUND if words else NONE_YET
+        self.query_one(Table).empty = NOT_FOUND if words else NO_FLIGHTS
         self.query_one(Table).show(
             heads,
             [row.id for row in self._sorted(rows)],
@@ -223,10 +222,18 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Chosen)
     def _open(self, message: Table.Chosen) -> None:
-        if self._flight in self.app.screen_stack:
-            return  # Enter was typed twice
-        self._flight.turn_to(message.key)
-        self.app.push_screen(self._flight)
+        self.open_flight(message.key)
+
+    def open_flight(self, id: str) -> None:
+        """Open a flight, once: Enter may be typed twice."""
+        if self._flight not in self.app.screen_stack:
+            self._flight.turn_to(id)
+            self.app.push_screen(self._flight)
+
+    def show_only(self, words: str) -> None:
+        """The flights that hold all of some words."""
+        self.query_one(Input).value = words
+        self.set_focus(self.query_one(Table))
 
     @cached_property
     def _flight(self) -> "FlightScreen":

@@ -23,7 +23,6 @@ from fieldkit.tui.imports.import_look import (
     ReadOptions,
     by_keys,
     folder_text,
-    in_a_line,
     left_out,
     listed,
     look_at,
@@ -49,15 +48,15 @@ class ImportScreen(PageScreen):
     TITLE = "Import"
     ABOUT = Help(
         "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-        "what it was recognised as, how many flights it would bring, each row that would be left out, with the "
+        "what it was recognized as, how many flights it would bring, each row that would be left out, with the "
         "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
         "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
         "of several altimeters in one flight.",
         (
-            ("format", "The parser that recognised the file, by what is in it. f names another one."),
+            ("format", "The parser that recognised the file, by what is in it. F names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
             ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
-            ("set", "Columns the file leaves open, such as rocket=Astra; several apart by a semicolon."),
+            ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
             (
                 "design",
                 "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
@@ -71,11 +70,11 @@ class ImportScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
-        Binding("f", "format", "Format", tooltip="Name the parser to read with"),
-        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket=Astra"),
+        Binding("F", "format", "Format", tooltip="Name the parser to read with"),
+        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
-        Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),
+        Binding("r", "reload", "Look again", tooltip="List the folder and read the file again", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -113,7 +112,7 @@ class ImportScreen(PageScreen):
         return self.query_one("#files", Table)
 
     def reload(self) -> None:
-        """List the folder anew."""
+        """List the folder again."""
         self.go(self._folder)
 
     def go(self, folder: Path, mark: Path | None = None) -> None:
@@ -173,7 +172,7 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
-            self.show_notice("it is still being read; Enter again stores it")
+            self.show_notice("Still reading the file; Enter again stores it")
 
     def action_mark(self) -> None:
         """Read the file under the cursor together with others that are marked, or no longer."""
@@ -187,13 +186,13 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: "Receipt") -> None:
         self._reading = replace(self._reading, marked=())
-        counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-        undo = "; u takes them back" if receipt.ids else ""
+        counts = f"{receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"
+        undo = ". u to undo" if receipt.ids else ""
         self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
+        self.show_notice("Saved as the start of this rocket: Next uses it. u to undo" if new else "Saved already")
         self.field_app.changed()
 
     def action_reload(self) -> None:
@@ -207,11 +206,11 @@ class ImportScreen(PageScreen):
     def action_format(self) -> None:
         """Name a parser."""
         from fieldkit.importing.recognize import parsers
+        from fieldkit.services.pickers import Pick
 
-        known = ", ".join(parsers())
-        self.app.push_screen(
-            AskText("Read it as", self._reading.format or "", f"One of: {known}. Empty: by its content."), self._named
-        )
+        picks = [Pick(name, parser.title) for name, parser in parsers().items()]
+        about = "The format; ↓ chooses one. Empty: by its content."
+        self.app.push_screen(AskText("Read it as", self._reading.format or "", about, picks), self._named)
 
     def _named(self, text: str | None) -> None:
         if text is not None:
@@ -229,15 +228,13 @@ class ImportScreen(PageScreen):
         self._examine()
 
     def action_set(self) -> None:
-        """Columns that the file leaves open."""
-        about = "COLUMN=VALUE for flights that leave it open, several apart by ; such as rocket=Astra; config=A"
-        self.app.push_screen(AskText("Set", in_a_line(self._reading.given), about), self._set)
+        """Type what the file leaves open."""
+        from fieldkit.tui.imports.given_form import ask_given
 
-    def _set(self, text: str | None) -> None:
-        if text is None:
-            return
-        pairs = [part.partition("=") for part in text.split(";") if part.strip()]
-        self._read_as(replace(self._reading, given={name.strip(): value.strip() for name, _, value in pairs}))
+        ask_given(self, self._reading.given, self._set)
+
+    def _set(self, given: dict[str, str]) -> None:
+        self._read_as(replace(self._reading, given=given))
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""

@@ -14,7 +14,7 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.flight_facts import or_why
-from fieldkit.tui.help import Help
+from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Page, PageScreen, go_on
 from fieldkit.tui.report import ask_report
@@ -35,7 +35,7 @@ class LoopScreen(PageScreen):
         "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
         "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
         "l looks, which takes some seconds; nothing changes until you accept with A. D leaves the model as it is. "
-        "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
+        "Under Versions, Enter predicts with another model from now on; u undoes that as well.",
         (
             ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
             (
@@ -45,7 +45,7 @@ class LoopScreen(PageScreen):
             ),
             (
                 "Fingerprint",
-                "What an effect (n chooses) would leave in each readout, and what was there: alike or not.",
+                "What an effect (n chooses) would leave in each readout, and what was there: similar or not.",
             ),
             (
                 "Ranking",
@@ -94,6 +94,7 @@ class LoopScreen(PageScreen):
         self._standing: Standing | None = None
         self._rocket: str | None = None
         self._panel, self._against, self._effect = 0, 0, 0
+        self._accepted_version: int | None = None
 
     def body(self) -> Iterable[Widget]:
         """What is at hand, the names of the panels, the panels."""
@@ -120,16 +121,16 @@ class LoopScreen(PageScreen):
         """The same in other units."""
         if self._standing is not None:
             self._show_versions(self._standing)
-        self.panels.show_verdict(self.resources.settings.units)
 
     def _have(self, standing: Standing | None) -> None:
         if standing is None:
             self._standing = None
-            self.query_one("#what", Static).update("no flights yet; 2 adds one, 3 imports a file")
+            self.query_one("#what", Static).update("No rocket yet")
+            self.panels.forget(NO_FLIGHTS)
             return
         before = self._standing
         if self.panels.found is not None and before is not None and before.flights != standing.flights:
-            self.panels.forget("the flights have changed: l looks anew")
+            self.panels.forget("The flights have changed: l looks again")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -139,6 +140,8 @@ class LoopScreen(PageScreen):
         model = f"version {standing.used}" if standing.used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
         self.panels.show_versions(standing, self.resources.settings.units)
+        accepted = self._accepted_version is not None and self._accepted_version == standing.used
+        self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
 
     async def action_look(self) -> None:
         """Look for what is missing, and show how far that is; nothing is changed."""
@@ -172,6 +175,7 @@ class LoopScreen(PageScreen):
         if found.rocket != self._rocket:
             return
         self._effect = self._panel = 0
+        self._accepted_version = None
         self.panels.show(found, self.resources.settings.units)
         self.panels.show_residuals(self._against)
         self._front()
@@ -232,22 +236,32 @@ class LoopScreen(PageScreen):
             self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
             return
         from fieldkit.services.close_loop import adopt
+        from fieldkit.services.forecasts import used_version
 
         plain = self._standing is None or self._standing.plain
         if plain and all(not places for _, places in found.diagnosis.averaged):
-            self.complain("nothing to accept: the plain model stands")
+            self.show_notice("Nothing to accept: the plain model is in use")
             return
-        self.change(lambda: adopt(self.resources.ledger, found.rocket, found.diagnosis), self._accepted)
+        if self._accepted_version is not None and self._standing and self._standing.used == self._accepted_version:
+            self.show_notice("Accepted already: forecasts use it")
+            return
 
-    def _accepted(self, _: None) -> None:
-        self.show_notice("accepted: forecasts rest on it from now on; u takes it back")
+        def work() -> int:
+            adopt(self.resources.ledger, found.rocket, found.diagnosis)
+            return used_version(self.resources.ledger, found.rocket)
+
+        self.change(work, self._accepted)
+
+    def _accepted(self, version: int) -> None:
+        self._accepted_version = version
+        self.show_notice("Accepted: forecasts use it from now on. u to undo")
         self.field_app.changed()
 
     def action_decline(self) -> None:
         """Leave the model as it is."""
         found = self.panels.found is not None
         self.show_notice(
-            "declined: the model stays as it is" if found else "nothing to decline yet: l looks for what is missing"
+            "Declined: the model stays as it is" if found else "Nothing to decline yet: l looks for what is missing"
         )
 
     @on(Table.Chosen, "#versions")
@@ -255,12 +269,15 @@ class LoopScreen(PageScreen):
         if self._standing is None:
             return
         rocket, number = self._standing.rocket, message.key
+        named = f"version {number}" if number else "the plain model"
+        if number == self._standing.used:
+            self.show_notice(f"{rocket} uses {named} already")
+            return
         work = partial(self.resources.ledger.activate, rocket, number or None)
-        said = f"{rocket} predicts with " + (f"version {number}" if number else "the plain model")
-        self.change(work, partial(self._used, said))
+        self.change(work, partial(self._used, f"{rocket} predicts with {named}"))
 
     def _used(self, said: str, _: None) -> None:
-        self.show_notice(f"{said}; u takes it back")
+        self.show_notice(f"{said}. u to undo")
         self.field_app.changed()
 
     def action_report(self) -> None:

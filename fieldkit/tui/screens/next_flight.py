@@ -1,6 +1,7 @@
 """Next flight: every motor that fits, where each would take the rocket, the forecast of the one under the cursor."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, cast
 
@@ -13,9 +14,9 @@ from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
 from fieldkit.tui.add.fields import Line
-from fieldkit.tui.help import Help
+from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.next.motor_list import MotorList
-from fieldkit.tui.next.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
+from fieldkit.tui.next.next_plan import QUESTIONS, Plan, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.widgets.table import Table
 
@@ -40,7 +41,7 @@ class NextScreen(PageScreen):
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
         "Type / and a name, a maker or a size such as 24mm to search the whole catalogue; * lists all of it. With a "
-        "target set (g), the motors that come nearest to it are on top. Enter keeps a forecast, and the flight is "
+        "target set (g), the motors that come nearest to it are on top. Enter saves a forecast, and the flight is "
         "measured against it when you add it. Forecasts are advice: the range safety officer decides.",
         (
             ("apogee", "What your altimeter will show, in the middle of the distribution."),
@@ -56,7 +57,7 @@ class NextScreen(PageScreen):
             ("true", "The height in fact; on a hot day a barometric altimeter shows less than that, in the cold more."),
             ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; - is before."),
             (
-                "✓ ! ✗ ?",
+                "✓ ! ⊘ ?",
                 "Safety checks: well, caution, unsafe, not known; each with its figures and limit further down.",
             ),
             (
@@ -86,7 +87,7 @@ class NextScreen(PageScreen):
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
-        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; forecasts kept"),
+        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
         Binding(
             "asterisk",
@@ -109,7 +110,7 @@ class NextScreen(PageScreen):
     NextScreen.-narrow #motors { height: 7; width: 1fr; }
     NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }
     NextScreen.-narrow.-comparing #motors { height: 1fr; }
-    NextScreen.-comparing #card { display: none; }
+    NextScreen.-comparing #card, NextScreen.-blank #card { display: none; }
     NextScreen.-tall #hill { height: 11; }
     """
 
@@ -127,7 +128,7 @@ class NextScreen(PageScreen):
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
             yield Static("", id="count")
         with Horizontal(id="split"):
-            yield Table(id="motors", enter="Keep")
+            yield Table(id="motors", enter="Save")
             yield ForecastCard(id="card")
 
     @property
@@ -140,7 +141,7 @@ class NextScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the plan, and forecast every motor anew."""
+        """Read the plan, and forecast every motor again."""
         self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:
@@ -153,8 +154,11 @@ class NextScreen(PageScreen):
 
     def _have_plan(self, plan: Plan | None) -> None:
         self._motors.plan, self._motors.known = plan, {}
+        self.set_class(plan is None, "-blank")
         if plan is None:
-            self.query_one("#plan", Static).update("no flights yet; 2 adds one, 3 imports a file, p plans without")
+            self.query_one("#plan", Static).update("No plan yet: p types one")
+            self.query_one(Table).empty = NO_FLIGHTS
+            self.query_one(Table).show((), (), lambda _: ())
             return
         self.query_one(Table).empty = "no motor fits; * shows them all"
         self._show_plan(plan)
@@ -269,17 +273,18 @@ class NextScreen(PageScreen):
         ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
-        texts, name = plan_texts(plan), f"{plan.rocket} {plan.config}".strip()
-        self.change(lambda: self.resources.ledger.change_draft(DRAFT, texts, "plan", name), lambda _: self.reload())
+        from fieldkit.tui.next.plan_form import keep_plan
+
+        keep_plan(self, plan)
 
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:
-        """Keep the forecast of the motor under the cursor, made with care."""
+        """Save the forecast of the motor under the cursor, made with all draws."""
         motor = self.query_one(Table).current
         one = self._motors.known.get(motor)
         if one is None:
             if motor is not None and self._motors.plan is not None:
-                self.show_notice("this motor is still being worked out; Enter again keeps its forecast")
+                self.show_notice("This motor is still being computed; Enter again saves its forecast")
             return
 
         def work() -> "list[Prediction]":
@@ -287,13 +292,17 @@ class NextScreen(PageScreen):
 
             return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], decided=True)
 
-        self.change(work, self._kept)
+        self.change(work, partial(self._kept, motor))
 
-    def _kept(self, made: "list[Prediction]") -> None:
+    def _kept(self, motor: "Motor", made: "list[Prediction]") -> None:
+        """Say so, and show the figures that were saved from now on."""
         from fieldkit.tui.next.next_words import saved_in_words
 
         self.show_notice(saved_in_words(made[0], self.resources.settings.units))
         self.changed_for_others()
+        if (one := self._motors.known.get(motor)) is not None:
+            self._motors.known[motor] = replace(one, prediction=made[0])
+            self._refill()
 
     def copied(self) -> str:
         """The forecast as text, or the row under the cursor where all are compared."""

@@ -12,7 +12,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Digits, Static
+from textual.widgets import Static
 
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, number, spelled, unit_of
@@ -21,6 +21,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
+from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.table import Head, Table
@@ -58,7 +59,7 @@ class CaptureScreen(PageScreen):
         Binding("k", "stop", "Stop", tooltip="End the capture in good order"),
         Binding("h", "device", "Device", tooltip="Name what is on the port"),
         Binding("space", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
-        Binding("r", "look", "Look again", tooltip="List the ports anew"),
+        Binding("r", "look", "Look again", tooltip="List the ports again"),
     ]
     DEFAULT_CSS = """
     CaptureScreen #ports { height: 8; }
@@ -98,7 +99,7 @@ class CaptureScreen(PageScreen):
                 yield Static("", id="said")
             yield Static("", id="count")
             with Horizontal(id="now"):
-                yield Digits("", id="big")
+                yield Big(id="big")
                 yield Static("", id="state")
             yield Plot(id="heights")
 
@@ -116,7 +117,7 @@ class CaptureScreen(PageScreen):
         self.action_look()
 
     def action_look(self) -> None:
-        """List the ports anew."""
+        """List the ports again."""
 
         def look() -> "list[Port]":
             from fieldkit.capture import ports
@@ -155,7 +156,7 @@ class CaptureScreen(PageScreen):
         """Nothing of the capture before stands beside what comes now."""
         from fieldkit.tui.widgets.plots import Plot
 
-        self.query_one("#big", Digits).update("")
+        self.query_one(Big).show("")
         for place in ("#count", "#state"):
             self.query_one(place, Static).update("")
         self.query_one(Plot).display = False
@@ -223,7 +224,7 @@ class CaptureScreen(PageScreen):
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
         unit = spelled(unit_of(cards.APOGEE, system))
-        self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
+        self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)
         speed = measure(BY_NAME["top_speed"], sample.speed, system)
         lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
@@ -240,7 +241,7 @@ class CaptureScreen(PageScreen):
             return
         whole = "all of it" if end.whole else "NOT all of it; the space bar goes on with it"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; kept in {end.file}")
-        question = f"{end.file.name}: {end.samples} samples, {whole}.\nTake its flights into the ledger?"
+        question = f"{end.file.name}: {end.samples} samples, {whole}.\nAdd its flights to the ledger?"
         self.app.push_screen(AskYes(question), partial(self._answered, end))
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
@@ -254,7 +255,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
+        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} duplicates. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:
@@ -268,9 +269,11 @@ class CaptureScreen(PageScreen):
     def action_device(self) -> None:
         """Name what is on the port."""
         from fieldkit.capture import known_devices
+        from fieldkit.services.pickers import Pick
 
-        known = ", ".join(known_devices())
-        self.app.push_screen(AskText("Device", self._device or "", f"One of: {known}. Empty: find out."), self._named)
+        picks = [Pick(name, device.title) for name, device in known_devices().items()]
+        about = "What is on the port; ↓ chooses one. Empty: find out."
+        self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
 
     def _named(self, text: str | None) -> None:
         if text is None:

@@ -42,7 +42,7 @@ class SetupScreen(PageScreen):
     ABOUT = Help(
         "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
         "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
-        "flights name: Enter changes one in every flight that names it, and u takes that back. Settings: Enter "
+        "flights name: Enter changes one in every flight that names it, and u undoes it. Settings: Enter "
         "changes the one under the cursor.",
         (
             ("mm, N s, avg N", "Of a motor: diameter, total impulse, average thrust."),

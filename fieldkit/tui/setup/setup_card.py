@@ -73,7 +73,7 @@ def of_build(group: Group, system: str) -> Facts:
     """A build of a rocket: what it weighs, what it flew on, and how high."""
     flights = group.flights
     pairs = [
-        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them teach the model"),
+        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the fit"),
         *_dates(flights),
         ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter sets it"),
         ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter sets it"),

@@ -88,9 +88,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
 
 
 def _changed(page: PageScreen, what: str, count: int) -> None:
-    page.show_notice(
-        f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back"
-    )
+    page.show_notice(f"Saved {what}: {count} flights. u to undo" if count else f"Saved {what}. u to undo")
     page.field_app.changed()
 
 
@@ -103,7 +101,7 @@ def ask_rail(page: PageScreen) -> None:
 
     def save_rail(values: dict[str, object] | None) -> None:
         if values is not None:
-            page.field_app.choose("the usual rail is kept", **values)
+            page.field_app.choose("Saved your usual rail", **values)
 
     page.app.push_screen(Form("Your usual rail", questions, texts, units), save_rail)
 
@@ -128,5 +126,5 @@ def _import(page: PageScreen, text: str | None) -> None:
 
 def _imported(page: PageScreen, motors: "list[Motor]") -> None:
     page.resources.forget_motors()
-    page.show_notice(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
+    page.show_notice(f"Added {len(motors)} motors: {', '.join(one.designation for one in motors[:4])}")
     page.field_app.changed()

@@ -96,7 +96,7 @@ def settings_listed(settings: Settings, ledger: str) -> ListContents:
 MEANS = {
     "units": "SI: metres and grams. US: feet and ounces. mixed: feet and grams. Enter takes the next; so does N on any "
     "page.",
-    "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colours. Enter "
+    "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colors. Enter "
     "takes the next; so does T on any page.",
     "target": "The apogee that motors are compared against on the page Next, where g sets it as well.",
     "rail": "Length and tilt of the rail or rod you usually have, for plans that name none.",

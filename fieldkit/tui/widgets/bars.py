@@ -34,7 +34,7 @@ class TopBar(Static):
         link-style: none; link-color: $foreground; link-background: $panel; }
     """
 
-    def __init__(self, titles: Sequence[tuple[str, str]], current: str) -> None:
+    def __init__(self, titles: Sequence[tuple[str, int, str]], current: str) -> None:
         super().__init__()
         self._titles, self._current = titles, current
 
@@ -42,7 +42,7 @@ class TopBar(Static):
         """As wide as there is room: at 60 columns the numbers and the words stand close."""
         gap = "  " if self.size.width >= 78 else " "
         parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
-        for number, (name, title) in enumerate(self._titles, start=1):
+        for name, number, title in self._titles:
             text = f"{number} {title}" if self.size.width >= 70 else f"{number}{title}"
             here = f"[b reverse] {text} [/]" if name == self._current else f"[@click=app.page('{name}')]{text}[/]"
             parts.append(Content.from_markup(here + gap))
@@ -105,12 +105,12 @@ class KeyBar(Static):
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
     def on_resize(self) -> None:
-        """Lines are broken anew."""
+        """Lines are broken again."""
         self.follow()
 
     def follow(self) -> None:
         """Show what can be pressed now. The lines that were taken once are kept: a page that grew and shrank with the
-        focus would jump under the eyes, and be laid out anew for it."""
+        focus would jump under the eyes, and be laid out again for it."""
         lines, room = self._lines(), self._room()
         width, most = self._most
         most = min(self.MOST, max(len(lines), most if width == room else 0))

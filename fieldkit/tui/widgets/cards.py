@@ -51,7 +51,15 @@ def heading(flight: Flight, id: str) -> str:
 
 def tags(flight: Flight) -> list[tuple[str, str]]:
     """The tags of a flight and what each means."""
-    return [(tag, KNOWN_TAGS.get(tag, "your own; the flight still teaches the model")) for tag in flight.tags]
+    return [(tag, KNOWN_TAGS.get(tag, "your own; the flight is still used in the fit")) for tag in flight.tags]
+
+
+def motor_name(name: str, width: int) -> str:
+    """A motor as it was typed, without its maker if it would be cut: `F24W-4` for `AeroTech F24W-4`."""
+    from fieldkit.motors.names import MAKERS
+
+    maker, _, rest = name.partition(" ")
+    return rest if rest and len(name) > width and maker in MAKERS else name
 
 
 def apogee(flight: Flight, system: str) -> str:

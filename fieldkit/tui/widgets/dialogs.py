@@ -1,7 +1,7 @@
 """Small screens over a page: help, a question with a typed answer."""
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -15,6 +15,10 @@ from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging
+from fieldkit.tui.widgets.picker import Picker
+
+if TYPE_CHECKING:
+    from fieldkit.services.pickers import Pick
 
 
 class HelpScreen(ModalScreen[None]):
@@ -81,13 +85,28 @@ class AskText(ModalScreen[str | None]):
     AskText Static { height: auto; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter", "take", "Take it", key_display="Enter", priority=True),
-        Binding("escape", "dismiss(None)", "Leave it"),
+        Binding("enter", "take", "OK", key_display="Enter", priority=True),
+        Binding("down", "move(1)", "Choose", show=False, priority=True),
+        Binding("up", "move(-1)", "Choose", show=False, priority=True),
+        Binding("escape", "leave", "Cancel", priority=True),
     ]
 
-    def __init__(self, title: str, text: str, about: str = "") -> None:
+    def __init__(self, title: str, text: str, about: str = "", offered: "Sequence[Pick]" = ()) -> None:
         super().__init__()
-        self._title, self._text, self._about = title, text, about
+        self._title, self._text, self._about, self._offered = title, text, about, offered
+        self._picker = Picker()
+
+    def on_mount(self) -> None:
+        """What is offered, in sight from the start."""
+        if self._offered:
+            from fieldkit.services.pickers import among
+
+            self._picker.sources = {"": among(self._offered)}
+            self.call_after_refresh(self._picker.follow, self.query_one(Input), "")
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """What is offered follows what is typed."""
+        self._picker.follow(event.input, "")
 
     def compose(self) -> ComposeResult:
         """What is asked, and the line."""
@@ -97,9 +116,22 @@ class AskText(ModalScreen[str | None]):
                 yield Static(Content(printable(self._about)))
             yield Line(printable(self._text))
             yield KeyBar()
+        yield self._picker
+
+    def action_move(self, by: int) -> None:
+        """In the list of what is offered."""
+        self._picker.move(by)
+
+    def action_leave(self) -> None:
+        """Close the list, else leave everything as it was."""
+        if self._picker.open and self.query_one(Input).value != printable(self._text):
+            self._picker.close()
+        else:
+            self.dismiss(None)
 
     def action_take(self) -> None:
-        """Hand the line over."""
+        """Hand the line over, with the answer that was chosen in it."""
+        self._picker.take()
         self.dismiss(self.query_one(Input).value)
 
 

@@ -29,7 +29,7 @@ class Ink:
 
 
 class Plot(PlotextPlot):
-    """A plot that is drawn anew, by what `show` was given last, whenever its size or its colours change."""
+    """A plot that is drawn again, by what `show` was given last, whenever its size or its colours change."""
 
     DEFAULT_CSS = """
     Plot { height: 1fr; background: $surface; }

@@ -107,7 +107,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.cells: Cells = lambda _: ()
         self.empty = empty
         self.by_hand = False
-        """Whether the flyer has moved the cursor since the table was last told to begin anew."""
+        """Whether the flyer has moved the cursor since the table was last told to start over."""
 
     def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
         """Show a row for each key; the cursor stays on its row if that is still there and was chosen by hand."""
@@ -159,7 +159,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.scroll_to(y=top, animate=False, immediate=True)
 
     def on_resize(self, _event: events.Resize) -> None:
-        """Columns are fitted anew."""
+        """Columns are fitted again."""
         if self.virtual_size.width != self.size.width:
             self.post_message(self.Sized(self))
         self.virtual_size = Size(self.size.width, len(self.keys) + 1)
@@ -179,7 +179,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             return self._strip(NO_MARK, [head.title for head in self.heads], style)
         row = round(self.scroll_y) + y - 1
         if row >= len(self.keys):
-            text = f" {self.empty}" if y == 1 and not self.keys else ""
+            lines = self.empty.splitlines() if not self.keys else []
+            text = f" {lines[y - 1]}" if y <= len(lines) else ""
             return Strip([Segment(set_cell_size(text, self.size.width), base)])
         style = base
         if row == self.cursor:
@@ -234,7 +235,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
                 return
 
     def watch_scroll_y(self, old_value: float, new_value: float) -> None:
-        """Everything in sight is drawn anew, for the heading does not scroll."""
+        """Everything in sight is drawn again, for the heading does not scroll."""
         super().watch_scroll_y(old_value, new_value)
         self.refresh(Region(0, 0, *self.size))
 

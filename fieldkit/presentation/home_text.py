@@ -1,0 +1,91 @@
+"""What is next, in words and figures, for the first page of the app."""
+
+from collections.abc import Iterator, Sequence
+
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.services.launch_day import WEATHER, ListedFlight, Overview
+from fieldkit.services.saved_forecasts import SavedForecast
+
+APOGEE = BY_NAME["apogee"]
+SPARKS = "▁▂▃▄▅▆▇█"
+
+
+def build_of(flight: Flight) -> str:
+    """A rocket with its configuration: `Astra A`."""
+    return f"{flight.rocket} {flight.config}".strip() or "Rocket not named"
+
+
+def next_lines(view: Overview, system: str) -> Iterator[str]:
+    """The rocket that flies next, with its mass if the plan says it."""
+    plan = view.plan
+    parts = [build_of(plan), measure(BY_NAME["dry_mass"], plan.dry_mass, system)]
+    yield ", ".join(part for part in parts if part)
+
+
+def weather_line(conditions: Flight, system: str) -> str:
+    """The weather of the day: `Today: wind 2.1 m/s, 21 °C`; how to type it if none was typed."""
+    known = [
+        f"{'wind ' if name == 'wind' else ''}{measure(BY_NAME[name], conditions.number(name), system)}"
+        for name in WEATHER
+        if conditions.number(name) is not None
+    ]
+    return f"Today: {', '.join(known)}" if known else "Weather today: e types it"
+
+
+def forecast_title(one: SavedForecast) -> str:
+    """What flies on what: `Astra A on F24-4W`."""
+    made = one.made
+    build = f"{made.rocket} {made.payload.get('config', '')}".strip()
+    return f"{build} on {made.payload.get('motor', '')}"
+
+
+def forecast_lines(one: SavedForecast, system: str) -> Iterator[str]:
+    """What stands beside the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
+    low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
+    yield f"{spelled(unit_of(APOGEE, system))} forecast"
+    yield f"90 % {low}-{high}"
+    yield f"saved {one.made.at.astimezone():%m-%d %H:%M}" + (", stale" if one.stale else "")
+
+
+def flown_title(one: ListedFlight) -> str:
+    """A flight in a line: `12 · Astra B · F39 · 04-18 14:35`."""
+    when = f"{one.flight.date_time:%m-%d %H:%M}" if one.flight.date_time else ""
+    return " · ".join(part for part in (one.id, build_of(one.flight), one.flight.motor, when) if part)
+
+
+def flown_lines(one: ListedFlight, system: str) -> Iterator[str]:
+    """What stands beside the apogee flown: its unit, and how it did beside its forecast."""
+    yield f"{spelled(unit_of(APOGEE, system))} flown"
+    said = one.forecast
+    if said is None or said.miss is None or one.flight.apogee is None:
+        yield "no forecast was saved for it"
+        return
+    low, middle, high = said.interval
+    way = "high" if said.miss >= 0 else "low"
+    where = "inside" if low <= one.flight.apogee <= high else "OUTSIDE"
+    yield f"forecast {number(APOGEE, middle, system)}"
+    yield f"{number(APOGEE, abs(said.miss), system)} {way}, {where}"
+
+
+def day_line(flights: Sequence[ListedFlight], system: str) -> str:
+    """The flights of a day in a line: `3 flights today ▂▅█ 210 to 281 m`."""
+    apogees = [one.flight.apogee for one in reversed(flights) if one.flight.apogee is not None]
+    counted = f"{len(flights)} flight{'' if len(flights) == 1 else 's'} today"
+    if not apogees:
+        return counted if flights else "No flights yet today"
+    if len(apogees) == 1:
+        return f"{counted}, to {measure(APOGEE, apogees[0], system)}"
+    ends = f"{number(APOGEE, min(apogees), system)} to {measure(APOGEE, max(apogees), system)}"
+    return f"{counted}  {sparkline(apogees, len(apogees))}  {ends}"
+
+
+def sparkline(values: Sequence[float], width: int) -> str:
+    """Values as a row of bars from their least to their greatest, the greatest of each cell where they are many."""
+    if not values:
+        return ""
+    width = min(width, len(values))
+    cells = [max(values[len(values) * at // width : len(values) * (at + 1) // width]) for at in range(width)]
+    low, high = min(cells), max(cells)
+    scale = (len(SPARKS) - 1) / ((high - low) or 1.0)
+    return "".join(SPARKS[round((value - low) * scale)] for value in cells)

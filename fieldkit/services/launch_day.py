@@ -1,0 +1,149 @@
+"""The day at the field: its weather, typed once, the plan of the next flight, and what is next."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date, datetime
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.importing.manual_entry import answer_text, read_answer
+from fieldkit.ledger import Ledger
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.motors import Catalogue
+    from fieldkit.services.saved_forecasts import SavedForecast
+    from fieldkit.settings import Settings
+
+PLAN_DRAFT, WEATHER_DRAFT = "plan", "weather"
+"""Names under which the ledger keeps the plan of the next flight and the weather of the day."""
+WEATHER = ("wind", "temperature", "pressure", "humidity")
+"""Conditions that belong to the day and not to the rocket or the site."""
+TYPED_AT = "at"
+"""Key of the weather of the day: when it was typed, ISO 8601, local time."""
+MAX_LISTED_FLIGHTS = 50
+
+
+@dataclass(frozen=True, slots=True)
+class ListedFlight:
+    """A flight of the ledger with its number there, and the forecast that was saved for it, if any."""
+
+    id: str
+    flight: Flight
+    forecast: "SavedForecast | None"
+
+
+@dataclass(frozen=True, slots=True)
+class Overview:
+    """What is next: the planned flight, the weather of the day as a flight's conditions, the open forecast, and the
+    latest flights, newest first."""
+
+    plan: Flight
+    weather: Flight
+    forecast: "SavedForecast | None"
+    flights: tuple[ListedFlight, ...]
+    total: int
+
+    @property
+    def last(self) -> ListedFlight | None:
+        """The last flight with an apogee."""
+        return next((one for one in self.flights if one.flight.apogee is not None), None)
+
+    def on(self, day: date) -> list[ListedFlight]:
+        """The flights of a day, newest first."""
+        return [one for one in self.flights if one.flight.date_time and one.flight.date_time.date() == day]
+
+
+def typed_weather(ledger: Ledger, now: datetime | None = None) -> tuple[dict[str, str], datetime | None]:
+    """The weather of today as it was typed, and when; empty if none was typed today."""
+    kept = ledger.draft(WEATHER_DRAFT) or {}
+    typed = datetime.fromisoformat(kept[TYPED_AT]) if TYPED_AT in kept else None
+    if typed is None or typed.date() != (now or datetime.now()).date():
+        return {}, None
+    return {name: text for name, text in kept.items() if name in WEATHER}, typed
+
+
+def weather_of(texts: Mapping[str, str]) -> Flight:
+    """Typed weather as the conditions of a flight. [SI]"""
+    return Flight().with_changes(**{name: read_answer(name, text) for name, text in texts.items()})
+
+
+def save_weather(ledger: Ledger, conditions: Flight) -> bool:
+    """Keep the weather of today, for every plan and flight of the day; False if it is so already. Undo brings back
+    what was before."""
+    texts = _texts(conditions, WEATHER)
+    if texts == typed_weather(ledger)[0]:
+        return False
+    return ledger.change_draft(WEATHER_DRAFT, texts | {TYPED_AT: _now()}, "weather", "of the day")
+
+
+def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
+    """Keep the plan of the next flight, and its weather as that of today, as one change; False if it is so already."""
+    weather = {name: text for name, text in texts.items() if name in WEATHER}
+    drafts = {PLAN_DRAFT: {name: text for name, text in texts.items() if name not in WEATHER}}
+    if weather != typed_weather(ledger)[0]:
+        drafts[WEATHER_DRAFT] = weather | {TYPED_AT: _now()}
+    build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
+    return ledger.change_drafts(drafts, "plan", build)
+
+
+def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
+    """The next flight as it was planned, else the rocket of known mass that flew last, in today's weather; None with
+    neither flights nor a plan."""
+    draft = ledger.draft(PLAN_DRAFT) or {}
+    if not flights and not draft:
+        return None
+    last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
+    plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    weather = typed_weather(ledger)[0]
+    return plan.with_changes(**plan_changes({**draft, **weather}))
+
+
+def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
+    """What is next, None with neither flights nor a plan. Nothing is computed: all of it is read from the ledger."""
+    from fieldkit.services.manual_entry import PLAN
+    from fieldkit.services.saved_forecasts import by_flight, list_forecasts
+
+    flights = ledger.flights()
+    plan = planned(ledger, flights)
+    if plan is None:
+        return None
+    said = list_forecasts(ledger, motors)
+    of_flights = by_flight(said)
+    waiting = [one for one in said if PLAN in one.made.payload and one.state in ("open", "stale")]
+    latest = flights[-MAX_LISTED_FLIGHTS:]
+    listed = [
+        ListedFlight(id, flight, of_flights.get((flight.rocket, flight.flight_id)))
+        for id, flight in zip(ledger.ids(latest), latest, strict=True)
+    ]
+    weather = weather_of(typed_weather(ledger)[0])
+    return Overview(plan, weather, waiting[-1] if waiting else None, tuple(reversed(listed)), len(flights))
+
+
+def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", plan: Flight) -> "Prediction":
+    """Keep the plan of a rocket that has not flown, and the forecast of its first flight.
+
+    Raises UnknownMotor, and ImpossibleFlight for a plan without a dry mass.
+    """
+    from fieldkit.services.forecasts import predict_plans
+    from fieldkit.services.planning import completed_plan
+
+    save_plan(ledger, _texts(plan, ("rocket", "config", "dry_mass", "diameter")))
+    full = completed_plan(ledger, motors, plan, settings)
+    (made,) = predict_plans(ledger, motors, [full], decided=True)
+    return made
+
+
+def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
+    """The fields of a plan from what was typed, as the ledger keeps it; the motor's temperature beside them."""
+    values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
+    warm = texts.get(MOTOR_TEMPERATURE, "")
+    return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
+
+
+def _texts(flight: Flight, names: Sequence[str]) -> dict[str, str]:
+    return {name: text for name in names if (text := answer_text(flight, name))}
+
+
+def _now() -> str:
+    return datetime.now().isoformat(timespec="seconds")

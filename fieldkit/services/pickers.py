@@ -1,0 +1,118 @@
+"""What a form offers as an answer is typed: names that the ledger and the motor catalogue know, the nearest first."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date, timedelta
+from difflib import get_close_matches
+from itertools import chain, islice
+
+from fieldkit.flight import TAGS
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import sites
+from fieldkit.motors import Catalogue, Motor, is_cluster
+
+MAX_PICKS = 8
+"""Answers that are offered at once."""
+NAMED = ("rocket", "config", "site")
+"""Questions whose answers are names of the flyer's own."""
+CLOSE = 0.6
+"""Similarity from which a name is taken for another one misspelled (`difflib`). [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """An answer that is offered, and what is said of it."""
+
+    text: str
+    about: str = ""
+
+
+Source = Callable[[str], Sequence[Pick]]
+"""The answers to offer for what was typed so far."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """The names that a ledger knows, by question, the last used first, and the motor catalogue."""
+
+    known: Mapping[str, tuple[str, ...]]
+    motors: Catalogue
+
+    def sources(self) -> dict[str, Source]:
+        """What is offered for each question that has names."""
+        own: dict[str, Source] = {name: among([Pick(one) for one in self.known[name]]) for name in NAMED}
+        return own | {"motor": self._motors, "tags": among([Pick(tag) for tag in TAGS]), "date_time": among(days())}
+
+    def _motors(self, typed: str) -> Sequence[Pick]:
+        """Motors flown before that contain what was typed, then those of the catalogue, each with its delays."""
+        flown = [Pick(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
+        if not typed.strip():
+            return flown[:MAX_PICKS]
+        found = chain(flown, chain.from_iterable(map(_with_delays, self.motors.search(typed)[:MAX_PICKS])))
+        return list(islice(found, MAX_PICKS))
+
+    def doubt(self, name: str, text: object) -> str:
+        """Why an answer may be a slip, in words; empty for one that is known, and for the first of its kind."""
+        if name == "motor":
+            return self.motor_trouble(str(text or ""))
+        if name not in ("rocket", "site") or not text or str(text) in self.known[name] or not self.known[name]:
+            return ""
+        near = nearest(str(text), self.known[name])
+        return f"No {name} {text} yet; " + (f"nearest: {', '.join(near)}" if near else "it would be a new one")
+
+    def motor_trouble(self, name: str) -> str:
+        """Why a motor is not known, empty if it is or none is named."""
+        return "" if not name or is_cluster(name) else self.motors.complaint(name) or ""
+
+
+def names_of(ledger: Ledger, motors: Catalogue) -> Names:
+    """The names that a ledger knows."""
+    known = {name: tuple(ledger.names(name)) for name in (*NAMED, "motor")}
+    known["site"] = tuple(dict.fromkeys([*known["site"], *(site.name for site in sites(ledger))]))
+    return Names(known, motors)
+
+
+def among(picks: Sequence[Pick]) -> Source:
+    """Of some answers, those that fit what was typed: its beginning first, then any part, then its letters in order."""
+
+    def found(typed: str) -> Sequence[Pick]:
+        text = typed.strip().casefold()
+        tests = (_begins, _contains, _in_order)
+        fitting = chain.from_iterable((pick for pick in picks if test(pick.text, text)) for test in tests)
+        return list(islice(dict.fromkeys(fitting), MAX_PICKS))
+
+    return found
+
+
+def nearest(text: str, known: Iterable[str]) -> list[str]:
+    """Names that a text may be a slip of, the most similar first."""
+    by_fold = {name.casefold(): name for name in known}
+    return [by_fold[one] for one in get_close_matches(text.casefold(), by_fold, n=3, cutoff=CLOSE)]
+
+
+def days(today: date | None = None) -> list[Pick]:
+    """Today, yesterday and the days before, as dates are typed."""
+    now = today or date.today()
+    before = [Pick(f"{now - timedelta(days=n)}", f"{now - timedelta(days=n):%A}") for n in range(2, 7)]
+    return [Pick("today", f"{now:%A}, {now}"), Pick("yesterday", f"{now - timedelta(days=1)}"), *before]
+
+
+def _with_delays(motor: Motor) -> Iterable[Pick]:
+    """A motor once for each delay on sale: `AeroTech F24W-4`."""
+    about = f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s" + ("" if motor.available else ", retired")
+    name = f"{motor.maker} {motor.designation}"
+    delays = [delay for delay in motor.delays if 0 <= delay < float("inf") and "-" not in motor.designation]
+    return [Pick(f"{name}-{delay:g}", about) for delay in delays] or [Pick(name, about)]
+
+
+def _begins(name: str, typed: str) -> bool:
+    return name.casefold().startswith(typed)
+
+
+def _contains(name: str, typed: str) -> bool:
+    return typed.strip().casefold() in name.casefold()
+
+
+def _in_order(name: str, typed: str) -> bool:
+    letters = iter(name.casefold())
+    return all(letter in letters for letter in typed)

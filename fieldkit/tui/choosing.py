@@ -1,0 +1,107 @@
+"""What the app says and what a flyer chooses in it: notices, units, colors, the target."""
+
+from dataclasses import asdict
+from typing import Any
+
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure, unit_of
+from fieldkit.settings import UNITS
+from fieldkit.tui.in_order import InOrder
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.resources import Resources
+from fieldkit.tui.themes import THEMES
+from fieldkit.tui.widgets.bars import Notice, NoticeBar
+from fieldkit.tui.widgets.dialogs import AskText
+
+LOOKS = {"units", "theme", "target"}
+"""Settings that change how things are shown and nothing that is worked out."""
+
+
+class Choosing(InOrder):
+    """An app with notices and settings. `revision` counts changes in the ledger, `look` those in how it is shown."""
+
+    def __init__(self, resources: Resources) -> None:
+        super().__init__()
+        self.resources = resources
+        self.notices: list[Notice] = []
+        self.revision = self.look = 0
+
+    def show_notice(self, text: str, *, error: bool = False) -> None:
+        """Say something; what went wrong waits until it is read, what went right makes room for the next."""
+        self.notices = [notice for notice in self.notices if notice.error]
+        notice = Notice(text, error)
+        if not error:
+            self.notices.insert(0, notice)
+        elif notice not in self.notices:
+            self.notices.append(notice)
+        self._show_notices()
+
+    def withdraw(self, text: str) -> None:
+        """Take back a notice that no longer holds."""
+        self.notices = [notice for notice in self.notices if notice.text != text]
+        self._show_notices()
+
+    def action_read(self) -> None:
+        """The notice in front was read."""
+        self.notices = self.notices[1:]
+        self._show_notices()
+
+    def action_whole_notice(self) -> None:
+        """All of the notice in front, files by their whole paths."""
+        self._show_notices(whole=True)
+
+    def _show_notices(self, whole: bool = False) -> None:
+        for bar in self.screen.query(NoticeBar):
+            bar.show_notice(self.notices, whole)
+
+    def _refresh_page(self) -> None:
+        if isinstance(self.screen, PageScreen):
+            self.screen.refresh_if_changed()
+
+    def action_next_theme(self) -> None:
+        """The next colours."""
+        names = list(THEMES)
+        self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
+
+    def action_next_units(self) -> None:
+        """The next system of units."""
+        self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
+
+    def choose(self, said: str = "", **changes: Any) -> None:
+        """Change settings, show what they change, and keep them."""
+        before = self.resources.settings
+        try:
+            self.resources.choose(**changes)
+        except FieldkitError as error:
+            self.show_notice(str(error), error=True)
+        else:
+            self.show_notice(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
+        now = self.resources.settings
+        self.theme = now.theme
+        if {name for name in asdict(now) if getattr(now, name) != getattr(before, name)} <= LOOKS:
+            self.look += 1
+        else:
+            self.revision += 1
+        self._refresh_page()
+
+    def ask_target(self) -> None:
+        """The height to hit, that motors are compared against."""
+        now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
+        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        self.push_screen(AskText("Target", now, about), self._targeted)
+
+    def action_ask_target(self) -> None:
+        """Type the height to hit."""
+        self.ask_target()
+
+    def _targeted(self, text: str | None) -> None:
+        if text is None:
+            return
+        apogee, system = BY_NAME["apogee"], self.resources.settings.units
+        try:
+            target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
+        except BadValue as error:
+            self.show_notice(f"target: {error}, such as 800ft", error=True)
+            return
+        self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)

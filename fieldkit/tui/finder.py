@@ -1,0 +1,121 @@
+"""What the palette finds besides keys: flights, rockets, motors, settings, help, and commands to type in a shell."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
+
+from textual.command import Hit, Provider
+
+from fieldkit.errors import FieldkitError
+from fieldkit.safe_text import printable
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import PageScreen, pages
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+    from fieldkit.tui.app import FieldkitApp
+
+MAX_HITS = 40
+"""Hits of one kind that are listed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """Something that can be found: its name, what it is, and what choosing it does."""
+
+    text: str
+    about: str
+    go: Callable[[], Any]
+
+
+class Finder(Provider):
+    """Everything by its name, the best match first."""
+
+    @property
+    def _host(self) -> "FieldkitApp":
+        return cast("FieldkitApp", self.app)
+
+    async def startup(self) -> None:
+        """Read what can be found."""
+        try:
+            kept = await asyncio.to_thread(self._read)
+        except FieldkitError:
+            kept = []  # without a ledger the rest is found
+        self._entries = [*self._settings(), *kept, *self._help()]
+
+    async def search(self, query: str) -> AsyncIterator[Hit]:
+        """What matches, the best first."""
+        matcher = self.matcher(query)
+        found = [(score, entry) for entry in self._entries if (score := matcher.match(entry.text)) > 0]
+        for score, entry in sorted(found, key=lambda hit: -hit[0])[:MAX_HITS]:
+            yield Hit(score, matcher.highlight(entry.text), entry.go, entry.text, entry.about)
+
+    def _read(self) -> list[Entry]:
+        """Flights, rockets and motors."""
+        host, resources = self._host, self._host.resources
+        resources.import_engine()
+        from fieldkit.tui.widgets import cards
+
+        flights = resources.ledger.flights()
+        ids = resources.ledger.ids(flights)
+        newest = reversed(list(zip(ids, flights, strict=True)))
+        rockets = dict.fromkeys(flight.rocket for flight in reversed(flights) if flight.rocket)
+        return [
+            *(Entry(f"Rocket {printable(name)}", "Its flights", partial(host.show_flights, name)) for name in rockets),
+            *(
+                Entry(f"Flight {cards.heading(flight, id)}", "Open this flight", partial(host.open_flight, id))
+                for id, flight in newest
+            ),
+            *(
+                Entry(
+                    f"Motor {motor.maker} {motor.designation}",
+                    f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s",
+                    partial(self._about_motor, motor),
+                )
+                for motor in resources.motors.motors
+            ),
+        ]
+
+    def _settings(self) -> Iterator[Entry]:
+        host = self._host
+        yield Entry("Setting: target", "The apogee that motors are compared against", host.ask_target)
+        yield Entry("Setting: rail", "Length and angle of the rail you usually have", self._ask_rail)
+        yield Entry("Setting: units", "SI, US or mixed; the next one", host.action_next_units)
+        yield Entry("Setting: theme", "Colors: field, sun, night, terminal; the next one", host.action_next_theme)
+
+    def _help(self) -> Iterator[Entry]:
+        """Every field that a page explains, and every command that does the same."""
+        commands: set[str] = set()
+        for page in pages().values():
+            for name, text in page.screen.ABOUT.fields:
+                topic = replace(page.screen.ABOUT, about=f"{name}: {text}")
+                yield Entry(f"Help: {name} ({page.title})", text, partial(self._show_help, page.title, topic))
+            for command in page.screen.ABOUT.twin:
+                if command not in commands:
+                    commands.add(command)
+                    yield Entry(f"Command: {command}", "Copies it", partial(self._copy, command))
+
+    def _show_help(self, title: str, about: Help) -> None:
+        from fieldkit.tui.widgets.dialogs import HelpScreen
+
+        self.app.push_screen(HelpScreen(f"Help: {title}", about, ()))
+
+    def _about_motor(self, motor: "Motor") -> None:
+        from fieldkit.tui.next.motor_facts import facts
+        from fieldkit.tui.widgets.dialogs import HelpScreen
+
+        name = f"{motor.maker} {motor.designation}"
+        about = Help("What is on record of this motor.", facts(motor), (f"fieldkit motors {name} --json",))
+        self.app.push_screen(HelpScreen(name, about, (), "On record"))
+
+    def _ask_rail(self) -> None:
+        from fieldkit.tui.setup.setup_forms import ask_rail
+
+        if isinstance(page := self.app.screen, PageScreen):
+            ask_rail(page)
+
+    def _copy(self, command: str) -> None:
+        self.app.copy_to_clipboard(command)
+        self._host.show_notice(f"copied: {command}")

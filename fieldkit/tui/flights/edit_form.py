@@ -1,0 +1,56 @@
+"""Editing a flight: the form of the page Add, filled with what is known."""
+
+from functools import partial
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import CONDITIONS, Flight
+from fieldkit.importing.manual_entry import QUESTIONS, Question
+from fieldkit.quantities import unit_of
+from fieldkit.tui.add.add_form import DATE
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup.setup_lists import answer_of, same
+
+ASKED = {question.name for question in QUESTIONS}
+EDITED = (
+    *QUESTIONS[:3],
+    DATE,
+    *QUESTIONS[3:],
+    *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED),
+)
+"""All that can be changed of a flight, in the order of the page Add."""
+
+
+def ask_changes(page: PageScreen, id: str, flight: Flight) -> None:
+    """A form over a flight; what is changed there is one change of the ledger."""
+    system = page.resources.settings.units
+    texts = {question.name: answer_of(flight, question, system) for question in EDITED}
+    units = {question.name: unit_of(question.column, system) for question in EDITED if question.column is not None}
+    form = Form(f"Flight {id}", EDITED, texts, units, names=page.resources.names)
+    page.app.push_screen(form, partial(_answered, page, id, flight, texts))
+
+
+def _answered(
+    page: PageScreen, id: str, flight: Flight, texts: dict[str, str], values: dict[str, object] | None
+) -> None:
+    if values is None:
+        return
+    system = page.resources.settings.units
+    changes = {name: new for name, new in values.items() if not same(flight, name, new, texts[name], system)}
+    if not changes:
+        page.show_notice(f"Flight {id} unchanged")
+        return
+
+    def work() -> Flight:
+        motor = str(changes.get("motor", ""))
+        if motor and (trouble := page.resources.names().motor_trouble(motor)):
+            raise BadValue(f"motor: {trouble}")
+        return page.resources.ledger.edit(id, **changes)
+
+    page.change(work, lambda _: _saved(page, id, list(changes)))
+
+
+def _saved(page: PageScreen, id: str, names: list[str]) -> None:
+    titles = ", ".join(question.title.lower() for question in EDITED if question.name in names)
+    page.show_notice(f"Saved flight {id}: {titles}. u to undo")
+    page.field_app.changed()

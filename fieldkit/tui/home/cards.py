@@ -1,0 +1,123 @@
+"""The two cards of the page Home: the forecast that waits for its flight, and the last flight beside its forecast."""
+
+from collections.abc import Iterable, Sequence
+from datetime import date
+from typing import TYPE_CHECKING
+
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.quantities import number
+from fieldkit.safe_text import printable
+from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
+
+if TYPE_CHECKING:
+    from fieldkit.services.launch_day import Overview
+
+
+class HomeCard(Vertical):
+    """A heading, a large number with words beside it, an interval, a last line."""
+
+    DEFAULT_CSS = """
+    HomeCard { width: 1fr; height: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1;
+        border-title-color: $foreground; border-subtitle-color: $foreground; }
+    HomeCard > Static { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }
+    HomeCard > .heading { text-style: bold; }
+    HomeCard > .bar { color: $accent; }
+    HomeCard Horizontal { height: 3; }
+    HomeCard Horizontal > .words { width: 1fr; height: 3; padding: 0 0 0 2; }
+    HomeCard.-plain Horizontal, HomeCard.-plain .bar { display: none; }
+    HomeCard.-plain > .last { height: auto; text-wrap: wrap; }
+    """
+    interval: Interval | None = None
+
+    def compose(self) -> Iterable[Widget]:
+        """From top to bottom."""
+        yield Static("", classes="heading")
+        with Horizontal():
+            yield Big()
+            yield Static("", classes="words")
+        yield Static("", classes="bar")
+        yield Static("", classes="last")
+
+    def say(self, heading: str, last: str = "") -> None:
+        """Words alone: no number is known."""
+        self.add_class("-plain")
+        self.interval = None
+        self._put(".heading", heading)
+        self._put(".last", last)
+
+    def figure(self, heading: str, value: str, words: Iterable[str], interval: Interval | None, last: str) -> None:
+        """A number, the words beside it, and the interval it belongs to."""
+        self.remove_class("-plain")
+        self._put(".heading", heading)
+        self.query_one(Big).show(value)
+        self._put(".words", "\n".join(words))
+        self._put(".last", last)
+        self.interval = interval
+        self.on_resize()
+
+    def on_resize(self) -> None:
+        """The interval is as wide as the card."""
+        width = self.size.width - 2
+        row = self.interval
+        self._put(".bar", bar(row, *row.ends, width) if row is not None and width > 10 else "")
+
+    def _put(self, place: str, text: str) -> None:
+        lines = "\n".join(printable(line) for line in text.splitlines())
+        self.query_one(place, Static).update(Content(lines))
+
+
+class NextCard(HomeCard):
+    """What flies next."""
+
+    def on_mount(self) -> None:
+        """The title."""
+        self.border_title = "Next flight"
+
+    def show(self, view: "Overview | None", system: str) -> None:
+        """The open forecast, else the rocket to plan."""
+        from fieldkit.presentation import home_text
+
+        self.border_subtitle = ""
+        if view is None:
+            self.say("No rocket yet. Choose a first step below: Enter starts it.")
+            return
+        weather = home_text.weather_line(view.weather, system)
+        said = view.forecast
+        if said is None:
+            heading = "\n".join(home_text.next_lines(view, system))
+            self.say(heading, f"No forecast is waiting: f chooses a motor, Enter there saves its forecast.\n{weather}")
+            return
+        low, middle, high = said.interval
+        title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
+        big = number(cards.APOGEE, middle, system)
+        self.border_subtitle = "Flown? a types it in"
+        self.figure(title, big, words, Interval("", low, middle, high), weather)
+
+
+class LastCard(HomeCard):
+    """What was flown last."""
+
+    def on_mount(self) -> None:
+        """The title."""
+        self.border_title = "Last flight"
+
+    def show(self, view: "Overview | None", system: str, today: date) -> None:
+        """The last flight beside its forecast, and the flights of the day in a line."""
+        from fieldkit.presentation import home_text
+
+        last = view.last if view is not None else None
+        self.display = view is not None
+        if view is None or last is None or last.flight.apogee is None:
+            self.say("Nothing has flown yet.")
+            return
+        said, apogee = last.forecast, last.flight.apogee
+        interval = Interval("", *said.interval, flown=apogee) if said is not None else None
+        words: Sequence[str] = list(home_text.flown_lines(last, system))
+        title, day = home_text.flown_title(last), home_text.day_line(view.on(today), system)
+        self.figure(title, number(cards.APOGEE, apogee, system), words, interval, day)

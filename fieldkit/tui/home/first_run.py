@@ -1,0 +1,108 @@
+"""The first steps with an empty ledger: a rocket in four fields, the demo rocket, files, or a flight typed in."""
+
+from collections.abc import Sequence
+from enum import Enum
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.quantities import measure, unit_of
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.motors import Catalogue
+
+
+class Step(Enum):
+    """A first step: its name and what it does."""
+
+    ROCKET = ("Describe your rocket", "four fields, then its first forecast")
+    DEMO = ("Load the demo rocket", "twelve flights of Astra to explore")
+    FILES = ("Import a file", "a log of your altimeter, or a table of flights")
+    TYPE = ("Type a flight in", "what the altimeter shows")
+
+
+FIRST_STEPS = tuple(Step)
+QUESTIONS = (
+    Question("rocket", "Rocket", "Its name, as you want to see it in lists."),
+    Question("dry_mass", "Dry mass", "Ready to fly, with recovery and payload, without the motor: 330g or 11.6 oz."),
+    Question("diameter", "Diameter", "The widest tube of the body: 66mm or 2.6 in."),
+    Question("motor", "Motor", "As printed on it: F24-4W, C6-5."),
+)
+"""What a first forecast needs."""
+EXAMPLES = {"rocket": "a name such as Astra", "dry_mass": "a mass such as 330g", "motor": "a motor such as F24-4W"}
+"""What is said of an answer that is missing; without a diameter a usual one is assumed."""
+
+
+def step_cells(step: Step) -> Sequence[str]:
+    """A row of the table."""
+    name, about = step.value
+    return (name, about)
+
+
+async def take(page: PageScreen, step: Step) -> None:
+    """Take a first step."""
+    match step:
+        case Step.ROCKET:
+            page.ask(lambda: page.resources.motors, partial(_ask_rocket, page), "motors")
+        case Step.DEMO:
+            page.change(partial(_load_demo, page), partial(_demo_loaded, page))
+        case Step.FILES:
+            await page.field_app.action_page("import_files")
+        case Step.TYPE:
+            await page.field_app.action_page("add")
+
+
+def _ask_rocket(page: PageScreen, motors: "Catalogue") -> None:
+    system = page.resources.settings.units
+    units = {name: unit_of(BY_NAME[name], system) for name in ("dry_mass", "diameter")}
+    form = Form("Your rocket", QUESTIONS, {}, units, partial(read_first, motors), page.resources.names)
+    page.app.push_screen(form, partial(_described, page))
+
+
+def read_first(motors: "Catalogue", name: str, text: str, unit: str) -> object:
+    """An answer about a first rocket. Raises BadValue for one that is missing, cannot be read, or names no motor."""
+    if not text.strip() and name in EXAMPLES:
+        raise BadValue(f"expected {EXAMPLES[name]}")
+    if name == "motor" and (trouble := motors.complaint(text)):
+        raise BadValue(trouble)
+    return read_answer(name, text, unit)
+
+
+def _described(page: PageScreen, values: dict[str, object] | None) -> None:
+    if values is None:
+        return
+    resources = page.resources
+
+    def work() -> "Prediction":
+        from fieldkit.services.launch_day import first_forecast
+
+        return first_forecast(resources.ledger, resources.motors, resources.settings, Flight().with_changes(**values))
+
+    page.show_notice("Working out the first forecast ...")
+    page.change(work, partial(_forecast_made, page))
+
+
+def _forecast_made(page: PageScreen, made: "Prediction") -> None:
+    low, middle, high = (
+        measure(cards.APOGEE, float(x), page.resources.settings.units) for x in made.apogee_quantiles()
+    )
+    page.show_notice(f"{made.plan.rocket} on {made.plan.motor}: {middle} ({low} to {high}). Each flight narrows it")
+    page.field_app.changed()
+
+
+def _load_demo(page: PageScreen) -> int:
+    from fieldkit.paths import REFERENCE_FLIGHTS
+    from fieldkit.services.imports import bring_in
+
+    return len(bring_in(page.resources.ledger, [REFERENCE_FLIGHTS], lambda name: None).ids)
+
+
+def _demo_loaded(page: PageScreen, count: int) -> None:
+    page.show_notice(f"Loaded {count} flights of the demo rocket. u to undo")
+    page.field_app.changed()

@@ -1,0 +1,88 @@
+"""The latest flights on the page Home: a flight a row, with its profile and its forecast where there is room."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import number
+from fieldkit.tui.next.intervals import Interval, bar, point
+from fieldkit.tui.widgets.cards import motor_name
+from fieldkit.tui.widgets.table import Head
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.services.launch_day import ListedFlight
+
+PROFILE_CELLS, MOTOR_CELLS = 16, 10
+"""Widths of the sparkline and of the motor of a flight. [cell]"""
+NORMAL_TABLE, WIDE_TABLE = 70, 96
+"""Widths from which a table has room for profiles, and for the interval of each forecast. [cell]"""
+APOGEE = BY_NAME["apogee"]
+
+
+def flight_heads(width: int) -> list[Head]:
+    """The columns that fit in a width."""
+    heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
+    heads += [Head("apogee", 7, True), Head("miss", 6, True)]
+    heads += [Head("profile", PROFILE_CELLS)] if width >= NORMAL_TABLE else []
+    return [*heads, Head("forecast and flown ◆", _bar_width(width))] if width >= WIDE_TABLE else heads
+
+
+def flight_row(
+    flights: "Sequence[ListedFlight]", system: str, width: int
+) -> "Callable[[ListedFlight, str], Sequence[str]]":
+    """The cells of a flight and its profile, all intervals on one scale."""
+    from fieldkit.presentation.home_text import build_of
+
+    ends = [end for one in flights if (row := _interval(one)) is not None for end in row.ends]
+    ends += [one.flight.apogee for one in flights if one.flight.apogee is not None]
+    low, high = min(ends, default=0.0), max(ends, default=1.0)
+
+    def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
+        flight, said = one.flight, one.forecast
+        when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
+        apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
+        miss = "" if said is None or said.miss is None else signed(said.miss, system) + "*" * said.stale
+        motor = motor_name(flight.motor, MOTOR_CELLS)
+        texts = [one.id, when, build_of(flight), motor, apogee, miss]
+        texts += [profile] if width >= NORMAL_TABLE else []
+        return [*texts, _drawn(one, low, high, _bar_width(width))] if width >= WIDE_TABLE else texts
+
+    return cells
+
+
+def signed(height: float, system: str) -> str:
+    """A difference of heights [m] with its sign."""
+    return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
+
+
+def _drawn(one: "ListedFlight", low: float, high: float, width: int) -> str:
+    row, apogee = _interval(one), one.flight.apogee
+    if row is not None:
+        return bar(row, low, high, width)
+    return "" if apogee is None else point(apogee, low, high, width)
+
+
+def _bar_width(width: int) -> int:
+    return max(20, width - 80)
+
+
+def _interval(one: "ListedFlight") -> Interval | None:
+    said = one.forecast
+    return None if said is None else Interval("", *said.interval, flown=one.flight.apogee)
+
+
+def logs_of(ledger: "Ledger", flights: "Sequence[ListedFlight]") -> dict[str, str]:
+    """The profile of each flight that has a log, by its number."""
+    from fieldkit.presentation.home_text import sparkline
+    from fieldkit.tui.flights.flight_facts import or_why
+    from fieldkit.tui.flights.log_plot import Drawn, drawn
+    from fieldkit.tui.page import go_on
+
+    found: dict[str, str] = {}
+    for one in flights:
+        go_on()
+        log = or_why(lambda id=one.id: drawn(ledger, id, "SI"))()  # type: ignore[misc]  # bound at once
+        trace = log.traces.get("altitude") if isinstance(log, Drawn) else None
+        found[one.id] = sparkline(trace.values, PROFILE_CELLS) if trace is not None else ""
+    return found

@@ -1,0 +1,37 @@
+"""The form of today's weather."""
+
+from functools import partial
+
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.importing.manual_entry import Question
+from fieldkit.quantities import measure, unit_of
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.page import PageScreen
+
+
+def ask_weather(page: PageScreen, now: Flight) -> None:
+    """Ask for the weather of today; what comes of it is kept."""
+    from fieldkit.services.launch_day import WEATHER
+
+    system = page.resources.settings.units
+    questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: not known.") for name in WEATHER]
+    texts = {name: measure(BY_NAME[name], now.number(name), system) for name in WEATHER}
+    units = {name: unit_of(BY_NAME[name], system) for name in WEATHER}
+    page.app.push_screen(Form("Today's weather", questions, texts, units), partial(_answered, page))
+
+
+def _answered(page: PageScreen, values: dict[str, object] | None) -> None:
+    if values is None:
+        return
+
+    def work() -> bool:
+        from fieldkit.services.launch_day import save_weather
+
+        return save_weather(page.resources.ledger, Flight().with_changes(**values))
+
+    page.change(work, partial(_saved, page))
+
+
+def _saved(page: PageScreen, new: bool) -> None:
+    page.show_notice("Weather saved for today. u to undo" if new else "Weather unchanged")
+    page.field_app.changed()

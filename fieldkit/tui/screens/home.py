@@ -1,0 +1,162 @@
+"""Home: what is next: the rocket, the weather of the day, the open forecast, the last flight, the latest flights."""
+
+from collections.abc import Iterable
+from datetime import datetime
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.widget import Widget
+
+from fieldkit.tui.help import Help
+from fieldkit.tui.home.choices import Choices
+from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
+from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
+from fieldkit.tui.page import Page, PageScreen
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.services.launch_day import Overview
+    from fieldkit.tui.flights.flight_screen import FlightScreen
+
+
+class HomeScreen(PageScreen):
+    """Three choices, two cards, and the latest flights; with an empty ledger, the first steps."""
+
+    NAME = "home"
+    TITLE = "Home"
+    ABOUT = Help(
+        "What is next. Left, the forecast that waits for its flight, or the rocket to plan; right, the last flight "
+        "beside its forecast; below, the latest flights, those of today first. f flies: it leads to the motors, where "
+        "Enter saves a forecast. a types a flight in, with rocket, motor and weather filled in from that forecast. "
+        "p plans: rocket, mass and weather. Weather typed once (e) goes into every plan and flight of the day.",
+        (
+            ("miss", "Flown less forecast, for the forecast that was saved before the flight."),
+            ("profile", "Height against time, from the log of the flight. Empty without a log."),
+            ("├─●─┤ ◆", "The 90 % interval and the middle of the forecast; ◆ is the apogee that was flown."),
+            ("stale", "Mass, motor, weather or model have changed since the forecast was saved."),
+        ),
+        ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
+        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
+        Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
+        Binding("e", "weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
+    ]
+    DEFAULT_CSS = """
+    HomeScreen #cards { height: 8; }
+    HomeScreen.-narrow #cards { height: 14; layout: vertical; }
+    HomeScreen.-tall #cards { height: 10; }
+    HomeScreen #cards.-empty { height: 5; }
+    HomeScreen Table { height: 1fr; margin: 0 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._view: Overview | None = None
+        self._profiles: dict[str, str] = {}
+
+    def body(self) -> Iterable[Widget]:
+        """The choices, the cards, the latest flights."""
+        from fieldkit.tui.home.cards import LastCard, NextCard
+
+        yield Choices()
+        with Horizontal(id="cards"):
+            yield NextCard(id="next")
+            yield LastCard(id="last")
+        yield Table(empty="reading the ledger ...")
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read what is next."""
+        self.ask(self._read, self._have)
+
+    def redraw(self) -> None:
+        """The same in other units."""
+        self._show()
+
+    def _read(self) -> "Overview | None":
+        from fieldkit.services.launch_day import overview
+
+        return overview(self.resources.ledger, self.resources.motors)
+
+    def _have(self, view: "Overview | None") -> None:
+        self._view = view
+        self._show()
+        self.field_app.settled()
+        if view is not None:
+            wanted = [one for one in view.flights if one.flight.log and one.id not in self._profiles]
+            self.ask(partial(logs_of, self.resources.ledger, wanted), self._have_profiles, "profiles")
+
+    def _have_profiles(self, found: dict[str, str]) -> None:
+        self._profiles |= found
+        self.query_one(Table).refresh()
+
+    @on(Table.Sized)
+    def _show(self) -> None:
+        """What was read, in the columns that fit."""
+        from fieldkit.tui.home.cards import LastCard, NextCard
+
+        system, table = self.resources.settings.units, self.query_one(Table)
+        steps = self._view is None or not (self._view.flights or self._view.forecast)
+        self.query_one("#cards").set_class(self._view is None, "-empty")
+        self.query_one(NextCard).show(self._view, system)
+        self.query_one(LastCard).show(self._view, system, datetime.now().date())
+        table.enter = "Choose" if steps else "Open"
+        if steps:
+            table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
+        elif self._view is not None:
+            rows = {one.id: one for one in self._view.flights}
+            heads, cells = flight_heads(table.size.width), flight_row(self._view.flights, system, table.size.width)
+            table.empty = "No flights yet: a types the first one in"
+            table.show(heads, list(rows), lambda id: cells(rows[id], self._profiles.get(id, "")))
+        self.query_one(KeyBar).follow()
+
+    @on(Table.Chosen)
+    async def _chosen(self, message: Table.Chosen) -> None:
+        if isinstance(message.key, Step):
+            from fieldkit.tui.home import first_run
+
+            await first_run.take(self, message.key)
+        elif self._flight not in self.app.screen_stack:
+            self._flight.turn_to(message.key)
+            self.app.push_screen(self._flight)
+
+    @cached_property
+    def _flight(self) -> "FlightScreen":
+        """The screen of a flight that is opened here; the page Flights has its own."""
+        from fieldkit.tui.flights.flight_screen import FlightScreen
+
+        screen = FlightScreen()
+        self.app.install_screen(screen, "flight from home")
+        return screen
+
+    async def action_plan(self) -> None:
+        """Change the plan: rocket, mass, weather."""
+        await self.settled("change", "ask")
+        from fieldkit.flight import Flight
+        from fieldkit.tui.next.plan_form import ask_plan, keep_plan
+
+        ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
+
+    async def action_weather(self) -> None:
+        """Type the weather of the day."""
+        await self.settled("change", "ask")
+        from fieldkit.flight import Flight
+        from fieldkit.tui.home.weather_form import ask_weather
+
+        ask_weather(self, self._view.weather if self._view is not None else Flight())
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()
+
+
+PAGE = Page(0, "Home", HomeScreen)

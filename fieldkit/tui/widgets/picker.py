@@ -1,0 +1,93 @@
+"""Answers offered below a line as it is typed: arrows or a click choose one, Enter takes it, Esc closes the list."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from textual import on
+from textual.content import Content
+from textual.geometry import Offset
+from textual.widgets import Input, OptionList
+from textual.widgets.option_list import Option
+
+from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from fieldkit.services.pickers import Pick, Source
+
+MIN_WIDTH, MAX_WIDTH = 24, 56
+"""Of the list. [cell]"""
+
+
+class Picker(OptionList, can_focus=False):
+    """The list of one form; it stands below the line that is typed in, and the focus stays in the line."""
+
+    DEFAULT_CSS = """
+    Picker { display: none; overlay: screen; constrain: inside inflect; height: auto; max-height: 10; width: 24;
+        border: round $border; background: $surface; color: $foreground; padding: 0; scrollbar-size-vertical: 1; }
+    Picker.-open { display: block; }
+    Picker > .option-list--option-highlighted { color: $block-cursor-foreground;
+        background: $block-cursor-background; text-style: bold; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._line: Input | None = None
+        self._picks: Sequence[Pick] = ()
+        self._taken = ""
+        self.sources: Mapping[str, Source] = {}
+        """What is offered, by the name of a question."""
+
+    @property
+    def open(self) -> bool:
+        """Whether the list is in sight."""
+        return self.has_class("-open")
+
+    def follow(self, line: Input, name: str) -> None:
+        """Offer what fits the text of a line that was typed in just now."""
+        source = self.sources.get(name)
+        text = line.value.strip()
+        if source is None or not line.has_focus or (text and text == self._taken):
+            self.close()
+            return
+        self._taken = ""
+        self._line, self._picks = line, source(text)
+        if not self._picks or [pick.text for pick in self._picks] == [text]:
+            self.close()
+            return
+        self.clear_options()
+        self.add_options(Option(_shown(pick)) for pick in self._picks)
+        self.highlighted = None
+        longest = max(len(pick.text) + len(pick.about) for pick in self._picks) + 6
+        self.styles.width = min(max(longest, MIN_WIDTH), MAX_WIDTH)
+        self.absolute_offset = Offset(line.region.x, line.region.bottom)
+        self.add_class("-open")
+
+    def move(self, by: int) -> None:
+        """To the next answer, or the one before; above the first one it is the line again."""
+        at = (-1 if self.highlighted is None else self.highlighted) + by
+        self.highlighted = None if at < 0 else min(at, len(self._picks) - 1)
+
+    def take(self) -> bool:
+        """Put the answer under the cursor in the line; False where none is chosen."""
+        if not self.open or self.highlighted is None or self._line is None:
+            self.close()
+            return False
+        self._taken = self._picks[self.highlighted].text
+        self._line.value = printable(self._taken)
+        self._line.cursor_position = len(self._line.value)
+        self.close()
+        return True
+
+    def close(self) -> None:
+        """Put the list away."""
+        self.remove_class("-open")
+
+    @on(OptionList.OptionSelected)
+    def _clicked(self, message: OptionList.OptionSelected) -> None:
+        message.stop()
+        self.highlighted = message.option_index
+        self.take()
+
+
+def _shown(pick: "Pick") -> Content:
+    return Content.assemble((printable(pick.text), "b"), f"  {printable(pick.about)}" if pick.about else "")

@@ -1,0 +1,225 @@
+"""The page that opens first: what is next, the first steps with an empty ledger, and weather typed once a day."""
+
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.ledger import Ledger
+from fieldkit.services.manual_entry import PLAN
+from fieldkit.settings import change_settings, read_settings
+from fieldkit.tui.screens.add import AddScreen
+from fieldkit.tui.screens.home import HomeScreen
+from fieldkit.tui.widgets.big import large
+from tests.pressing import frozen, opened, press, season, shown, told, typed, words
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+@pytest.fixture
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    return tmp_path / "new.db"
+
+
+async def test_the_app_opens_on_what_is_next(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        assert isinstance(pilot.app.screen, HomeScreen)
+        seen = words(pilot)
+        for text in ("f Fly", "a Type in", "p Plan", "Astra B", "No forecast is waiting"):
+            assert text in seen
+        assert "4.1 high, inside" in told(pilot, "#last .words")
+        assert "▸12" in shown(pilot)
+        await press(pilot, "down", "enter")
+        assert "11 · Astra B" in words(pilot)
+        await press(pilot, "escape", "1", "0")
+        assert isinstance(pilot.app.screen, HomeScreen)
+
+
+@pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])
+async def test_a_choice_is_one_key_or_one_click(file: Path, key: str, page: str) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, key)
+        assert pilot.app.current_mode == page
+    async with opened(file, page="home") as pilot:
+        await pilot.click(offset=(10 if key == "f" else 40, 2))
+        await press(pilot, "_")
+        assert pilot.app.current_mode == page
+
+
+async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
+        assert "Astra B on AeroTech F39T" in told(pilot, "#next .heading")
+        assert "Flown? a types it in" in shown(pilot)
+        await press(pilot, "u", "_")
+        assert "No forecast is waiting" in words(pilot)
+
+
+async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        assert "Describe your rocket" in words(pilot)
+        await press(pilot, "enter", *typed("Lark"), "enter", *typed("33og"), "enter", *typed("2.6in"), "enter")
+        await press(pilot, *typed("F24-W4"), "ctrl+s")
+        assert "✗ found the unit 'og'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("330g"), "ctrl+s")
+        assert "did you mean F24-4W" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
+        assert "Lark on AeroTech F24W" in told(pilot, "#next .heading")
+        assert "Flown? a types it in" in shown(pilot)
+    with Ledger.open(empty) as ledger:
+        (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
+        assert kept.payload["apogee_m"]["p50"] == pytest.approx(257, abs=40)
+        ledger.undo()
+        ledger.undo()
+        assert not ledger.predictions()
+        assert not ledger.draft("plan")
+
+
+async def test_the_demo_rocket_is_loaded_and_taken_out_again(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        await press(pilot, "down", "enter", "_")
+        assert "Loaded 12 flights of the demo rocket. u to undo" in words(pilot)
+        assert "▸12" in shown(pilot)
+        await press(pilot, "u", "_")
+        assert "Load the demo rocket" in words(pilot)
+
+
+@pytest.mark.parametrize("page", ["flights", "next_flight", "loop"])
+async def test_no_page_is_a_black_screen_with_a_line(empty: Path, page: str) -> None:
+    async with opened(empty, page=page) as pilot:
+        seen = words(pilot)
+        for text in ("No flights yet", "0 Home", "describe a rocket or load the demo rocket", "3 Import"):
+            assert text in seen
+
+
+async def test_weather_typed_once_is_in_every_plan_and_flight_of_the_day(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "e", *typed("8mph"), "enter", *typed("72f"), "ctrl+s", "_")
+        assert "Weather saved for today. u to undo" in words(pilot)
+        assert told(pilot, "#next .last").endswith("Today: wind 3.6 m/s, 22 °C")
+        await press(pilot, "escape", "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("wind").line.value == "3.6 m/s"
+        await press(pilot, "escape", "4", "_")
+        assert "wind 3.6 m/s" in told(pilot, "#plan")
+        await press(pilot, "u", "0", "_")
+        assert told(pilot, "#next .last").endswith("Weather today: e types it")
+
+
+async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("650ft"))
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("date_time").line.value == "today"
+        screen.field("date_time").line.focus()
+        await press(pilot, "ctrl+u", *typed("2026-05-0x"))
+        assert "✗ found '2026-05-0x', expected a date" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("2026-05-02"), "ctrl+s")
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("13").date_time == datetime(2026, 5, 2)
+
+
+async def test_a_rocket_that_nobody_knows_is_questioned_before_it_is_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("rocket").line.focus()
+        await press(pilot, "ctrl+u", *typed("Astar"), "enter", "enter", "enter", "enter", *typed("650ft"), "ctrl+s")
+        assert "No rocket Astar yet; nearest: Astra" in words(pilot)
+        await press(pilot, "n")
+        with Ledger.open(file) as ledger:
+            assert len(ledger.flights()) == 12
+        screen.field("rocket").line.focus()
+        await press(pilot, "ctrl+u", *typed("ast"), "down", "enter")
+        assert screen.field("rocket").line.value == "Astra"
+        await press(pilot, "ctrl+s", "_")
+        assert "Saved flight 13" in words(pilot)
+
+
+async def test_a_motor_is_picked_as_it_is_typed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("motor").line.focus()
+        await press(pilot, "ctrl+u", *typed("e35"))
+        assert "Quest E35W-5" in words(pilot)
+        await press(pilot, "escape")
+        assert "Quest E35W-5" not in words(pilot)
+        assert pilot.app.focused is screen.field("motor").line
+        await press(pilot, "backspace", "5", "down", "down", "up", "enter")
+        assert screen.field("motor").line.value == "E35-5W"
+
+
+async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(file: Path) -> None:
+    async with opened(file, (120, 36), page="home") as pilot:
+        await press(pilot, "ctrl+p", *typed("flight 9"), "_", "enter", "_")
+        assert "9 · Astra A · F24-4W" in words(pilot)
+        await press(pilot, "escape", "0", "ctrl+p", *typed("rocket astra"), "_", "enter", "_")
+        assert pilot.app.current_mode == "flights"
+        assert "12 of 12" in shown(pilot)
+        await press(pilot, "ctrl+p", *typed("motor aerotech f39t"), "_", "enter", "_")
+        assert "What is on record of this motor" in words(pilot)
+        await press(pilot, "escape", "ctrl+p", *typed("setting: target"), "_", "enter", *typed("800ft"), "enter")
+        assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
+        await press(pilot, "escape", "ctrl+p", *typed("help: top speed (next)"), "_", "enter", "_")
+        assert "The fastest it gets" in words(pilot)
+
+
+async def test_settings_of_two_open_apps_do_not_overwrite_each_other(file: Path) -> None:
+    async with opened(file) as pilot:
+        change_settings({"units": "US"}, file.with_name("settings.json"))
+        await press(pilot, "T", "_")
+        kept = read_settings(file.with_name("settings.json"))
+        assert (kept.units, kept.theme) == ("US", "sun")
+        assert "· ft" in words(pilot), "what the other chose is shown from now on"
+
+
+def test_large_digits_are_solid_and_differ() -> None:
+    drawn = {figure: large(figure) for figure in "0123456789"}
+    assert len(set(drawn.values())) == 10
+    assert set("".join(drawn.values())) <= set("█▀ \n")
+    assert [len(line) for line in large("281.3").splitlines()] == [17, 17, 17]
+
+
+async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        await press(pilot, "enter", *typed("Lark"), "enter", *typed("330g"), "enter", *typed("66mm"), "enter")
+        await press(pilot, *typed("f24w-4"), "down", "enter", "_", "escape", "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert pilot.app.focused is screen.field("apogee").line
+        for text in ("235m", "80", "2.1x", "79", "39", "5.6", "0.3", "230", "5", "45"):
+            await press(pilot, *typed(text), "enter")
+        await press(pilot, "ctrl+s")
+        assert "Burn time: found the unit 'x'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("2.1"), "ctrl+s", "_")
+        seen = words(pilot)
+        for text in (
+            "Saved flight 1, u to undo",
+            "flown 235.0 m",
+            "inside the 90 % interval",
+            "Next on AeroTech F24W-4",
+        ):
+            assert text in seen
+        assert "Burn time: found" not in seen, "what was mended is no longer said"
+        await press(pilot, "escape", "0", "_")
+        assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
+        assert "low, inside" in told(pilot, "#last .words")
+        await press(pilot, "u", "_")
+        assert "Flown? a types it in" in shown(pilot), "the saved forecast waits again"
+    with Ledger.open(empty) as ledger:
+        assert not ledger.flights()
