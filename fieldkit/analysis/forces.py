@@ -8,6 +8,8 @@ from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.satellites import SOURCE as SATELLITES
+from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 from fieldkit.shapes import Array, Float
 
@@ -34,6 +36,8 @@ _MIN_FELT_FRACTION = 0.9
 """Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
 _WINDOW = 0.05
 """Of the peak acceleration; a log that is too thin for it has a peak between its mean of three samples and one. [s]"""
+_MOSTLY = 0.5
+"""A speed rests on satellites too, where they have a greater part in it. [1]"""
 _MAX_LATE_START = 0.05
 """How long after lift-off an accelerometer may begin and still have felt all. [s]"""
 _SCALE = 0.02
@@ -80,6 +84,8 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
         after, before = (np.interp(time + half, push.time, total) for half in (window / 2, -window / 2))
         felt = (after - before) / window
         felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
+        if push.full is not None:
+            felt_sd = np.hypot(felt_sd, (np.interp(time, push.time, push.full) > 0) * max(push.missed, GRAVITY))
     else:
         felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
@@ -108,13 +114,34 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
 
     `mean` is the mean acceleration of the boost, with its source.
     """
+    floor = 0.0
     if push is not None and not push.vertical:
         inside = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
         level = levelled(push, begin)
-        if inside.sum() >= 8 and level is not None:
+        hidden = push.full is not None and bool(push.full[inside].any())
+        if inside.sum() >= 8 and level is not None and not hidden:
             return _felt_peak(push.time[inside], level[inside], begin, push.source)
+        if hidden and level is not None and push.full is not None:
+            floor = float(level[inside & push.full].min()) - push.missed
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
-    return _smoothed_peak(ascent.acceleration[inside], ascent.accelerations[:, inside], mean) if inside.any() else None
+    if not inside.any():
+        return None
+    peak = _smoothed_peak(ascent.acceleration[inside], ascent.accelerations[:, inside], mean)
+    return _above(peak, floor) if peak and floor > 0 else peak
+
+
+def _above(peak: Figure, floor: float) -> Figure:
+    """A peak that is known to be no less than the end of a range: its logarithm's normal distribution, cut there."""
+    spread = peak.sd / peak.value
+    logs = np.log(peak.value) + spread * np.linspace(-5, 5, 2001)
+    logs = logs[logs >= np.log(floor)]
+    if logs.size < 2:
+        return Figure(floor, spread * floor, peak.source)
+    weight = np.exp(-(((logs - np.log(peak.value)) / spread) ** 2) / 2)
+    mean = float(weight @ logs / weight.sum())
+    sd = float(np.sqrt(weight @ (logs - mean) ** 2 / weight.sum()))
+    value = float(np.exp(mean))
+    return Figure(value, sd * value, peak.source)
 
 
 def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, source: str) -> Figure | None:
@@ -187,5 +214,7 @@ def boost_event(
             )
             * value
         )
+        off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
+        value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
         spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)

@@ -97,11 +97,14 @@ class SplineDesign:
     jumps: Any
 
 
-def design(grid: Grid, time: Float[Array, "time"]) -> SplineDesign:
-    """What fits on a grid need to know of the times of their samples."""
+def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] | None = None) -> SplineDesign:
+    """What fits on a grid need to know of the times of their samples, and of which `order` each is: 0 for a height,
+    1 for a speed; None for heights alone."""
     from scipy.sparse import csr_array
 
     rows = basis(grid, time)
+    if order is not None and order.any():
+        rows = SplineRows(rows.first, np.where(order[:, None] == 1, basis(grid, time, 1).value, rows.value))
     size, sample, interval = grid.count + _DEGREE, np.arange(time.size), np.arange(grid.count)
     pairs = [(j, k) for j in range(_DEGREE + 1) for k in range(j + 1)]
     place = np.concatenate([(j - k) * size + rows.first + k for j, k in pairs])
