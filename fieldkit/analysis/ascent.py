@@ -55,6 +55,8 @@ class Ascent:
     """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
+    resolution: float = 0.0
+    """How long a push must last for its size to show in the curve. [s]"""
     sighted: Sightings | None = None
     """What satellites told beside the heights."""
 
@@ -131,7 +133,7 @@ def _begun(
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted)
+    samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
     return _FitStart(samples, coast, guess, fused)
 
 
@@ -150,7 +152,7 @@ def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
         marks = replace(marks, burnout=fastest(grid, begun.guess, marks.lift, marks.released))
     found = settled(samples, begun.guess, begun.fused, marks)
     if begun.fused or marks.lift is None:
-        return _drawn(grid, begun.guess, found, begun.fused, 0.0)
+        return _drawn(samples, begun.guess, found, begun.fused, 0.0)
     burnout, spread = _likeliest(begun, found, marks, marks.lift)
     if pressed:
         low, high = (
@@ -160,7 +162,7 @@ def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
         spread = float(np.hypot(spread, (high - low) / 2))
     marks = replace(marks, burnout=burnout)
     guess, _ = first_guess(grid, begun.coast, None, marks.lift, burnout, marks.released)
-    return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
+    return _drawn(samples, guess, settled(samples, guess, False, marks), False, spread)
 
 
 def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
@@ -207,8 +209,9 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     return low
 
 
-def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
+def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
+    grid = samples.grid
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))
     shapes = [basis(grid, knots, order) for order in range(3)]
@@ -225,4 +228,16 @@ def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: fl
         found.noise,
         spread,
         fused,
+        _resolution(samples, found),
     )
+
+
+def _resolution(samples: Samples, found: FittedCurve) -> float:
+    """The width of the window of even weight that a curve's acceleration is about the mean over. [s]
+
+    A curve whose acceleration wanders by q, through heights of spectral density r, passes of an acceleration of the
+    frequency w the part 1 / (1 + w^6 r/q); such a window passes half of it where that does at 3.79 / w.
+    """
+    own = samples.is_own
+    density = float(np.median(found.variance[own])) * median_step(samples.time[own])
+    return float(3.79 * (density / found.thrust) ** (1 / 6))

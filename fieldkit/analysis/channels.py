@@ -47,7 +47,8 @@ class Heights:
     """Clean heights on one clock; `zeroed` where the logger itself took the pad's off.
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` where samples near the
-    speed of sound were left out, for shocks had faked a fall in them.
+    speed of sound were left out, for shocks had faked a fall in them. `lag` is by how much they came late, behind a
+    filter or small vents, which has been taken off. [s]
     """
 
     time: Float[Array, "time"]
@@ -56,6 +57,7 @@ class Heights:
     noise: float
     source: str
     disturbed: bool = False
+    lag: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +66,8 @@ class Push:
 
     `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
     channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
-    range, to which `missed` has been added, by the heights; None where it never was there.
+    range, to which `missed` has been added, by the heights; None where it never was there. `scale` is the climb by
+    the heights over that which it makes: off for its calibration, for a lean or for a pressure that is. [1]
     """
 
     time: Float[Array, "time"]
@@ -74,6 +77,7 @@ class Push:
     weighs: bool = False
     full: Flags | None = None
     missed: float = 0.0
+    scale: float = 1.0
 
 
 def heights(clocks: Sequence[Series]) -> Heights | None:

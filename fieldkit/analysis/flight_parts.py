@@ -5,13 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fieldkit.analysis.apogee import apogee_of, falls
+from fieldkit.analysis.apogee import apogee_of, falls, wander
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
-from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
+from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.notes import NO_APOGEE, NO_BOOST, NO_FLIGHT, NO_LANDING, NO_LIFTOFF, NO_PAD, UNSEEN_TOP_NOTE
+from fieldkit.analysis.peak import peak_push
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import is_flight, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
@@ -138,6 +139,9 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
     """What the way down tells; `heard` is when samples come again where the top was in a silence. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
+    if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:
+        sinks = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
+        landed = replace(landed, sd=float(np.hypot(landed.sd, wander(track, seen) / sinks)))
     ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
     events: dict[str, Event] = {}
     figures: dict[str, Figure] = {}
@@ -151,7 +155,7 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
         figures["duration"] = _between(lift, landed, track.source)
     begin = ejected or replace(apogee, sd=2.0)
     if heard is not None and begin.time < heard:
-        begin = Event(heard, 0.1, track.source)
+        begin = Event(heard, 0.1 if ejected else begin.sd, track.source)
     speed = descent_speed(track, seen, begin, landed, level)
     if speed:
         figures["descent_speed"] = speed

@@ -109,8 +109,8 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
         return _Trust(push)
     found = agreement(track, push, seen, rise)
     if found is None or found.believed:
-        lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step else 0.0
-        return _Trust(push, lag=lag)
+        lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
+        return _Trust(replace(push, scale=found.scale) if found is not None else push, lag=lag)
     leaning = leaning_flight(track, push, seen, rise)
     if leaning is not None:
         return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
@@ -133,7 +133,7 @@ def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline
         return track, seen
     lift = None if seen.lift is None else seen.lift - lag
     earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
-    return replace(track, time=track.time - lag), earlier
+    return replace(track, time=track.time - lag, lag=lag), earlier
 
 
 def _without(wrong: Flags, track: Heights, seen: Outline) -> tuple[Heights, Outline]:

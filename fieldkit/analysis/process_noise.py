@@ -56,8 +56,9 @@ class Samples:
     """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m].
 
     The first `own` samples are the heights that are measured by; those behind are what satellites tell, heights and
-    speeds by their `order`, with their `variance`, and the `static` error of the heights that they tell. `hidden` is
-    how much more acceleration wanders where an accelerometer was at the end of its range. [m^2/s^5]
+    speeds by their `order`, with their `variance`, and the `static` error of the heights that they tell. The heights
+    came late by a `lag` [s]. `hidden` is how much more acceleration wanders where an accelerometer was at the end of
+    its range. [m^2/s^5]
     """
 
     time: Float[Array, "time"]
@@ -69,6 +70,7 @@ class Samples:
     order: Int[Integers, "time"]
     variance: Float[Array, "time"]
     static: float = 0.0
+    lag: float = 0.0
 
     @property
     def grid(self) -> Grid:
@@ -93,6 +95,7 @@ def samples_on(
     noise: float,
     push: Push | None = None,
     sighted: Sightings | None = None,
+    lag: float = 0.0,
 ) -> Samples:
     """Heights above the pad, made ready for fits on a grid, beside an accelerometer that shapes the curve, and beside
     what satellites tell."""
@@ -103,7 +106,9 @@ def samples_on(
         time, height = np.append(time, sighted.time[near]), np.append(height, sighted.value[near])
         order, variance = np.append(order, sighted.order[near]), np.append(variance, sighted.variance[near])
         static = sighted.static
-    return Samples(time, height, design(grid, time, order), noise, _hidden(grid, push), own, order, variance, static)
+    return Samples(
+        time, height, design(grid, time, order), noise, _hidden(grid, push), own, order, variance, static, lag
+    )
 
 
 def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
@@ -244,7 +249,7 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
         samples.above(guess),
         phase,
         phase[np.minimum(samples.splines.rows.first, phase.size - 1)] == 1,
-        _ram(samples, guess, fused) ** 2 + _gas(samples.time, marks.charge) ** 2,
+        _ram(samples, guess, fused) ** 2 + _blur(samples, guess, marks) ** 2 + _gas(samples.time, marks.charge) ** 2,
         _opening(samples.grid, guess, marks.charge),
         np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, samples.noise, 1.5]),
         np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7]),
@@ -264,6 +269,21 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
         lasting = max(lasting, abs(samples.static) / _RAM * np.sqrt(max(1.0, _BOOST_TIME / step)))
     shocks = (fused or samples.own < samples.time.size) * (speed / (0.75 * SPEED_OF_SOUND)) ** 6
     return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + shocks))
+
+
+def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
+    """Error of each height behind a filter of first order whose delay has been taken off. [m]
+
+    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay that is known to half of itself leaves
+    v d/2 of a speed; both are so for all samples of a boost alike.
+    """
+    if not samples.lag or marks.lift is None:
+        return np.zeros(samples.time.size)
+    pushed = (samples.time > marks.lift) & (samples.time < marks.burnout + 3 * samples.lag)
+    alike = np.sqrt(max(1.0, _BOOST_TIME / median_step(samples.time[: samples.own])))
+    blurred = pushed * samples.lag**2 / 2 * float(np.abs(guess.acceleration).max())
+    shifted = samples.lag / 2 * np.interp(samples.time, samples.grid.time, guess.speed)
+    return np.asarray(alike * np.hypot(blurred, shifted))
 
 
 def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:

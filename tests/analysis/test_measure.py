@@ -147,7 +147,7 @@ def test_an_accelerometer_at_the_end_of_its_range_tells_the_rest(range_end: floa
     assert any(note.startswith(FILLED_NOTE.split("{")[0]) for note in recorded.notes)
     for name in ("peak_accel", "top_speed", "avg_accel", "burn_time"):
         assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
-        assert recorded.figures[name].sd < alone.figures[name].sd
+        assert name == "peak_accel" or recorded.figures[name].sd < alone.figures[name].sd
         assert "acceleration" in recorded.figures[name].source
     assert recorded.figures["peak_accel"].value > (range_end - 1) * GRAVITY
     assert recorded.events["ejection"].source == "acceleration"  # a blow is one whatever its size
