@@ -5,6 +5,7 @@ from fieldkit.analysis.measure import measure, rises
 from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.possible import doubted
 from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
+from fieldkit.analysis.simulated import simulated
 
 __all__ = [
     "NO_FLIGHT",
@@ -18,4 +19,5 @@ __all__ = [
     "doubted",
     "measure",
     "rises",
+    "simulated",
 ]

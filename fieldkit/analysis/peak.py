@@ -20,7 +20,7 @@ BEYOND_WINDOW = (
     (1.5, 0.87, 0.34),
 )
 """Peak thrust over the greatest mean of a window, by the window's part of the burn: mean and standard deviation of its
-logarithm over the motors of the catalogue, each impulse class alike (`tools/motor_peaks.py` prints it). [1]"""
+logarithm over the motors of the catalogue, each impulse class alike (a test works it out again). [1]"""
 BEYOND_MEAN = (0.47, 0.34)
 """The same for the mean of the burn. [1]"""
 _MAX_LATE_START = 0.05

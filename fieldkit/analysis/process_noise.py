@@ -4,13 +4,13 @@ How much it wanders under thrust and in the coast, and how noisy the samples are
 probable (type-II maximum likelihood), with priors as wide as loggers and rockets differ.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.initial_guess import Guess
+from fieldkit.analysis.optimize import nelder_mead
 from fieldkit.analysis.records import Sightings
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.analysis.smooth import CurvePosterior, Grid, SplineDesign, apply, design, fit
@@ -232,13 +232,8 @@ class _Model:
 
     def searched(self, start: Array, weight: Float[Array, "time"], tries: int) -> Array:
         """The most probable settings near some, by Nelder and Mead's simplex."""
-        from scipy.optimize import minimize
-
         simplex = start + np.vstack([np.zeros(4), np.diag([0.7, 1.0, 0.3, 0.5])])
-        options = {"maxfev": tries, "initial_simplex": simplex}
-        cost: Callable[..., float] = self.cost
-        found = minimize(cost, start, (weight,), "Nelder-Mead", options=options)  # type: ignore[call-overload]
-        return np.asarray(found.x)
+        return nelder_mead(lambda settings: self.cost(settings, weight), simplex, tries)
 
 
 def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
