@@ -62,7 +62,7 @@ class Miss:
     @property
     def grave(self) -> bool:
         """Whether it is far off and does not say so."""
-        return self.relative > GROSS and abs(self.sds) > HONEST
+        return bool(self.relative > GROSS and abs(self.sds) > HONEST)
 
 
 def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[Miss], list[str]]:
@@ -91,7 +91,7 @@ def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recor
     for readout, truth in right.items():
         figure = recorded.figures.get(readout)
         if figure is not None and readout in READOUTS:
-            yield Miss(name, flight, readout, figure.value - truth, figure.sd, truth)
+            yield Miss(name, flight, readout, float(figure.value - truth), float(figure.sd), float(truth))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,8 +121,8 @@ def cells(misses: Sequence[Miss], flights: int) -> dict[str, Cell]:
         found[readout] = Cell(
             flights,
             len(own),
-            sum(abs(one.sds) <= 2 for one in own),
-            sum(one.grave for one in own),
+            int(sum(abs(one.sds) <= 2 for one in own)),
+            int(sum(one.grave for one in own)),
             float(np.median([one.relative for one in own])) if own else 0.0,
             float(np.median([one.relative_sd for one in own])) if own else 0.0,
         )
