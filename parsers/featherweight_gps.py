@@ -6,6 +6,8 @@ on. A ground station hears several trackers, each of which is a reading of its o
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,6 +29,8 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "vertv": ("gps_speed", Unit(FOOT)),
     "fix": ("fix", Unit(1.0)),
 }
+RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
+"""What a receiver writes of itself, its height first."""
 GROUND = ("tracker", "date", "time")
 DAY = 86_400.0
 """[s]"""
@@ -46,14 +50,18 @@ def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
     ground = head.names[:3] == GROUND
     text = b"\n".join(_seconds(narrow(log), head)) if ground else log
-    table = read_columns(
-        text,
-        head.channels(CHANNELS),
-        after=head.row,
-        separator=head.separator,
-        widths={len(head.names)},
-        words={"tracker": 0} if ground else {},
-    )
+    tables = [
+        read_columns(
+            text,
+            one.channels(CHANNELS),
+            after=head.row,
+            separator=head.separator,
+            widths={len(head.names)},
+            words={"tracker": 0} if ground else {},
+        )
+        for one in _receivers(head)
+    ]
+    table = max(tables, key=_rise) if len(tables) > 1 else tables[0]
     readings: list[Found] = []
     notes: list[Found] = []
     for name, part in _trackers(table):
@@ -87,6 +95,28 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
                 points = mark == b"," or any(b"." in cell for cell in cells[3:])
                 cells[2] = (b"%.3f" % seconds).replace(b".", b"." if points else b",")
         yield mark.join(cells)
+
+
+def _receivers(head: Header) -> list[Header]:
+    """A header for each receiver of a log: a ground station may write its own place beside the tracker's, by the same
+    names. In each the columns of the others have none."""
+    starts = [place for place, name in enumerate(head.names) if name == "alt"]
+    if len(starts) < 2:
+        return [head]
+    first = min(place for place, name in enumerate(head.names) if name in RECEIVED)
+    edges = [first, *starts[1:], len(head.names)]
+    hidden = [
+        tuple("" if name in RECEIVED and not begin <= place < end else name for place, name in enumerate(head.names))
+        for begin, end in pairwise(edges)
+    ]
+    return [replace(head, names=names) for names in hidden]
+
+
+def _rise(table: LogTable) -> float:
+    """By how much the heights of a table differ, but for a few that are far off. [m]"""
+    height = table.values["gps_altitude_msl"]
+    height = height[np.isfinite(height)]
+    return float(np.subtract(*np.quantile(height, [0.98, 0.02]))) if height.size else -1.0
 
 
 def _trackers(table: LogTable) -> list[tuple[str, LogTable]]:

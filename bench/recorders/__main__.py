@@ -1,37 +1,51 @@
 """The recorder bench: `python -m bench.recorders`, which prints how well every kind of recorder is read.
 
 `--flights` of each kind (20), `--only` those with a word in their names, `--worst` so many of the gravest misses.
+`--keep FILE` keeps each kind of recorder as it is done and goes on where it was: a long run may be cut in pieces.
 """
 
 import argparse
+import json
 import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
-from bench.recorders.judge import Miss, judged, table
+from bench.recorders.judge import Cell, Miss, cells, judged, table
 from bench.recorders.models import RECORDERS
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Print the table and the gravest misses; 1 where a log was refused."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--worst", type=int, default=20)
-    asked = parser.parse_args()
-    misses: list[Miss] = []
-    refused: list[str] = []
+    parser.add_argument("--keep", type=Path)
+    asked = parser.parse_args(arguments)
+    kept: dict[str, Any] = json.loads(asked.keep.read_text()) if asked.keep and asked.keep.exists() else {}
+    drawn = {"flights": asked.flights, "seed": asked.seed}
+    if kept.get("drawn", drawn) != drawn:
+        parser.error(f"{asked.keep} holds another bench: {kept['drawn']}")
+    recorders = kept.get("recorders", {})
     for name, recorder in RECORDERS.items():
-        if asked.only in name:
-            found, wrong = judged(name, recorder, asked.flights, asked.seed)
-            misses += found
-            refused += wrong
-    lines = [*table(misses, asked.flights), "", *refused]
-    grave = sorted((one for one in misses if one.grave), key=lambda one: -abs(one.sds))
-    lines += [
+        if asked.only in name and name not in recorders:
+            misses, refused = judged(name, recorder, asked.flights, asked.seed)
+            readouts = {readout: asdict(cell) for readout, cell in cells(misses, asked.flights).items()}
+            grave = [asdict(one) for one in misses if one.grave]
+            recorders[name] = {"readouts": readouts, "grave": grave, "refused": refused}
+            if asked.keep:
+                asked.keep.write_text(json.dumps({"drawn": drawn, "recorders": recorders}, indent=1) + "\n")
+    shown = {name: recorders[name] for name in RECORDERS if name in recorders}
+    rows = {name: {one: Cell(**cell) for one, cell in kind["readouts"].items()} for name, kind in shown.items()}
+    refused = [line for kind in shown.values() for line in kind["refused"]]
+    misread = [Miss(**one) for kind in shown.values() for one in kind["grave"]]
+    worst = (
         f"{one.recorder} {one.flight} {one.readout}: {one.truth + one.error:.4g} +- {one.sd:.2g}, true {one.truth:.4g}"
-        for one in grave[: asked.worst]
-    ]
-    sys.stdout.write("\n".join(lines) + "\n")
+        for one in sorted(misread, key=lambda one: -abs(one.sds))[: asked.worst]
+    )
+    sys.stdout.write("\n".join([*table(rows), "", *refused, *worst]) + "\n")
     return 1 if refused else 0
 
 

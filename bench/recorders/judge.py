@@ -1,7 +1,7 @@
 """How well the logs of recorders are read: every readout against the truth, in standard deviations and in percent."""
 
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,9 +55,14 @@ class Miss:
         return abs(self.error) / max(abs(self.truth), LEAST.get(self.readout, 0.0))
 
     @property
+    def relative_sd(self) -> float:
+        """Its standard deviation, as a part of the truth."""
+        return self.sd / max(abs(self.truth), LEAST.get(self.readout, 0.0))
+
+    @property
     def grave(self) -> bool:
         """Whether it is far off and does not say so."""
-        return self.relative > GROSS and abs(self.sds) > HONEST
+        return bool(self.relative > GROSS and abs(self.sds) > HONEST)
 
 
 def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[Miss], list[str]]:
@@ -86,29 +91,64 @@ def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recor
     for readout, truth in right.items():
         figure = recorded.figures.get(readout)
         if figure is not None and readout in READOUTS:
-            yield Miss(name, flight, readout, figure.value - truth, figure.sd, truth)
+            yield Miss(name, flight, readout, float(figure.value - truth), float(figure.sd), float(truth))
 
 
-def table(misses: Iterable[Miss], flights: int) -> Iterator[str]:
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One readout of one recorder: of how many flights, of how many there, how many within two deviations and gravely
+    off, and in the middle the error and the standard deviation, as parts of the truth. [1]"""
+
+    flights: int
+    measured: int
+    within: int
+    grave: int
+    error: float
+    sd: float
+
+    def __str__(self) -> str:
+        """`measured/within/grave`: of a hundred flights, of a hundred measured, and how many."""
+        if not self.measured:
+            return "-"
+        return f"{100 * self.measured / self.flights:.0f}/{100 * self.within / self.measured:.0f}/{self.grave}"
+
+
+def cells(misses: Sequence[Miss], flights: int) -> dict[str, Cell]:
+    """Every readout of one recorder."""
+    found = {}
+    for readout in READOUTS:
+        own = [one for one in misses if one.readout == readout]
+        found[readout] = Cell(
+            flights,
+            len(own),
+            int(sum(abs(one.sds) <= 2 for one in own)),
+            int(sum(one.grave for one in own)),
+            float(np.median([one.relative for one in own])) if own else 0.0,
+            float(np.median([one.relative_sd for one in own])) if own else 0.0,
+        )
+    return found
+
+
+def table(kept: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
     """Lines of a table: a row a recorder, and of each readout how many in a hundred lie within two deviations.
 
     A cell is `measured/within/grave`: how many flights of a hundred have it, and how many of these are within two
-    standard deviations and how many are gravely off.
+    standard deviations and how many are gravely off. Below are all together, and the error and the standard deviation
+    in the middle of the recorders, in percent of the truth.
     """
-    found = list(misses)
     yield "| recorder | " + " | ".join(READOUTS) + " |"
     yield "|---" * (len(READOUTS) + 1) + "|"
-    names = list(dict.fromkeys(one.recorder for one in found))
-    for name in names:
-        own = [one for one in found if one.recorder == name]
-        yield f"| {name} | " + " | ".join(_cell([m for m in own if m.readout == r], flights) for r in READOUTS) + " |"
-    whole = flights * len(names)
-    yield "| **all** | " + " | ".join(_cell([m for m in found if m.readout == r], whole) for r in READOUTS) + " |"
+    for name, row in kept.items():
+        yield f"| {name} | " + " | ".join(str(row[readout]) for readout in READOUTS) + " |"
+    columns = {readout: [row[readout] for row in kept.values()] for readout in READOUTS}
+    yield "| **all** | " + " | ".join(str(_sum(column)) for column in columns.values()) + " |"
+    for title, part in (("error, %", "error"), ("sd, %", "sd")):
+        middle = (np.median([getattr(c, part) for c in column if c.measured] or [0.0]) for column in columns.values())
+        yield f"| **{title}** | " + " | ".join(f"{100 * one:.2g}" for one in middle) + " |"
 
 
-def _cell(misses: list[Miss], flights: int) -> str:
-    if not misses:
-        return "-"
-    within = sum(abs(one.sds) <= 2 for one in misses) / len(misses)
-    grave = sum(one.grave for one in misses)
-    return f"{100 * len(misses) / flights:.0f}/{100 * within:.0f}/{grave}"
+def _sum(column: Sequence[Cell]) -> Cell:
+    flights, measured, within, grave = (
+        sum(getattr(one, part) for one in column) for part in ("flights", "measured", "within", "grave")
+    )
+    return Cell(flights, measured, within, grave, 0.0, 0.0)

@@ -1,9 +1,11 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
 from fieldkit.analysis.columns import columns
-from fieldkit.analysis.measure import NO_FLIGHT, measure, rises
+from fieldkit.analysis.measure import measure, rises
+from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.possible import doubted
 from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
+from fieldkit.analysis.simulated import simulated
 
 __all__ = [
     "NO_FLIGHT",
@@ -17,4 +19,5 @@ __all__ = [
     "doubted",
     "measure",
     "rises",
+    "simulated",
 ]

@@ -15,11 +15,16 @@ from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 SCALES = (0.75, 1.35)
 """The climb by the heights over that by an accelerometer that is believed: a calibration that is off by a tenth, and a
 flight that leans by 30 degrees, stay within. [1]"""
+_FILLED_SCALE, _MISSED = 0.03, 300.0
+"""How far the scale of one is off that was at the end of its range [1], and how much it may have missed there. It must
+be known well, for what was missed and a scale make nearly the same climb. [m/s^2]"""
+_MAX_MISFIT = 3.0
+"""Of a climb that was filled so, in standard deviations of the heights. [1]"""
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
 """An accelerometer is believed that is later or earlier than the heights by no more: vents and filters delay pressures,
 and nothing delays what a mass feels. [s]"""
@@ -41,16 +46,22 @@ _TRANSONIC_SPEEDS = (260.0, 430.0)
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s]."""
+    """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s].
+
+    `missed` is what it felt beyond the end of its range in the mean [m/s^2], `misfit` what that leaves [1].
+    """
 
     scale: float
     late: float
     step: float
+    missed: float = 0.0
+    misfit: float = 0.0
 
     @property
     def believed(self) -> bool:
         """Whether both tell of one flight; samples that are far apart tell of the clock only so well."""
-        return SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
+        alike = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
+        return alike and self.missed >= 0 and self.misfit < _MAX_MISFIT
 
     @property
     def is_off(self) -> bool:
@@ -65,10 +76,11 @@ class Agreement:
         return f"makes a climb of {100 / self.scale:.0f} % of that by the heights"
 
 
-def agreement(track: Heights, push: Push, seen: Outline, lift: Event) -> Agreement | None:
+def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:
     """How an accelerometer agrees with heights from lift-off, by the heights, into the coast.
 
-    None where too few samples in quiet air are left to tell.
+    What it missed at the end of its range, in samples that are `full`, is fitted beside its scale. None where too few
+    samples in quiet air are left to tell.
     """
     net = levelled(push, lift.time)
     end = seen.fastest + _COAST * (seen.top - seen.fastest)
@@ -87,10 +99,13 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event) -> Agreeme
     when, height = when[quiet], height[quiet]
     if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
+    beyond = None if full is None else _summed(_summed(full[felt].astype(float), time), time)
     shifts = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
-    found = [_fit(when + shift, height, time, climb, speed, track.noise) for shift in shifts]
-    best = int(np.argmin([cost for cost, _ in found]))
-    return Agreement(found[best][1], float(shifts[best]), median_step(track.time[inside]))
+    found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
+    cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
+    scale, missed = next((one[1], one[2]) for one in found if one[0] == cost)
+    misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
+    return Agreement(scale, late, median_step(track.time[inside]), missed, misfit)
 
 
 def _fit(
@@ -99,21 +114,24 @@ def _fit(
     time: Float[Array, "time"],
     climb: Float[Array, "time"],
     speed: Float[Array, "time"],
+    beyond: Float[Array, "time"] | None,
     noise: float,
-) -> tuple[float, float]:
-    """How badly a climb at some times fits heights, and the scale that fits best.
+) -> tuple[float, float, float]:
+    """How badly a climb at some times fits heights, the scale that fits best, and how much of `beyond` was missed.
 
     The pressure in the airframe is off by a part of the dynamic pressure, which is fitted beside the scale.
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
     spread = np.hypot(noise, _ROUGH * height)
-    rows = np.stack([felt, ram], axis=1) / spread[:, None]
-    prior = np.diag([1 / _SCALE, 1 / _RAM])
-    design = np.concatenate([rows, prior])
-    wanted = np.concatenate([height / spread, [1 / _SCALE, 0.0]])
+    columns, sds = [felt, ram], [_SCALE if beyond is None else _FILLED_SCALE, _RAM]
+    if beyond is not None:
+        columns, sds = [*columns, np.interp(when, time, beyond)], [*sds, _MISSED]
+    prior = np.diag(1 / np.array(sds))
+    design = np.concatenate([np.stack(columns, axis=1) / spread[:, None], prior])
+    wanted = np.concatenate([height / spread, prior[0]])
     values, *_ = np.linalg.lstsq(design, wanted, rcond=None)
-    return float(((wanted - design @ values) ** 2).sum()), float(values[0])
+    return float(((wanted - design @ values) ** 2).sum()), float(values[0]), float([*values, 0.0][2])
 
 
 def _summed(values: Float[Array, "time"], time: Float[Array, "time"]) -> Float[Array, "time"]:

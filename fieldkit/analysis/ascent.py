@@ -13,6 +13,7 @@ from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
 from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, Marks, Samples, samples_on, settled
+from fieldkit.analysis.records import Sightings
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.smooth import Grid, apply, basis
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -54,14 +55,25 @@ class Ascent:
     """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
+    resolution: float = 0.0
+    """How long a push must last for its size to show in the curve. [s]"""
+    sighted: Sightings | None = None
+    """What satellites told beside the heights."""
 
 
 def ascend(
-    track: Heights, push: Push | None, seen: Outline, lift: float | None, blow: float | None, marked: float | None
+    track: Heights,
+    push: Push | None,
+    seen: Outline,
+    lift: float | None,
+    blow: float | None,
+    marked: float | None,
+    sighted: Sightings | None = None,
 ) -> Ascent | None:
     """The ascent, or None where it has too few samples.
 
-    `blow` is when the charge was felt, `marked` where the logger saw apogee, after which it may have fired one. [s]
+    `sighted` is what satellites tell beside the heights, `blow` when the charge was felt, `marked` where the logger
+    saw apogee, after which it may have fired one. [s]
     """
     climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
@@ -74,12 +86,13 @@ def ascend(
         return None
     grid = _grid(begin, end, median_step(climb))
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
-    begun = _begun(track, seen, grid, near, push, marks)
+    begun = _begun(track, seen, grid, near, push, marks, sighted)
     slow = near & ~_near_sound(track, grid, begun.guess)
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not begun.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
-        begun = _begun(track, seen, grid, slow, push, marks)
-    return _fitted(begun, marks, pressed=track.source in BAROMETRIC)
+        begun = _begun(track, seen, grid, slow, push, marks, sighted)
+    ascent = _fitted(begun, marks, pressed=track.source in BAROMETRIC)
+    return replace(ascent, sighted=sighted) if ascent else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,12 +120,21 @@ def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
 
 
-def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _FitStart:
+def _begun(
+    track: Heights,
+    seen: Outline,
+    grid: Grid,
+    counts: Flags,
+    push: Push | None,
+    marks: Marks,
+    sighted: Sightings | None,
+) -> _FitStart:
     """The samples that count on a grid, and a first guess by them and by an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    return _FitStart(samples_on(grid, time, height, track.noise), coast, guess, fused)
+    samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
+    return _FitStart(samples, coast, guess, fused)
 
 
 def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
@@ -130,7 +152,7 @@ def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
         marks = replace(marks, burnout=fastest(grid, begun.guess, marks.lift, marks.released))
     found = settled(samples, begun.guess, begun.fused, marks)
     if begun.fused or marks.lift is None:
-        return _drawn(grid, begun.guess, found, begun.fused, 0.0)
+        return _drawn(samples, begun.guess, found, begun.fused, 0.0)
     burnout, spread = _likeliest(begun, found, marks, marks.lift)
     if pressed:
         low, high = (
@@ -140,7 +162,7 @@ def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
         spread = float(np.hypot(spread, (high - low) / 2))
     marks = replace(marks, burnout=burnout)
     guess, _ = first_guess(grid, begun.coast, None, marks.lift, burnout, marks.released)
-    return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
+    return _drawn(samples, guess, settled(samples, guess, False, marks), False, spread)
 
 
 def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
@@ -163,7 +185,7 @@ def _corrected(begun: _FitStart, marks: Marks, static: float) -> _FitStart:
     Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g.
     """
     samples, grid = begun.samples, begun.samples.grid
-    flies = (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
+    flies = samples.is_own & (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
     speed = np.where(flies, np.interp(samples.time, grid.time, begun.guess.speed), 0.0)
     height = samples.height + static * speed**2 / (2 * GRAVITY)
     return replace(begun, samples=replace(samples, height=height))
@@ -187,8 +209,9 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     return low
 
 
-def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
+def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
+    grid = samples.grid
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))
     shapes = [basis(grid, knots, order) for order in range(3)]
@@ -205,4 +228,16 @@ def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: fl
         found.noise,
         spread,
         fused,
+        _resolution(samples, found),
     )
+
+
+def _resolution(samples: Samples, found: FittedCurve) -> float:
+    """The width of the window of even weight that a curve's acceleration is about the mean over. [s]
+
+    A curve whose acceleration wanders by q, through heights of spectral density r, passes of an acceleration of the
+    frequency w the part 1 / (1 + w^6 r/q); such a window passes half of it where that does at 3.79 / w.
+    """
+    own = samples.is_own
+    density = float(np.median(found.variance[own])) * median_step(samples.time[own])
+    return float(3.79 * (density / found.thrust) ** (1 / 6))

@@ -10,6 +10,7 @@ from math import exp
 
 import numpy as np
 
+from fieldkit.analysis.optimize import least_soft_squares
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
@@ -18,6 +19,8 @@ SCALE_HEIGHT = 9500.0
 """Height in which the air of the lower troposphere thins by e. [m]"""
 _SPEED_OF_SOUND, _TRANSITION = 335.0, 12.0
 _MAX_SPEED = 1200.0
+_ROUNDS = 25
+"""Steps of the fit, at most. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,8 +69,6 @@ def fitted_coast(
     time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
 ) -> Coast | None:
     """The coast that heights from a little after burnout to `end` suggest, from `begin` on; None if they are few."""
-    from scipy.optimize import least_squares
-
     inside = (time > burnout + 0.25) & (time < end + 0.3)
     if inside.sum() < 6:
         return None
@@ -85,14 +86,5 @@ def fitted_coast(
     top = int(np.argmax(where))
     start = np.array([when[top], where[top], np.log(1e-3)])
     room = np.array([60.0, 1e4, 5.0])
-    steps = [1.0, 10.0, 0.3]
-    found = least_squares(
-        misfit,
-        start,
-        loss="soft_l1",
-        bounds=(start - room, start + room),
-        max_nfev=25,
-        x_scale=steps,
-        diff_step=[1e-5] * 3,
-    )
-    return curve(found.x, begin)
+    steps = np.array([1.0, 10.0, 0.3])
+    return curve(least_soft_squares(misfit, start, steps, room, _ROUNDS), begin)

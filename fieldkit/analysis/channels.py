@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
 """Channels that tell heights, the best first."""
@@ -37,7 +37,7 @@ _CLIMB_SPEED = 8.0
 _MAX_ACCELERATION = 10_000.0
 """Accelerations beyond this are faults of the log. [m/s^2]"""
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
-"""Samples in a row of one value that make an end of range, and how many times more than of any other value. [1]"""
+"""Samples of one value that make an end of range, and how many times more than of any other value. [1]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
@@ -47,7 +47,8 @@ class Heights:
     """Clean heights on one clock; `zeroed` where the logger itself took the pad's off.
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` where samples near the
-    speed of sound were left out, for shocks had faked a fall in them.
+    speed of sound were left out, for shocks had faked a fall in them. `lag` is by how much they came late, behind a
+    filter or small vents, which has been taken off. [s]
     """
 
     time: Float[Array, "time"]
@@ -56,6 +57,7 @@ class Heights:
     noise: float
     source: str
     disturbed: bool = False
+    lag: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +65,9 @@ class Push:
     """Acceleration along the axis on one clock, as an accelerometer feels it: one g at rest, nose up. [m/s^2]
 
     `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
-    channel itself has gravity in it, so that its scale shows on the pad.
+    channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
+    range, to which `missed` has been added, by the heights; None where it never was there. `scale` is the climb by
+    the heights over that which it makes: off for its calibration, for a lean or for a pressure that is. [1]
     """
 
     time: Float[Array, "time"]
@@ -71,6 +75,9 @@ class Push:
     vertical: bool
     source: str
     weighs: bool = False
+    full: Flags | None = None
+    missed: float = 0.0
+    scale: float = 1.0
 
 
 def heights(clocks: Sequence[Series]) -> Heights | None:
@@ -119,16 +126,27 @@ def sensor(source: str) -> str:
 def is_clipped(push: Push, begin: float, end: float) -> bool:
     """Whether an accelerometer was at the end of its range: its highest value comes again and again, no other does.
 
-    A converter that is full gives one number; a thrust that only happens to be even has the sensor's noise.
+    A converter that is full gives one number, in a row or, where the thrust plays about the end, now and again; a
+    thrust that only happens to be even has the sensor's noise. Low values, as of a rest, come again in any log.
     """
     felt = push.felt[(push.time >= begin) & (push.time <= end)]
     if felt.size < _CLIPPED_RUN:
         return False
     edges = np.flatnonzero(np.concatenate(([True], np.diff(felt) != 0, [True])))
     lengths, values = np.diff(edges), felt[edges[:-1]]
-    full = values >= felt.max()
-    others = int(lengths[~full].max(initial=1))
-    return bool(not push.vertical and lengths[full].max() >= max(_CLIPPED_RUN, _CLIPPED_RATIO * others))
+    full, high = values >= felt.max(), values > felt.max() / 2
+    in_a_row = lengths[full].max() >= max(_CLIPPED_RUN, _CLIPPED_RATIO * int(lengths[high & ~full].max(initial=1)))
+    _, counts = np.unique(felt[felt > felt.max() / 2], return_counts=True)
+    in_all = counts.size and counts[-1] >= max(_CLIPPED_RUN, _CLIPPED_RATIO * int(counts[:-1].max(initial=1)))
+    return bool(not push.vertical and (in_a_row or in_all))
+
+
+def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
+    """Which samples of an accelerometer are at the end of its range from one time to another; None where it is not."""
+    inside = (push.time >= begin) & (push.time <= end)
+    if not is_clipped(push, begin, end):
+        return None
+    return np.asarray((push.felt >= push.felt[inside].max()) & (push.time > begin - 1) & (push.time < end + 0.5))
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from fieldkit import units
 from fieldkit.analysis.channels import sensor
-from fieldkit.analysis.measure import NO_FLIGHT
+from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.errors import BadValue
 from fieldkit.flight import MEASURED, Column

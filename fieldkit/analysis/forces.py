@@ -4,12 +4,13 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
-from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
-from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.satellites import SOURCE as SATELLITES
+from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array
 
 _MIN_DRAG_SPEED = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
@@ -27,15 +28,10 @@ _BRAKING_TIME = 1.5
 """How long after top speed it shows how hard the rocket brakes. [s]"""
 _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
 """Error of a burn time by heights alone, to it. [1]"""
-_PEAK, _PEAK_SPREAD, _SMOOTHED_PEAK_SPREAD = 1.7, 0.4, 0.3
-"""Peak to mean acceleration of a boost, the spread of its logarithm, and that of a peak of smoothed heights: over the
-thrust curves of the catalogue the ratio is 2.2 in the middle of motors below 40 N·s and 1.35 of the others. [1]"""
 _MIN_FELT_FRACTION = 0.9
 """Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
-_WINDOW = 0.05
-"""Of the peak acceleration; a log that is too thin for it has a peak between its mean of three samples and one. [s]"""
-_MAX_LATE_START = 0.05
-"""How long after lift-off an accelerometer may begin and still have felt all. [s]"""
+_MOSTLY = 0.5
+"""A speed rests on satellites too, where they have a greater part in it. [1]"""
 _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
@@ -80,6 +76,8 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
         after, before = (np.interp(time + half, push.time, total) for half in (window / 2, -window / 2))
         felt = (after - before) / window
         felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
+        if push.full is not None:
+            felt_sd = np.hypot(felt_sd, (np.interp(time, push.time, push.full) > 0) * max(push.missed, GRAVITY))
     else:
         felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
@@ -103,54 +101,6 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
     )
 
 
-def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, mean: Figure) -> Figure | None:
-    """Strongest acceleration from lift-off to top speed, net of gravity, over a twentieth of a second.
-
-    `mean` is the mean acceleration of the boost, with its source.
-    """
-    if push is not None and not push.vertical:
-        inside = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
-        level = levelled(push, begin)
-        if inside.sum() >= 8 and level is not None:
-            return _felt_peak(push.time[inside], level[inside], begin, push.source)
-    inside = (ascent.time >= begin) & (ascent.time <= burnout)
-    return _smoothed_peak(ascent.acceleration[inside], ascent.accelerations[:, inside], mean) if inside.any() else None
-
-
-def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, source: str) -> Figure | None:
-    """The peak of what an accelerometer felt in the boost; None if it may have come before the first sample."""
-    width = max(3, round(_WINDOW / median_step(time)))
-    smooth = running_median(net, width | 1)
-    value = float(smooth.max())
-    if time[0] > begin + _MAX_LATE_START and smooth[:2].max() == smooth.max():
-        return None
-    coarse = 0.0
-    if 3 * median_step(time) > _WINDOW:
-        coarse = (float(net.max()) - value) / 2
-    if median_step(time) > 1.5 * _WINDOW:  # between samples that differ there may be more than at either
-        coarse = max(coarse, float(np.abs(np.diff(net)).max()) / 4)
-    sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
-    return Figure(value, float(sd), source) if value > 2 * sd else None
-
-
-def _smoothed_peak(acceleration: Float[Array, "knot"], draws: Float[Array, "draw knot"], mean: Figure) -> Figure | None:
-    """The peak by heights alone: what the curve has of it, and what motors have for such a mean, by their precisions.
-
-    A curve is too smooth for a short peak, and pressure that is disturbed at speed makes peaks that no motor has:
-    where the two disagree by more than twice their spread, the mean alone tells.
-    """
-    place = int(np.argmax(acceleration))
-    value, usual = float(acceleration[place]), _PEAK * mean.value
-    spread = float(np.hypot(mean.sd / mean.value, _PEAK_SPREAD))
-    if value <= 0:
-        return Figure(usual, spread * usual, mean.source)
-    sharp = float(np.hypot(draws[:, place].std() / value, _SMOOTHED_PEAK_SPREAD))
-    weight = sharp**-2 if abs(np.log(value / usual)) < 2 * np.hypot(sharp, spread) else 0.0
-    sd = (weight + spread**-2) ** -0.5
-    peak = float(np.exp((weight * np.log(value) + spread**-2 * np.log(usual)) * sd**2))
-    return Figure(peak, float(sd * peak), mean.source)
-
-
 def boost_event(
     ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str
 ) -> tuple[Event, Figure] | None:
@@ -171,7 +121,7 @@ def boost_event(
     if ascent.fused and push:
         late, spread = (
             float(np.hypot(late, max(0.02, median_step(push.time) / 2))),
-            np.hypot(spread, _FUSED_SPEED_ERROR * value),
+            float(np.linalg.norm([spread, _FUSED_SPEED_ERROR * value, (push.scale - 1) / 2 * value])),
         )
     else:
         pressed, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
@@ -187,5 +137,7 @@ def boost_event(
             )
             * value
         )
+        off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
+        value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
         spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)

@@ -8,7 +8,7 @@ from fieldkit.analysis.ballistic import Coast
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.smooth import Grid
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 _MAX_SENSOR_GAP = 0.3
 """An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
@@ -54,6 +54,7 @@ def first_guess(
         ):
             total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
             gained = np.gradient(np.interp(knots, push.time, total), grid.step)
+            inside &= ~_in_silence(knots, push)
             guess[inside] = gained[inside]
             fused = True
     if lift is not None:
@@ -61,6 +62,12 @@ def first_guess(
     speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
     rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
     return Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
+
+
+def _in_silence(knots: Float[Array, "knot"], push: Push) -> Flags:
+    """Knots at which an accelerometer was silent: what it felt there is not between what it felt before and after."""
+    after = np.clip(np.searchsorted(push.time, knots), 1, push.time.size - 1)
+    return np.asarray(push.time[after] - push.time[after - 1] > _MAX_SENSOR_GAP)
 
 
 def levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:

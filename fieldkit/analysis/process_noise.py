@@ -4,12 +4,14 @@ How much it wanders under thrust and in the coast, and how noisy the samples are
 probable (type-II maximum likelihood), with priors as wide as loggers and rockets differ.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.analysis.channels import Push
 from fieldkit.analysis.initial_guess import Guess
+from fieldkit.analysis.optimize import nelder_mead
+from fieldkit.analysis.records import Sightings
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.analysis.smooth import CurvePosterior, Grid, SplineDesign, apply, design, fit
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -26,6 +28,8 @@ _RAM = 0.006
 """The part of it that changes within a flight, at least. [1]"""
 _CORRELATION_TIME = 0.3
 """How long such an error stays alike. [s]"""
+_BOOST_TIME = 1.0
+"""How long the dynamic pressure is about its greatest. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
@@ -49,12 +53,24 @@ class Marks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m]."""
+    """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m].
+
+    The first `own` samples are the heights that are measured by; those behind are what satellites tell, heights and
+    speeds by their `order`, with their `variance`, and the `static` error of the heights that they tell. The heights
+    came late by a `lag` [s]. `hidden` is how much more acceleration wanders where an accelerometer was at the end of
+    its range. [m^2/s^5]
+    """
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
     splines: SplineDesign
     noise: float
+    hidden: Float[Array, "interval"]
+    own: int
+    order: Int[Integers, "time"]
+    variance: Float[Array, "time"]
+    static: float = 0.0
+    lag: float = 0.0
 
     @property
     def grid(self) -> Grid:
@@ -62,13 +78,50 @@ class Samples:
         return self.splines.grid
 
     def above(self, guess: Guess) -> Float[Array, "time"]:
-        """What the heights say beyond a guess. [m]"""
-        return np.asarray(self.height - np.interp(self.time, self.grid.time, guess.height))
+        """What the samples say beyond a guess. [m], [m/s]"""
+        height, speed = (np.interp(self.time, self.grid.time, one) for one in (guess.height, guess.speed))
+        return np.asarray(self.height - np.where(self.order == 1, speed, height))
+
+    @property
+    def is_own(self) -> Flags:
+        """Which samples are heights that are measured by."""
+        return np.arange(self.time.size) < self.own
 
 
-def samples_on(grid: Grid, time: Float[Array, "time"], height: Float[Array, "time"], noise: float) -> Samples:
-    """Heights above the pad, made ready for fits on a grid."""
-    return Samples(time, height, design(grid, time), noise)
+def samples_on(
+    grid: Grid,
+    time: Float[Array, "time"],
+    height: Float[Array, "time"],
+    noise: float,
+    push: Push | None = None,
+    sighted: Sightings | None = None,
+    lag: float = 0.0,
+) -> Samples:
+    """Heights above the pad, made ready for fits on a grid, beside an accelerometer that shapes the curve, and beside
+    what satellites tell."""
+    own = time.size
+    order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
+    if sighted is not None:
+        near = (sighted.time > grid.time[0]) & (sighted.time < grid.time[-1])
+        time, height = np.append(time, sighted.time[near]), np.append(height, sighted.value[near])
+        order, variance = np.append(order, sighted.order[near]), np.append(variance, sighted.variance[near])
+        static = sighted.static
+    return Samples(
+        time, height, design(grid, time, order), noise, _hidden(grid, push), own, order, variance, static, lag
+    )
+
+
+def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
+    """How much acceleration wanders about what was filled in at the end of a range: by about as much as that was in
+    the mean, while it lasted. [m^2/s^5]"""
+    if push is None or push.full is None or not push.full.any():
+        return np.zeros(grid.count)
+    reach = max(grid.step, median_step(push.time))
+    near = np.interp(grid.middles, push.time, push.full) + sum(
+        np.interp(grid.middles + away, push.time, push.full) for away in (-reach, reach)
+    )
+    lasts = float(push.full.sum()) * median_step(push.time)
+    return np.where(near > 0, max(push.missed, GRAVITY) ** 2 / max(lasts, 2 * reach), 0.0)
 
 
 def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
@@ -107,7 +160,7 @@ class FittedCurve:
     def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
         """The curve about another guess with the same settings."""
         wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
-        return fit(samples.splines, samples.above(guess), 1 / self.variance, wander)
+        return fit(samples.splines, samples.above(guess), 1 / self.variance, wander + samples.hidden)
 
 
 def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
@@ -123,11 +176,12 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Fitted
             weight = (_STUDENT + 1) / (_STUDENT + left**2)
         settings = model.searched(settings, weight, tries)
     left = model.left(settings, weight)
-    alike = lag_one(left[(weight > 0.5) & ~model.early])
-    share = (1 - alike) / (1 + alike)
+    own = samples.is_own
+    alike = lag_one(left[(weight > 0.5) & ~model.early & own])
+    share = np.where(own, (1 - alike) / (1 + alike), 1.0)
     return FittedCurve(
         model.curve(settings, share * weight),
-        max(float(np.exp(settings[2])), mad_sd(left[~model.early])),
+        max(float(np.exp(settings[2])), mad_sd(left[~model.early & own])),
         model.variance(settings) / weight / share,
         float(np.exp(settings[0])),
         float(np.exp(settings[1])),
@@ -156,12 +210,13 @@ class _Model:
     def variance(self, settings: Float[Array, "four"]) -> Float[Array, "time"]:
         """Of each sample. [m^2]"""
         noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
-        return np.asarray(np.exp(2 * settings[2]) * noisier + self.known)
+        own = np.exp(2 * settings[2]) * noisier + self.known
+        return np.where(self.samples.is_own, own, self.samples.variance)
 
     def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the rest."""
         wander = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
-        return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander)
+        return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander + self.samples.hidden)
 
     def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
         """What the curve leaves of the rest. [m]"""
@@ -177,13 +232,8 @@ class _Model:
 
     def searched(self, start: Array, weight: Float[Array, "time"], tries: int) -> Array:
         """The most probable settings near some, by Nelder and Mead's simplex."""
-        from scipy.optimize import minimize
-
         simplex = start + np.vstack([np.zeros(4), np.diag([0.7, 1.0, 0.3, 0.5])])
-        options = {"maxfev": tries, "initial_simplex": simplex}
-        cost: Callable[..., float] = self.cost
-        found = minimize(cost, start, (weight,), "Nelder-Mead", options=options)  # type: ignore[call-overload]
-        return np.asarray(found.x)
+        return nelder_mead(lambda settings: self.cost(settings, weight), simplex, tries)
 
 
 def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
@@ -194,7 +244,7 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
         samples.above(guess),
         phase,
         phase[np.minimum(samples.splines.rows.first, phase.size - 1)] == 1,
-        _ram(samples, guess, fused) ** 2 + _gas(samples.time, marks.charge) ** 2,
+        _ram(samples, guess, fused) ** 2 + _blur(samples, guess, marks) ** 2 + _gas(samples.time, marks.charge) ** 2,
         _opening(samples.grid, guess, marks.charge),
         np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, samples.noise, 1.5]),
         np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7]),
@@ -202,10 +252,33 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
 
 
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
-    """Error of each height by the pressure in a fast airframe, which counts where an accelerometer tells better. [m]"""
-    lasting = np.sqrt(max(1.0, _CORRELATION_TIME / median_step(samples.time))) if fused else 0.15
+    """Error of each height by the pressure in a fast airframe, which counts where an accelerometer tells better. [m]
+
+    From about Mach 0.8 on, where shocks disturb it, it counts where satellites do too; and all through a flight whose
+    pressure they find off it is that part of the dynamic one, for all samples of a boost alike.
+    """
+    step = median_step(samples.time[: samples.own])
+    lasting = np.sqrt(max(1.0, _CORRELATION_TIME / step)) if fused else 0.15
     speed = np.clip(np.interp(samples.time, samples.grid.time, guess.speed), 0, 4 * SPEED_OF_SOUND)
-    return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * SPEED_OF_SOUND)) ** 6))
+    if not fused and samples.static:
+        lasting = max(lasting, abs(samples.static) / _RAM * np.sqrt(max(1.0, _BOOST_TIME / step)))
+    shocks = (fused or samples.own < samples.time.size) * (speed / (0.75 * SPEED_OF_SOUND)) ** 6
+    return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + shocks))
+
+
+def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
+    """Error of each height behind a filter of first order whose delay has been taken off. [m]
+
+    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay that is known to half of itself leaves
+    v d/2 of a speed; both are so for all samples of a boost alike.
+    """
+    if not samples.lag or marks.lift is None:
+        return np.zeros(samples.time.size)
+    pushed = (samples.time > marks.lift) & (samples.time < marks.burnout + 3 * samples.lag)
+    alike = np.sqrt(max(1.0, _BOOST_TIME / median_step(samples.time[: samples.own])))
+    blurred = pushed * samples.lag**2 / 2 * float(np.abs(guess.acceleration).max())
+    shifted = samples.lag / 2 * np.interp(samples.time, samples.grid.time, guess.speed)
+    return np.asarray(alike * np.hypot(blurred, shifted))
 
 
 def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,21 @@ class HeightTrack:
     time: Float[Array, "time"]
     height: Float[Array, "time"]
     source: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sightings:
+    """Heights above the pad [m] and vertical speeds [m/s] as satellites have them, on the barometer's clock and scale.
+
+    `order` is 0 for a height and 1 for a speed, `variance` that of one sample as if those beside it erred otherwise.
+    `static` is by which part of the dynamic pressure that in the airframe is too high, as the two tell it. [1]
+    """
+
+    time: Float[Array, "sample"]
+    value: Float[Array, "sample"]
+    order: Int[Integers, "sample"]
+    variance: Float[Array, "sample"]
+    static: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

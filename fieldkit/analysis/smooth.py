@@ -8,7 +8,6 @@ so a fit costs time in proportion to the number of knots.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -83,39 +82,57 @@ class CurvePosterior:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SplineDesign:
-    """The samples' splines, and the sparse sums that make normal equations of weights: made once, used for every fit.
+class WeightedSums:
+    """Sums of weights times fixed factors, each into a place of its own: a sparse matrix, made once for every fit.
 
-    `sums` adds up what samples say of each coefficient, `products` what they say of each pair of neighbours in band
+    Of the factors of shape (term, weight) each is added up at its place, of `size` in all.
+    """
+
+    places: Int[Integers, "term weight"]
+    factors: Float[Array, "term weight"]
+    size: int
+
+    def of(self, weights: Float[Array, "weight"]) -> Float[Array, "place"]:
+        """The sums for some weights."""
+        return np.asarray(np.bincount(self.places.ravel(), (self.factors * weights).ravel(), self.size), float)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SplineDesign:
+    """The samples' splines, and the sums that make normal equations of weights.
+
+    `sums` adds up what samples say of each coefficient, `products` what they say of each pair of neighbors in band
     form, `jumps` what intervals say of the third derivative.
     """
 
     grid: Grid
     rows: SplineRows
-    sums: Any
-    products: Any
-    jumps: Any
+    sums: WeightedSums
+    products: WeightedSums
+    jumps: WeightedSums
 
 
-def design(grid: Grid, time: Float[Array, "time"]) -> SplineDesign:
-    """What fits on a grid need to know of the times of their samples."""
-    from scipy.sparse import csr_array
-
+def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] | None = None) -> SplineDesign:
+    """What fits on a grid need to know of the times of their samples, and of which `order` each is: 0 for a height,
+    1 for a speed; None for heights alone."""
     rows = basis(grid, time)
-    size, sample, interval = grid.count + _DEGREE, np.arange(time.size), np.arange(grid.count)
+    if order is not None and order.any():
+        rows = SplineRows(rows.first, np.where(order[:, None] == 1, basis(grid, time, 1).value, rows.value))
+    size, interval = grid.count + _DEGREE, np.arange(grid.count)
     pairs = [(j, k) for j in range(_DEGREE + 1) for k in range(j + 1)]
-    place = np.concatenate([(j - k) * size + rows.first + k for j, k in pairs])
-    value = np.concatenate([rows.value[:, j] * rows.value[:, k] for j, k in pairs])
-    bent = np.concatenate([(j - k) * size + interval + k for j, k in pairs])
-    bend = np.repeat([float(_THIRD[j] * _THIRD[k]) for j, k in pairs], grid.count)
-    single = (rows.first[:, None] + np.arange(_DEGREE + 1)).ravel()
     band = (_DEGREE + 1) * size
+    values = rows.value.T
+    bend = np.array([[float(_THIRD[j] * _THIRD[k])] for j, k in pairs])
     return SplineDesign(
         grid,
         rows,
-        csr_array((rows.value.ravel(), (single, np.repeat(sample, _DEGREE + 1))), (size, time.size)),
-        csr_array((value, (place, np.tile(sample, len(pairs)))), (band, time.size)),
-        csr_array((bend, (bent, np.tile(interval, len(pairs)))), (band, grid.count)),
+        WeightedSums(rows.first + np.arange(_DEGREE + 1)[:, None], values, size),
+        WeightedSums(
+            np.stack([(j - k) * size + rows.first + k for j, k in pairs]),
+            np.stack([values[j] * values[k] for j, k in pairs]),
+            band,
+        ),
+        WeightedSums(np.stack([(j - k) * size + interval + k for j, k in pairs]), bend, band),
     )
 
 
@@ -133,9 +150,9 @@ def fit(
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 
     weight = 1 / (process_noise * samples.grid.step**5)
-    band = (samples.products @ precision + samples.jumps @ weight).reshape(_DEGREE + 1, -1)
+    band = (samples.products.of(precision) + samples.jumps.of(weight)).reshape(_DEGREE + 1, -1)
     band[0] += 1e-9  # of a curve that no sample ties down
-    right = samples.sums @ (precision * height)
+    right = samples.sums.of(precision * height)
     factor, wrong = dpbtrf(band, lower=1)
     if wrong or not np.isfinite(factor[0]).all():
         raise np.linalg.LinAlgError("no curve goes through these samples")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from fieldkit.analysis import Figure, Recorded, measure
+from fieldkit.analysis import Figure, Recorded, measure, simulated
 from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.importing import Reading
@@ -95,7 +95,8 @@ def _in_file(path: Path, format: str | None, choices: Sequence[ColumnChoice]) ->
 def _recording(name: str, reading: Reading) -> Recording:
     kind = "simulation" if reading.describes == "simulation" else reading.device or "log"
     stated = {key: value for key, value in reading.stated.items() if isinstance(value, float)}
-    return Recording(name, kind, reading, measure(reading.clocks, reading.events), stated)
+    told = simulated if kind == "simulation" else measure
+    return Recording(name, kind, reading, told(reading.clocks, reading.events), stated)
 
 
 def _by_readouts(flight: Flight, name: str) -> Recording:

@@ -13,8 +13,9 @@ from fieldkit.analysis import Recorded, columns, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.compare import compare
 from fieldkit.analysis.forces import forces
-from fieldkit.analysis.measure import (
+from fieldkit.analysis.notes import (
     CLIPPED_NOTE,
+    FILLED_NOTE,
     NO_APOGEE,
     NO_BOOST,
     NO_FLIGHT,
@@ -136,18 +137,34 @@ def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
     assert abs(off(recorded, truth, "apogee_to_eject")) < 0.25
 
 
-def test_an_accelerometer_at_the_end_of_its_range_tells_no_boost() -> None:
+@pytest.mark.parametrize("range_end", [6.0, 8.0])
+def test_an_accelerometer_at_the_end_of_its_range_tells_the_rest(range_end: float) -> None:
     truth = flown(LARGE)
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
-    recorded = measure((heights, replace(felt, felt=np.minimum(felt.felt, 8 * GRAVITY))))
+    recorded = measure((heights, replace(felt, felt=np.minimum(felt.felt, range_end * GRAVITY))))
+    alone = measure((heights,))
+    assert any(note.startswith(FILLED_NOTE.split("{")[0]) for note in recorded.notes)
+    for name in ("peak_accel", "top_speed", "avg_accel", "burn_time"):
+        assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
+        assert name == "peak_accel" or recorded.figures[name].sd < alone.figures[name].sd
+        assert "acceleration" in recorded.figures[name].source
+    assert recorded.figures["peak_accel"].value > (range_end - 1) * GRAVITY
+    assert recorded.events["ejection"].source == "acceleration"  # a blow is one whatever its size
+
+
+def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_tells_no_boost() -> None:
+    truth = flown(LARGE)
+    heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
+    assert felt.felt is not None
+    late = replace(felt, time=felt.time + 0.8, felt=np.minimum(felt.felt, 8 * GRAVITY))
+    recorded = measure((heights, late))
     assert CLIPPED_NOTE in recorded.notes
     for name in ("peak_accel", "top_speed", "avg_accel"):
         assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
         assert "acceleration" not in recorded.figures[name].source
     assert recorded.forces is not None
     assert "acceleration" not in recorded.forces.source
-    assert recorded.events["ejection"].source == "acceleration"  # a blow is one whatever its size
 
 
 def test_an_accelerometer_with_a_wrong_zero_is_set_by_the_pad() -> None:

@@ -211,3 +211,45 @@ def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, d
     assert (found.figures["apogee"].sd > 1.0) is doubt
     assert any("the device states" in note for note in found.notes) is doubt
     assert found.figures["duration"] == recorded.figures["duration"]
+
+
+def beside_satellites(truth: Truth, static: float, *, warm: float = 1.0) -> tuple[Series, ...]:
+    """A log whose pressure is off by a part of the dynamic one, and a receiver's heights, a fifth of a second late."""
+    series, *_ = recording(truth)
+    speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
+    assert series.altitude is not None
+    wrong = replace(series, altitude=series.altitude - static * speed * np.abs(speed) / (2 * GRAVITY))
+    rng = np.random.default_rng(9)
+    when = np.arange(series.time[0], series.time[-1], 0.2)
+    seen = warm * np.interp(when - 0.2, truth.time, truth.height, left=0, right=0)
+    seen += 1400 + rng.normal(0, 0.5, when.size) + np.cumsum(rng.normal(0, 0.1, when.size))
+    return wrong, Series(time=when, gps_altitude_msl=seen)
+
+
+@pytest.mark.parametrize("rocket", [LARGE, FAST], ids=["large", "fast"])
+@pytest.mark.parametrize("static", [-0.04, 0.0, 0.04])
+def test_satellites_sharpen_the_speed_of_a_fast_flight_by_pressure(rocket: Rocket, static: float) -> None:
+    truth = flown(rocket)
+    alone, both = beside_satellites(truth, static)[:1], beside_satellites(truth, static)
+    before, after = measure(alone).figures["top_speed"], measure(both).figures["top_speed"]
+    right = truth.readouts()["top_speed"]
+    assert after.sd < 0.6 * before.sd
+    assert abs(after.value - right) < 2 * after.sd
+    assert after.source == "barometric altitude and GPS altitude"
+    assert not misses(measure(both), truth, "apogee", "time_to_apogee")
+
+
+def test_satellites_of_another_flight_change_no_figure() -> None:
+    series, receiver = beside_satellites(flown(LARGE), 0.0)
+    assert receiver.gps_altitude_msl is not None
+    other = replace(receiver, gps_altitude_msl=1400 + 3 * (receiver.gps_altitude_msl - 1400))
+    still = replace(receiver, gps_altitude_msl=np.full(receiver.time.size, 1400.0))
+    expected = measure((series,)).figures
+    for wrong in (other, still):
+        assert measure((series, wrong)).figures == expected
+
+
+def test_heights_of_a_warm_day_are_those_of_the_standard_atmosphere_beside_satellites() -> None:
+    truth = flown(LARGE)
+    recorded = measure(beside_satellites(truth, 0.0, warm=1.06))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")

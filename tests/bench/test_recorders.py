@@ -1,10 +1,13 @@
 """The recorder bench: its truth is a flight, its logs are read, and what is read is as near as it says."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from bench.recorders.__main__ import main
 from bench.recorders.flights import draw
-from bench.recorders.judge import Miss, judged, read, table
+from bench.recorders.judge import Miss, cells, judged, read, table
 from bench.recorders.models import RECORDERS
 from bench.recorders.record import written
 
@@ -52,4 +55,20 @@ def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
 
 def test_a_table_of_the_bench_counts_what_is_gravely_off() -> None:
     misses = [Miss("a", 0, "apogee", 30.0, 1.0, 300.0), Miss("a", 1, "apogee", 1.0, 1.0, 300.0)]
-    assert next(line for line in table(misses, 2) if line.startswith("| a |")).startswith("| a | 100/50/1 |")
+    lines = list(table({"a": cells(misses, 2)}))
+    assert next(line for line in lines if line.startswith("| a |")).startswith("| a | 100/50/1 |")
+    assert next(line for line in lines if line.startswith("| **all** |")).startswith("| **all** | 100/50/1 |")
+
+
+def test_a_bench_that_was_cut_short_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kept = tmp_path / "kept.json"
+    for only in ("5 Hz feet", "2 Hz"):
+        assert main(["--flights", "1", "--keep", str(kept), "--only", only]) == 0
+    first = kept.read_text()
+    shown = capsys.readouterr().out
+    assert "| 5 Hz feet |" in shown
+    assert "| 2 Hz |" in shown
+    assert main(["--flights", "1", "--keep", str(kept), "--only", "5 Hz feet"]) == 0
+    assert kept.read_text() == first
+    with pytest.raises(SystemExit):
+        main(["--flights", "2", "--keep", str(kept), "--only", "5 Hz feet"])

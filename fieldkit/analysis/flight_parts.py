@@ -1,0 +1,200 @@
+"""What the parts of a flight tell, once the ascent is fitted: boost, top, way down, and the figures of each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fieldkit.analysis.apogee import apogee_of, falls, wander
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
+from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.drag_and_impulse import drag_and_impulse
+from fieldkit.analysis.forces import boost_event, climb_of, forces
+from fieldkit.analysis.notes import NO_APOGEE, NO_BOOST, NO_FLIGHT, NO_LANDING, NO_LIFTOFF, NO_PAD, UNSEEN_TOP_NOTE
+from fieldkit.analysis.peak import peak_push
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.possible import is_flight, possible
+from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.analysis.robust_statistics import hole_at, median_step
+from fieldkit.analysis.unseen_top import silence, unseen_apogee
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.shapes import Array, Float
+
+_MAX_HEIGHT_GAP = 1.3
+"""Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
+Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
+_BLIND_PART = 0.75
+"""Nor does a log whose samples are further apart than this part of the boost. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedLog:
+    """What a log holds, and the curve of its ascent. `push` is the acceleration that is believed for its size, `felt`
+    that for its blows; `every` are the times of all samples [s], `stated` the events that the logger marked [s]."""
+
+    track: Heights
+    every: Float[Array, "time"]
+    seen: Outline
+    ascent: Ascent
+    push: Push | None
+    felt: Push | None
+    stated: Mapping[str, float]
+
+    @property
+    def source(self) -> str:
+        """The channels that shaped the curve."""
+        others = [self.push.source] if self.push and self.ascent.fused else []
+        return " and ".join([self.track.source, *others])
+
+
+@dataclass(frozen=True, slots=True)
+class _FlightPart:
+    """What one part of a flight tells."""
+
+    events: Mapping[str, Event] = field(default_factory=dict)
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def told(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
+    """What a fitted ascent and the descent after it come to."""
+    begin = lift.time if lift else float(log.ascent.time[0])
+    hole = silence(log.track, log.seen)
+    unseen = unseen_apogee(log.track, log.seen, log.ascent, hole) if hole else None
+    notes: tuple[str, ...] = ()
+    if unseen and hole:
+        apogee: tuple[Event, Figure] | None = unseen[:2]
+        notes = (UNSEEN_TOP_NOTE.format(hole[1] - hole[0], *unseen[2]),)
+    else:
+        apogee = apogee_of(log.ascent, log.seen, log.track) if log.seen.down or falls(log.ascent) else None
+    end = apogee[0].time if apogee else float(log.ascent.time[-1])
+    lift, boost = _boost(log, lift, begin, end)
+    burnt = boost.events.get("burnout")
+    burnout = burnt.time if burnt else begin
+    top = _top(log, lift, burnt, apogee)
+    down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _FlightPart()
+    events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
+    figures = {**boost.figures, **top.figures, **down.figures}
+    coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
+    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
+    if not is_flight(known, coasts_from, float(log.ascent.height.max()), log.seen.climbs):
+        return Recorded(notes=(NO_FLIGHT,))
+    climb = climb_of(log.ascent, begin, burnout, end, log.source)
+    free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
+    if lift and burnt and apogee:
+        known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
+    known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
+    pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
+    return Recorded(
+        events, known, climb, pressed, (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible)
+    )
+
+
+def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
+    """Lift-off, if it is believed, and what the boost tells."""
+    found = boost_event(log.ascent, log.push, begin, end, log.source)
+    lost = _lost(log.track, begin, found[0].time) if found else None
+    notes: tuple[str, ...] = ()
+    if lost is not None and lost < begin:
+        lift = None
+    blind = found is not None and (lost is not None or _is_unseen(log.every, begin, found[0].time))
+    if blind and not log.ascent.fused:
+        found, notes = None, (NO_BOOST,)
+    if lift is None:
+        notes += (NO_LIFTOFF,)
+    if found is None or lift is None or found[0].time >= end - 0.2:
+        return lift, _FlightPart(notes=notes)
+    burnout, speed = found
+    figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
+    return lift, _FlightPart({"burnout": burnout}, figures, notes)
+
+
+def _burn(log: FittedLog, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:
+    """Burn time, mean and peak acceleration."""
+    burn = _between(lift, burnout, log.source)
+    if burn.value <= 0:
+        return {}
+    mean = speed.value / burn.value
+    sd = mean * np.hypot(speed.sd / speed.value, burn.sd / burn.value)
+    figures = {"burn_time": burn, "avg_accel": Figure(mean, float(sd), log.source)}
+    peak = peak_push(log.push, log.ascent, lift.time, burnout.time, figures["avg_accel"])
+    return figures | ({"peak_accel": peak} if peak else {})
+
+
+def _top(log: FittedLog, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _FlightPart:
+    """Apogee, and the times to it."""
+    if apogee is None:
+        return _FlightPart(notes=(NO_APOGEE,))
+    figures = {"apogee": apogee[1]}
+    if lift:
+        figures["time_to_apogee"] = _between(lift, apogee[0], log.track.source)
+    if lift and burnout:
+        figures["coast_to_apogee"] = _between(burnout, apogee[0], log.source)
+    return _FlightPart({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
+
+
+def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _FlightPart:
+    """What the way down tells; `heard` is when samples come again where the top was in a silence. [s]"""
+    track, seen = log.track, log.seen
+    landed, level = landing(track, seen, apogee.time)
+    if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:
+        sinks = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
+        landed = replace(landed, sd=float(np.hypot(landed.sd, wander(track, seen) / sinks)))
+    ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
+    events: dict[str, Event] = {}
+    figures: dict[str, Figure] = {}
+    if ejected:
+        events["ejection"] = ejected
+        figures["apogee_to_eject"] = _between(apogee, ejected, ejected.source)
+        figures["eject_altitude"] = height_at(log.ascent, track, seen, ejected)
+    if landed:
+        events["landing"] = landed
+    if landed and lift:
+        figures["duration"] = _between(lift, landed, track.source)
+    begin = ejected or replace(apogee, sd=2.0)
+    if heard is not None and begin.time < heard:
+        begin = Event(heard, 0.1 if ejected else begin.sd, track.source)
+    speed = descent_speed(track, seen, begin, landed, level)
+    if speed:
+        figures["descent_speed"] = speed
+    return _FlightPart(events, figures, () if landed else (NO_LANDING,))
+
+
+def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool:
+    """Whether heights were taken too far apart, from lift-off to burnout, to show a boost."""
+    first, last = np.searchsorted(time, (begin, burnout))
+    between = float(np.diff(time[first:last]).max(initial=0.0))
+    longest = max(hole_at(time, begin), hole_at(time, burnout), between)
+    usual = median_step(time[max(0, first - 5) : last + 5])
+    return longest > _MAX_HEIGHT_GAP or usual > _BLIND_PART * (burnout - begin)
+
+
+def _lost(track: Heights, begin: float, burnout: float) -> float | None:
+    """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
+    inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
+    height = track.height[inside]
+    if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:
+        return None
+    fallen = np.flatnonzero(np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0))
+    return float(track.time[inside][fallen[0]]) if fallen.size else None
+
+
+def _between(first: Event, second: Event, source: str) -> Figure:
+    """The time from one event to another. [s]"""
+    return Figure(second.time - first.time, float(np.hypot(first.sd, second.sd)), source)
+
+
+def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
+    """The pad above sea level, as its pressure or a channel above sea level has it; 0 where none does. [m]"""
+    for name in ("pressure", "altitude_msl", "gps_altitude_msl"):
+        for series in clocks:
+            values = getattr(series, name)
+            if values is not None and lift is not None:
+                early = values[series.time <= lift.time + 0.2]
+                early = early[np.isfinite(early)]
+                if early.size:
+                    level = np.median(early, keepdims=True)
+                    return float((pressure_height(level) if name == "pressure" else level)[0])
+    return 0.0

@@ -1,0 +1,96 @@
+"""Two small optimizers that the measuring needs: their like in `scipy.optimize` takes longer to import than a log to
+measure (a test compares them)."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+
+_REFLECTED, _EXPANDED, _CONTRACTED, _SHRUNK = 1.0, 2.0, 0.5, 0.5
+_CLOSE = 1e-4
+"""A simplex that is smaller, with values that are closer, has converged. [unit of each]"""
+_DAMPING, _EASED, _HARDENED = 1e-2, 1 / 3, 4.0
+"""Of a first step, to the diagonal [1], and what it becomes after a step that helps and one that does not."""
+_DIFFERENCE, _SETTLED = 1e-5, 1e-8
+"""Step of a derivative, in scales, and the gain of a step, to the cost, below which it has converged. [1]"""
+
+
+def nelder_mead(cost: Callable[[Array], float], simplex: Float[Array, "corner value"], evaluations: int) -> Array:
+    """Where a cost is least, from a first simplex and with at most so many evaluations.
+
+    Source: J. A. Nelder and R. Mead, A Simplex Method for Function Minimization, The Computer Journal 7 (1965).
+    """
+    corners = np.array(simplex, float)
+    costs = np.array([cost(corner) for corner in corners])
+    spent = len(costs)
+    while spent < evaluations:
+        order = np.argsort(costs, kind="stable")
+        corners, costs = corners[order], costs[order]
+        if np.abs(corners[1:] - corners[0]).max() <= _CLOSE and costs[-1] - costs[0] <= _CLOSE:
+            break
+        middle = corners[:-1].mean(axis=0)
+        away = middle - corners[-1]
+        tried = middle + _REFLECTED * away
+        found = cost(tried)
+        spent += 1
+        if found < costs[0]:
+            further = middle + _REFLECTED * _EXPANDED * away
+            better = cost(further)
+            spent += 1
+            corners[-1], costs[-1] = (further, better) if better < found else (tried, found)
+        elif found < costs[-2]:
+            corners[-1], costs[-1] = tried, found
+        else:
+            outside = found < costs[-1]
+            nearer = middle + (_CONTRACTED if outside else -_CONTRACTED) * away
+            better = cost(nearer)
+            spent += 1
+            if better <= (found if outside else costs[-1]):
+                corners[-1], costs[-1] = nearer, better
+            else:
+                corners[1:] = corners[0] + _SHRUNK * (corners[1:] - corners[0])
+                costs[1:] = [cost(corner) for corner in corners[1:]]
+                spent += len(costs) - 1
+    return np.asarray(corners[int(np.argmin(costs))])
+
+
+def least_soft_squares(
+    misfit: Callable[[Array], Array],
+    start: Float[Array, "value"],
+    scale: Float[Array, "value"],
+    room: Float[Array, "value"],
+    rounds: int,
+) -> Array:
+    """Values whose misfits are least, each counting 2 (sqrt(1 + m²) - 1), which far ones enter with their size alone.
+
+    By damped Gauss-Newton steps (Levenberg and Marquardt); `scale` is a usual change of each value, `room` how far it
+    may go from its start.
+    """
+    values, damping = np.array(start, float), _DAMPING
+    left = misfit(values)
+    cost = _soft(left)
+    for _ in range(rounds):
+        slopes = np.stack(
+            [(misfit(values + _DIFFERENCE * step) - left) / _DIFFERENCE for step in np.diag(scale)], axis=1
+        )
+        weight = 1 / np.sqrt(1 + left**2)
+        normal, right = (slopes.T * weight) @ slopes, (slopes.T * weight) @ left
+        gain = 0.0
+        for _ in range(rounds):
+            step = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-12), -right, rcond=None)[0]
+            tried = np.clip(values + step * scale, start - room, start + room)
+            there = misfit(tried)
+            if (gain := cost - _soft(there)) > 0:
+                break
+            damping *= _HARDENED
+        if gain <= 0:
+            break
+        values, left, cost, damping = tried, there, cost - gain, damping * _EASED
+        if gain < _SETTLED * cost:
+            break
+    return values
+
+
+def _soft(left: Float[Array, "sample"]) -> float:
+    return float(2 * (np.sqrt(1 + left**2) - 1).sum())

@@ -1,0 +1,220 @@
+"""What satellites tell of a climb whose heights are a barometer's: their heights and vertical speeds, made alike.
+
+A receiver's heights are true ones above some level, where an altimeter believes in the standard atmosphere, and both
+come with a delay. So a scale, a zero and a delay are fitted between the two where both are believed, away from the
+speed of sound and from silences. What that leaves is the receiver's error, and how long it stays alike says how much
+one of its samples counts: little beside a barometer in quiet air, and all where shocks make that useless.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND
+from fieldkit.analysis.records import Sightings
+from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Flags, Float
+
+SOURCE = CHANNEL_TITLES["gps_altitude_msl"]
+_QUIET = 0.75
+"""Part of the speed of sound up to which a barometer is believed beside satellites. [1]"""
+_MAX_HOLE = 1.5
+"""Nor is it where its samples are further apart. [s]"""
+_PRIOR = (0.06, 5.0, 0.04)
+"""Standard deviations of a scale, for a day's temperature [1], of a zero [m], and of a pressure in the airframe. [1]"""
+_DELAY, _DELAYS = 0.4, np.arange(-0.2, 1.51, 0.05).tolist()
+"""Standard deviation of a receiver's delay, and those that are tried. [s]"""
+_LEAST_NOISE = 0.5
+"""Of what the two leave. [m]"""
+_MAX_SCALE, _MAX_SD, _MAX_SPEED_SD = 0.18, 30.0, 5.0
+"""Beyond these the two do not tell of one flight: of a scale [1], of what it leaves of heights [m] and speeds [m/s]."""
+_DELAY_SD, _SPEED_SCALE_SD = 0.1, 0.03
+"""How far a delay changes within a flight [s], and the scale of a speed. [1]"""
+_UNDER_THRUST = 3.0
+"""How many times further off a receiver is while it is pushed. [1]"""
+_STUDENT_DOF, _ROUNDS = 4.0, 6
+_FAST_COAST, _MIN_FAST = 0.3, 4
+"""The part of a coast in which it is about as fast as at burnout, and the samples of it that tell. [1]"""
+_FASTEST_COMPARED = 1.5 * SPEED_OF_SOUND
+"""Beyond this, the two are too far from where they were compared. [m/s]"""
+_SLOPE_REACH = 1.0
+"""Over so long a time to both sides the barometer's speed is taken. [s]"""
+_PAD_TIME = 30.0
+"""Of the wait on the pad that a receiver's zero is taken from. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Receiver:
+    """The channels of a receiver: times [s], heights [m] and speeds, nan where it has none [m/s]."""
+
+    time: Float[Array, "sample"]
+    height: Float[Array, "sample"]
+    speed: Float[Array, "sample"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alike:
+    """How a receiver's heights are made the barometer's: the cost of it, a scale [1] and a zero [m], and the part of
+    the dynamic pressure by which that in the airframe is too high [1]; the receiver's times without its delay [s], the
+    barometer's speeds then [m/s], which samples were compared, and what they leave. [m]"""
+
+    cost: float
+    scale: float
+    zero: float
+    static: float
+    time: Float[Array, "sample"]
+    climbs: Float[Array, "sample"]
+    quiet: Flags
+    left: Float[Array, "compared"]
+
+
+def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sightings | None:
+    """What satellites tell beside heights that are not theirs; None where they tell nothing or of another flight."""
+    receiver = _receiver(clocks)
+    if receiver is None or track.source == SOURCE:
+        return None
+    pad = _pad(receiver, seen)
+    height = receiver.height - pad
+    found = min((_tried(track, seen, receiver.time - late, height, late) for late in _DELAYS), key=lambda one: one.cost)
+    time, left = found.time, found.left
+    if left.size < MIN_SAMPLES:
+        return None
+    sd = max(float(np.sqrt(np.mean(np.clip(left, -4 * mad_sd(left), 4 * mad_sd(left)) ** 2))), track.noise)
+    if abs(found.scale - 1) > _MAX_SCALE or sd > _MAX_SD:
+        return None
+    climbs = found.climbs
+    pushed = np.where((time > _begin(seen)) & (time < seen.fastest + 0.5), _UNDER_THRUST, 1.0)
+    heights_sd = np.hypot(_apart(left) * sd * pushed, _DELAY_SD * np.abs(climbs) * pushed)
+    parts = [(time, found.scale * height + found.zero, 0, heights_sd**2)]
+    speeds = _speeds(receiver, found, pushed)
+    if speeds is not None:
+        there = np.isfinite(receiver.speed)
+        parts.append((time[there], found.scale * receiver.speed[there], 1, speeds[there]))
+    return Sightings(
+        np.concatenate([part[0] for part in parts]),
+        np.concatenate([part[1] for part in parts]),
+        np.concatenate([np.full(part[0].size, part[2]) for part in parts]),
+        np.concatenate([part[3] for part in parts]),
+        found.static,
+    )
+
+
+def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
+    """The receiver of a log; None where it has none, or one that was hardly heard."""
+    for series in clocks:
+        height = series.gps_altitude_msl
+        if height is None:
+            continue
+        there = np.isfinite(height) & np.isfinite(series.time)
+        there &= np.concatenate(([True], np.diff(series.time) > 0))
+        speed = series.gps_speed if series.gps_speed is not None else np.full(height.size, np.nan)
+        time, height, speed = series.time[there], height[there], speed[there]
+        fresh = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # not a fix repeated
+        if fresh.sum() >= MIN_SAMPLES:
+            return _Receiver(time[fresh], height[fresh], speed[fresh])
+    return None
+
+
+def _begin(seen: Outline) -> float:
+    return seen.lift if seen.lift is not None else seen.fastest - 5
+
+
+def _pad(receiver: _Receiver, seen: Outline) -> float:
+    """The receiver's height on the pad, or its first one. [m]"""
+    begin = _begin(seen)
+    waits = receiver.height[(receiver.time < begin) & (receiver.time > begin - _PAD_TIME)]
+    return float(np.median(waits)) if waits.size else float(receiver.height[0])
+
+
+def _barometer(
+    track: Heights, seen: Outline, time: Float[Array, "sample"]
+) -> tuple[Float[Array, "sample"], Float[Array, "sample"]]:
+    """The barometer's heights above the pad and its speeds at some times. [m], [m/s]"""
+    calm = seen.calm - seen.pad
+    before, at, after = (np.interp(time + away, track.time, calm) for away in (-_SLOPE_REACH, 0.0, _SLOPE_REACH))
+    return at, np.asarray((after - before) / (2 * _SLOPE_REACH))
+
+
+def _is_quiet(track: Heights, seen: Outline, time: Float[Array, "sample"], climbs: Float[Array, "sample"]) -> Flags:
+    """Where a barometer is believed beside satellites: in its log, slow enough, not in a silence nor under thrust."""
+    place = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
+    heard = track.time[place] - track.time[place - 1] < max(_MAX_HOLE, 3 * median_step(track.time))
+    inside = (time > track.time[0]) & (time < track.time[-1])
+    pushed = (time > _begin(seen) - 0.5) & (time < seen.fastest + 1)
+    return np.asarray(heard & inside & ~pushed & (np.abs(climbs) < _QUIET * SPEED_OF_SOUND))
+
+
+def _tried(
+    track: Heights, seen: Outline, time: Float[Array, "sample"], height: Float[Array, "sample"], late: float
+) -> _Alike:
+    """Scale and zero that make a receiver's heights those of the barometer, robustly, for a delay.
+
+    Beside them the pressure in the airframe is off by a part of the dynamic one, which makes heights off by v²/2g.
+    """
+    calm, climbs = _barometer(track, seen, time)
+    quiet = _is_quiet(track, seen, time, climbs)
+    rows = np.stack([height, np.ones(time.size), climbs * np.abs(climbs) / (2 * GRAVITY)], axis=1)[quiet]
+    wanted = (calm - height)[quiet]
+    if wanted.size < MIN_SAMPLES:
+        return _Alike(np.inf, 1.0, 0.0, 0.0, time, climbs, quiet, wanted)
+    noise, weight = max(mad_sd(np.diff(wanted, 2)) / np.sqrt(6), track.noise, _LEAST_NOISE), np.ones(wanted.size)
+    prior = np.diag(1 / np.array(_PRIOR) ** 2)
+    for _ in range(_ROUNDS):
+        counted = rows.T * weight
+        values = np.linalg.solve(counted @ rows / noise**2 + prior, counted @ wanted / noise**2)
+        left = np.asarray(wanted - rows @ values)
+        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2)
+    cost = (_STUDENT_DOF + 1) / 2 * np.log1p((left / noise) ** 2 / _STUDENT_DOF).sum() + (late / _DELAY) ** 2 / 2
+    return _Alike(float(cost), 1 + float(values[0]), float(values[1]), -float(values[2]), time, climbs, quiet, left)
+
+
+def _apart(left: Float[Array, "sample"]) -> float:
+    """By how much the standard deviation of a sample grows for those beside it that err alike. [1]"""
+    alike = lag_one(left)
+    return float(np.sqrt((1 + alike) / (1 - alike)))
+
+
+def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:
+    """The variance of the receiver's own vertical speeds; None where it has none, or none of this flight. [m^2/s^2]"""
+    both = found.quiet & np.isfinite(receiver.speed)
+    if both.sum() < MIN_SAMPLES:
+        return None
+    left = (found.climbs - found.scale * receiver.speed)[both]
+    sd = max(float(np.sqrt(np.mean(np.clip(left, -4 * mad_sd(left), 4 * mad_sd(left)) ** 2))), 0.3)
+    if sd > _MAX_SPEED_SD:
+        return None
+    return np.asarray((np.hypot(_apart(left) * sd, _SPEED_SCALE_SD * np.abs(found.climbs)) * pushed) ** 2)
+
+
+def sighted_speed(
+    sighted: Sightings | None, ascent: Ascent, fastest: float, static: float
+) -> tuple[float, float, float]:
+    """By how much a top speed by pressure is off [m/s], what is left of its error [m/s], and the satellites' part. [1]
+
+    Pressure in a fast airframe is off by an unknown part of v²/2g, which makes the speed of the curve off by about the
+    same through the fast coast: there the slope of what satellites have beyond the curve, and their speeds, say by how
+    much, beside the standard deviation `static` that it has before. [m/s]
+    """
+    top_speed = float(np.interp(fastest, ascent.time, ascent.speed))
+    if sighted is None or static <= 0 or top_speed > _FASTEST_COMPARED:
+        return 0.0, static, 0.0
+    top = float(ascent.time[int(np.argmax(ascent.height))])
+    near = (sighted.time > fastest) & (sighted.time < fastest + _FAST_COAST * (top - fastest))
+    told, weight = 0.0, static**-2
+    for order, curve in enumerate((ascent.height, ascent.speed)):
+        those = near & (sighted.order == order)
+        if those.sum() < _MIN_FAST:
+            continue
+        left = sighted.value[those] - np.interp(sighted.time[those], ascent.time, curve)
+        counts = 1 / sighted.variance[those]
+        since = sighted.time[those] - counts @ sighted.time[those] / counts.sum()
+        leverage = since if order == 0 else np.ones(since.size)
+        told += float((counts * leverage) @ left)
+        weight += float(counts @ leverage**2)
+    return told / weight, weight**-0.5, 1 - static**-2 / weight
