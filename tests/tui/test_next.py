@@ -89,7 +89,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         await press(pilot, "e", *typed("Lark"), "enter", *typed("A"), "ctrl+s", *SURE)
         assert "Saved as the start of this rocket: Next uses it. u to undo" in words(pilot)
         await press(pilot, "enter")
-        assert "duplicate: it is already saved" in words(pilot)
+        assert "Saved already" in words(pilot)
         await press(pilot, "down", "enter")
         assert "✗ error" in words(pilot)
     with Ledger.open(file) as ledger:
