@@ -4,7 +4,7 @@ The errors reported are of flights left out, each forecast by fits without it, w
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -123,8 +123,9 @@ def diagnose(
     """Weigh everything that could be missing from a model against the flights that are used in the fit.
 
     `given` are effects that are there whatever the evidence, `declined` those that are not. Raises UnknownEffect
-    for one that is none, or that these flights cannot show.
+    for one that is none, or that these flights cannot show. Flights are simulated as coarsely as forecasts fit them.
     """
+    model = replace(model, coarse=True)
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
     _check([*given, *declined], families)

@@ -13,6 +13,7 @@ from fieldkit.flight import Flight
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Place
+from fieldkit.selection.covariates import known_before, own_numbers
 from fieldkit.shapes import Array, Float
 
 Weigh = Callable[[Sequence[Flight]], Array]
@@ -59,7 +60,8 @@ def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
 
 def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
     """What flights may have in common: single days, the hour, a lasting change between two flights, every second or
-    third flight, a site, a condition that was written down, and what else the flyer's own table has a column for."""
+    third flight, a site, a condition that was written down, and what else the flyer's own table has a column for, if
+    that was so before lift-off (`fieldkit.selection.covariates`)."""
     return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind]
 
 
@@ -87,6 +89,8 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
     yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}
     numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
     for name in dict.fromkeys(name for flight in flights for name in flight.extra):
+        if not known_before(name, flights):
+            continue
         texts = [flight.extra.get(name, "") for flight in flights]
         if len(set(texts)) > MOST_VALUES:
             numbers[name] = _own_column(name)
@@ -150,7 +154,7 @@ def _own(name: str) -> Callable[[Flight], str]:
 
 
 def _own_column(name: str) -> Weigh:
-    return lambda some: np.array([_number(flight.extra.get(name, "")) for flight in some])
+    return lambda some: own_numbers(name, some)
 
 
 def _day(flight: Flight) -> str:
@@ -160,14 +164,6 @@ def _day(flight: Flight) -> str:
 def _hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     times = [flight.date_time for flight in flights]
     return np.array([time.hour + time.minute / 60 if time else np.nan for time in times])
-
-
-def _number(text: str) -> float:
-    """A text as a number, nan where it is none."""
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
 
 
 def _odd(name: str, weight: Array) -> tuple[Term, ...]:

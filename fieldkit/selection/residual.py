@@ -81,8 +81,6 @@ def spreads(diagnosis: Diagnosis) -> list[ResidualDistribution]:
 
 def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistribution:
     """How residuals in the order flown are distributed, and how likely that is by chance."""
-    from scipy.stats import ttest_1samp
-
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
@@ -94,7 +92,7 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
         readout,
         count,
         float(error.mean()),
-        float(ttest_1samp(error, 0.0).pvalue),
+        _students_p(float(error.mean() / error.std(ddof=1) * np.sqrt(count)), count - 1),
         float(error.std(ddof=1)),
         _variance_p(error),
         float(alike),
@@ -104,11 +102,17 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
 
 def _variance_p(error: Float[Array, "flight"]) -> float:
     """Chance of a variance as far from one, to either side, by chi squared."""
-    from scipy.stats import chi2
+    from scipy.special import chdtr, chdtrc
 
-    around_mean = chi2(len(error) - 1)
-    squares = float(((error - error.mean()) ** 2).sum())
-    return 2 * float(min(around_mean.cdf(squares), around_mean.sf(squares)))
+    freedom, squares = len(error) - 1, float(((error - error.mean()) ** 2).sum())
+    return 2 * float(min(chdtr(freedom, squares), chdtrc(freedom, squares)))
+
+
+def _students_p(t: float, freedom: int) -> float:
+    """Chance of a Student t as far from zero, to either side."""
+    from scipy.special import stdtr
+
+    return 2 * float(stdtr(freedom, -abs(t)))
 
 
 def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
@@ -160,22 +164,46 @@ def associations(
     error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
     """Each column's name, statistic and uncorrected p against residuals; nan is not recorded."""
-    from scipy.stats import kruskal, spearmanr
-
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
         both = seen & np.isfinite(values)
         if both.sum() >= 5 and len(np.unique(values[both])) > 2 and len(np.unique(error[both])) > 1:
-            ranks = spearmanr(values[both], error[both])
-            found.append((name, float(ranks.statistic), float(ranks.pvalue)))
+            found.append((name, *spearman(values[both], error[both])))
     for name, group in kinds.items():
         own = np.array(group)[seen]
         parts = [error[seen][own == kind] for kind in np.unique(own)]
         if len(parts) > 1 and min(len(part) for part in parts) >= 2 and len(np.unique(error[seen])) > 1:
-            apart = kruskal(*parts)
-            found.append((name, float(apart.statistic), float(apart.pvalue)))
+            found.append((name, *kruskal_wallis(parts)))
     return found
+
+
+def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tuple[float, float]:
+    """Spearman's rank correlation, and by Student's t the chance of one as strong where there is none."""
+    freedom = len(one) - 2
+    correlation = float(np.corrcoef(ranks(one), ranks(other))[0, 1])
+    t = correlation * np.sqrt(freedom / max((1 - correlation) * (1 + correlation), 1e-300))
+    return correlation, _students_p(float(t), freedom)
+
+
+def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
+    """Kruskal and Wallis' H, corrected for ties, and by chi squared the chance of one as large where groups do not
+    differ."""
+    from scipy.special import chdtrc
+
+    every = ranks(np.concatenate(parts))
+    count, ends = len(every), np.cumsum([len(part) for part in parts])[:-1]
+    between = sum(float(own.sum()) ** 2 / len(own) for own in np.split(every, ends))
+    h = 12 / (count * (count + 1)) * between - 3 * (count + 1)
+    _, ties = np.unique(every, return_counts=True)
+    h /= 1 - float((ties**3 - ties).sum()) / (count**3 - count)
+    return float(h), float(chdtrc(len(parts) - 1, h))
+
+
+def ranks(values: Float[Array, "flight"]) -> Float[Array, "flight"]:
+    """The rank of each value from one on, the mean of theirs where several are equal."""
+    _, kind, count = np.unique(values, return_inverse=True, return_counts=True)
+    return np.asarray((np.cumsum(count) - (count - 1) / 2)[kind])
 
 
 def holm(p: Sequence[float]) -> list[float]:

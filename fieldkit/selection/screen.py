@@ -7,7 +7,7 @@ places is that of multiplications, not of flights.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import Effect
-from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.candidates import Candidate, Place
 from fieldkit.shapes import Array, Float
 
 PLACE_WINDOW = 3.0
@@ -26,11 +26,26 @@ NEGLIGIBLE_SCALE_WEIGHT = 1e-4
 MAX_PLACES = 4
 """Places of an effect that are fitted. [1]"""
 
+Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
+"""By effect and start: the readouts of the model with it less those without, and their slope by its strength."""
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """The candidates of every effect that are worth a fit beside a model, each from the starts that are.
+
+    `steps` are the readouts about each of these starts, by place, as the smaller model and the effect flown alone have
+    them: the first step of a fit needs no other flights.
+    """
+
+    families: dict[str, list[Candidate]]
+    steps: dict[tuple[Place, float], Tangent]
+
 
 def screened(
     families: Mapping[str, Sequence[Candidate]], near: Fit, worth: Mapping[str, float] | None = None
-) -> dict[str, list[Candidate]]:
-    """The candidates of every effect that are worth a fit beside a model, each from the starts that are.
+) -> Screened:
+    """Candidates that are worth a fit beside a model.
 
     Places that are not have their part of the prior added to those that are, as far as they are probable. Effects whose
     log Bayes factor against the model stays below their `worth` are left out.
@@ -42,7 +57,18 @@ def screened(
         whole = np.logaddexp.reduce([score for score, _ in scored])
         if worth is None or whole > worth.get(name, -np.inf):
             found[name] = _worth_a_fit(scored, float(whole))
-    return found
+    kept = [one for family in found.values() for one in family]
+    return Screened(
+        found, {(one.place, start): _about(one, start, columns, near) for one in kept for start in one.starts}
+    )
+
+
+def _about(one: Candidate, start: float, columns: Columns, near: Fit) -> Tangent:
+    """The readouts about a start of a candidate, those of the smaller model as they were without it."""
+    slope, shift = _added(one, start, columns, near)
+    base = near.tangent
+    at = np.concatenate([base.at, _begins(one, start)])
+    return Tangent(at, base.values + shift, np.concatenate([base.slope, slope], axis=-1), base.scatter_slope)
 
 
 def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> list[Candidate]:
@@ -50,10 +76,6 @@ def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> lis
     kept = [(score, one) for score, one in order if score > order[0][0] - PLACE_WINDOW][:MAX_PLACES]
     others = whole - float(np.logaddexp.reduce([score for score, _ in kept]))
     return [replace(one, log_share=one.log_share + others) for _, one in kept]
-
-
-Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
-"""By effect and start: the readouts of the model with it less those without, and their slope by its strength."""
 
 
 def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
@@ -84,19 +106,29 @@ def _moved(tangent: Tangent, near: Fit) -> tuple[Array, Array]:
 
 def _scored(one: Candidate, columns: Columns, near: Fit) -> tuple[float, Candidate]:
     """A candidate's log posterior weight from its best start, up to what its family shares, with the starts kept."""
+    scores = [_gain(one, *_added(one, start, columns, near), start, near) + one.log_share for start in one.starts]
+    kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
+    return max(scores), replace(one, starts=tuple(kept))
+
+
+def _added(
+    one: Candidate, start: float, columns: Columns, near: Fit
+) -> tuple[Float[Array, "flight readout own"], Float[Array, "flight readout"]]:
+    """What a candidate does to the readouts about a start: the slope by its terms, and the shift."""
     bends = one.terms[0].bends
     if not isinstance(bends, Effect):
         slope = np.stack([_plain_slope(term, near) for term in one.terms], axis=-1)
-        return _gain(one, slope, np.zeros(slope.shape[:2]), 0.0, near) + one.log_share, one
-    scores = []
-    for start in one.starts:
-        shift, own = columns[id(bends), start]
-        weight = np.stack([term.weight for term in one.terms], axis=-1)
-        acts = weight.sum(axis=-1)
-        slope = own[..., None] * weight[:, None, :]
-        scores.append(_gain(one, slope, shift * acts[:, None], start, near) + one.log_share)
-    kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
-    return max(scores), replace(one, starts=tuple(kept))
+        return slope, np.zeros(slope.shape[:2])
+    shift, own = columns[id(bends), start]
+    weight = np.stack([term.weight for term in one.terms], axis=-1)
+    return own[..., None] * weight[:, None, :], shift * weight.sum(axis=-1)[:, None]
+
+
+def _begins(one: Candidate, start: float) -> Float[Array, "own"]:
+    """The terms of a candidate about a start: strengths of an effect all there, those of a pattern as expected."""
+    if all(isinstance(term.bends, Effect) for term in one.terms):
+        return np.full(len(one.terms), start)
+    return np.array([start, *(term.mean for term in one.terms[1:])])
 
 
 def _plain_slope(term: Term, near: Fit) -> Float[Array, "flight readout"]:
@@ -122,8 +154,7 @@ def _gain(
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
     own_mean = np.array([term.mean for term in one.terms])
-    from_start = np.array([start, *own_mean[1:]]) if not _all_effects(one) else np.full(len(own_mean), start)
-    expected = shift + slope @ (own_mean - from_start)
+    expected = shift + slope @ (own_mean - _begins(one, start))
     weighed = sharpness @ slope  # scale flight readout own
     ties = np.einsum("fot,sfok->stk", told.slope, weighed, optimize=True)
     miss = told.miss - expected
@@ -145,7 +176,3 @@ def _left(miss: Array, sharpness: Array, slope: Array, covariance: Array) -> tup
     pull = weighed.reshape(len(weighed), -1) @ slope.reshape(miss.size, -1)
     moved = (covariance @ pull[..., None])[..., 0]
     return (miss * weighed).sum(axis=(1, 2)) - (pull * moved).sum(axis=1), moved
-
-
-def _all_effects(one: Candidate) -> bool:
-    return all(isinstance(term.bends, Effect) for term in one.terms)

@@ -4,7 +4,7 @@ Which sets are looked at is all that is decided here (Occam's window: Madigan an
 Statistical Association 89, 1994); what is not looked at has no probability, what is looked at has that of its evidence.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import log
 
@@ -91,7 +91,7 @@ def checked(
     """The posterior with the evidence of its probable hypotheses checked against the simulator.
 
     Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected
-    as the best one of it is, sets that are improbable as the plain model is.
+    as the best one of it is, sets that are improbable as the largest part of them that was checked.
     """
     best = posterior.best().log_weight
     likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
@@ -104,13 +104,17 @@ def checked(
         drawn = sampled(one.fit, np.random.default_rng(SEED))
         correction.setdefault(one.members, drawn.log_evidence - one.fit.log_evidence)
         found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
-    usual = correction[frozenset()]
     return SetPosterior(
         tuple(
-            found.get(id(one)) or replace(one, correction=correction.get(one.members, usual))
+            found.get(id(one)) or replace(one, correction=correction[_checked_part(one.members, correction)])
             for one in posterior.hypotheses
         )
     )
+
+
+def _checked_part(members: Members, checked_sets: Collection[Members]) -> Members:
+    """The largest part of a set among those that were checked, of several that which was the most probable."""
+    return max((own for own in checked_sets if own <= members), key=len)
 
 
 def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:

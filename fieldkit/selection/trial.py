@@ -11,6 +11,7 @@ from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import Effect
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
+from fieldkit.selection.screen import Screened
 
 MAX_RESTARTS = 3
 """Trials from whose end a model is fitted again. [1]"""
@@ -50,15 +51,15 @@ class Trial:
 def try_all(
     model: Model,
     data: Data,
-    families: Mapping[str, Sequence[Candidate]],
+    worthy: Screened,
     near: Fit,
-    worth: float = -np.inf,
     on_progress: Callable[[float], None] | None = None,
 ) -> list[Trial]:
     """Fit the candidates of every effect side by side, each from all its starts, from where a smaller model ended.
 
-    Those whose evidence leaves them no say beside the best of their effect are dropped; `worth` as in `fit_lanes`.
+    Those whose evidence leaves them no say beside the best of their effect are dropped.
     """
+    families = worthy.families
     if not families:
         return []
     wide, lanes, owners = model, [], []
@@ -67,16 +68,15 @@ def try_all(
         for candidate in family:
             own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
             wide = wide.with_terms(*candidate.terms)
-            rest = [term.mean for term in candidate.terms[1:]]
             for start in candidate.starts:
-                lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest]), name))
+                step = worthy.steps[candidate.place, start]
+                lanes.append(Lane((*base, *own), step.at, name, step))
                 owners.append(candidate)
     fits = fit_lanes(
         wide,
         data,
         lanes,
         near.tangent.scatter_slope[..., -1],
-        worth=worth,
         on_progress=on_progress,
         flight_weight=near.flight_weight,
     )

@@ -22,10 +22,11 @@ MAX_ANGLE = 60.0
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
     """The path off the rail, inclined by this angle at the reference speed, at right angles to a recorded launch
-    angle."""
+    angle, to the same side."""
     slower = (REFERENCE_SPEED / np.maximum(rail_exit_speed(setup), 1.0)) ** 2
     angle = np.minimum(strength * slower, MAX_ANGLE)
-    return setup.with_changes(rail_angle=np.hypot(setup.rail_angle, np.radians(angle)))
+    steeper = np.hypot(setup.rail_angle, np.radians(angle))
+    return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -steeper, steeper))
 
 
 EFFECT = Effect(

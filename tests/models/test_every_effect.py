@@ -62,6 +62,16 @@ def some(effect: Effect) -> float:
 
 
 @every_effect
+def test_an_effect_vanishes_at_zero_strength_on_a_rail_that_leans_either_way(name: str) -> None:
+    leaning = tuple(
+        flight.with_changes(rail_angle=angle) for flight, angle in zip(FLIGHTS, (-0.1, 0.1, 0), strict=True)
+    )
+    without = flown("altimeter_scale", 0.0, leaning)
+    for figure, value in flown(name, 0.0, leaning).items():
+        np.testing.assert_allclose(value, without[figure], rtol=2e-4, atol=0.03, err_msg=figure)
+
+
+@every_effect
 def test_an_effect_vanishes_at_zero_strength(name: str) -> None:
     without = flown("altimeter_scale", 0.0)
     for figure, value in flown(name, 0.0).items():

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.linearization import tangents
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
+from fieldkit.selection import screen
 from fieldkit.selection.candidates import Candidate, effect_candidates
 from fieldkit.selection.screen import MAX_PLACES, screened
 from fieldkit.selection.trial import by_effect, try_all
@@ -24,13 +26,15 @@ def families() -> tuple[object, dict[str, list[Candidate]]]:
     return plain, {name: every[name] for name in LINEAR}
 
 
-def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect() -> None:
+def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     plain, some = families()
-    kept = screened(some, plain)
+    kept = screened(some, plain).families
     for name, found in kept.items():
         assert 1 <= len(found) <= MAX_PLACES
         assert sum(np.exp(one.log_share) for one in found) <= 1.0 + 1e-9 or len(some[name]) > len(found)
-    trials = try_all(plain.model, plain.data, some, plain)
+    monkeypatch.setattr(screen, "PLACE_WINDOW", np.inf)
+    monkeypatch.setattr(screen, "MAX_PLACES", 1000)
+    trials = try_all(plain.model, plain.data, screened(some, plain), plain)
     for name in LINEAR:
         own = [trial for trial in trials if trial.candidate.effect == name]
         fitted = float(np.logaddexp.reduce([t.fit.log_evidence + t.candidate.log_share for t in own]))
@@ -41,7 +45,22 @@ def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect() -> N
 
 def test_an_effect_below_its_worth_is_not_fitted() -> None:
     plain, some = families()
-    assert list(screened(some, plain, {name: 50.0 for name in LINEAR if name != "wear"})) == ["wear"]
+    assert list(screened(some, plain, {name: 50.0 for name in LINEAR if name != "wear"}).families) == ["wear"]
+
+
+def test_the_first_step_of_a_fit_is_what_flying_its_start_gives() -> None:
+    plain, some = families()
+    worthy = screened({"base_drag": some["base_drag"]}, plain)
+    ((place, start), step) = next(iter(worthy.steps.items()))
+    (one,) = [one for one in some["base_drag"] if one.place == place]
+    model = plain.model.with_terms(*one.terms)
+    lane = (tuple(range(len(model.terms))), np.array([*plain.tangent.at, start]))
+    (flown,) = tangents(model, [lane], plain.tangent.scatter_slope[..., -1])
+    seen = plain.data.seen
+    assert np.nanmax(np.abs(step.values - flown.values)[seen]) < 0.02
+    own = flown.slope[seen][:, -1]
+    assert step.slope[seen][:, -1] == pytest.approx(own, abs=0.05 * np.abs(own).max())
+    assert list(step.at) == list(flown.at)
 
 
 def test_every_effect_has_a_family_that_the_prior_knows() -> None:

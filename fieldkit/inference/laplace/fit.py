@@ -14,7 +14,7 @@ from fieldkit.inference.laplace.odd_flights import readouts_used
 from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import OPENING, Model
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
 ROUNDS = 5
 """Times the point of linearization is moved."""
@@ -42,18 +42,22 @@ FLIGHT_WEIGHT_TOLERANCE = 0.15
 """Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
 MAX_SETTLING_ROUNDS = 4
 """Times these weights are updated at most about the last point."""
+WALKING_SCALE_WEIGHT = 1e-3
+"""Posterior weight of a scale below which a fit does without it on its way. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Lane:
     """One of several fits made side by side: which terms of a common model it has, and where it begins.
 
-    Of the lanes of one `kind`, those that fall far behind are not followed further.
+    Of the lanes of one `kind`, those that fall far behind are not followed further. With `near`, the readouts about
+    `start` as far as they are known, the first step is made without flying.
     """
 
     terms: tuple[int, ...]
     start: Float[Array, "term"]
     kind: str = ""
+    near: Tangent | None = None
 
 
 def fit(
@@ -105,21 +109,26 @@ def fit_lanes(
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
     joined: dict[int, int] = {}
-    for turn in range(rounds):
-        along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], angle_slope)
+    first = -1 if all(lane.near for lane in lanes) else 0
+    for turn in range(first, rounds):
+        along = [lane.near for lane in lanes if lane.near]
+        if turn >= 0:
+            along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], angle_slope)
         for number, (i, tangent) in enumerate(zip(moving, along, strict=True)):
             if on_progress:
-                on_progress((turn + (number + 1) / len(moving)) / rounds)
+                on_progress((turn - first + (number + 1) / len(moving)) / (rounds - first))
             known = results[i]
-            begun = flight_weights(known) if known is not None and flight_weight is not None else flight_weight
-            results[i] = _solved(parts[i], data, tangent, begun, FLIGHT_WEIGHT_ROUNDS if turn == 0 else 0)
+            if known is None:
+                results[i] = _begun(parts[i], data, tangent, flight_weight)
+            else:
+                results[i] = _moved(known, tangent)
         best = _best(lanes, results)
         moving = [
             i
             for i in moving
-            if (turn == 0 or _above(results[i], best[lanes[i].kind] - MAX_LOG_EVIDENCE_BEHIND))
+            if (turn <= 0 or _above(results[i], best[lanes[i].kind] - MAX_LOG_EVIDENCE_BEHIND))
             and _above(results[i], worth)
-            and walks[i].goes_on(results[i], near=near)
+            and (walks[i].goes_on(results[i], near=near) or turn < 0)
         ]
         joined |= _joined(lanes, walks, moving)
         moving = [i for i in moving if i not in joined]
@@ -130,26 +139,44 @@ def fit_lanes(
     return [_settled(result) for result in results if result is not None]
 
 
-def _solved(
-    model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None, rounds: int
-) -> Fit:
-    """The posterior about a point, the weights of outlier flights updated so many times first."""
+def _begun(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
+    """The posterior about the first point, the weights of outlier flights updated a few times."""
     found = solve(model, data, tangent, flight_weight)
-    for _ in range(rounds if flight_weight is not None else 0):
-        found = solve(model, data, tangent, flight_weights(found))
+    for _ in range(FLIGHT_WEIGHT_ROUNDS if flight_weight is not None else 0):
+        found = _moved(found, tangent)
     return found
 
 
+def _moved(known: Fit, tangent: Tangent) -> Fit:
+    """The posterior about another point, with the scales that matter alone."""
+    weight = None if known.flight_weight is None else flight_weights(known)
+    return solve(known.model, known.data, tangent, weight, probable_scales(known))
+
+
+def probable_scales(known: Fit) -> Int[Integers, "scale"]:
+    """The pairs of scales that matter to a fit on its way: all between those that are probable, and the next smaller
+    scatter, for that is what scatter turns to as a fit finds its place."""
+    scatter, reading, _ = known.model.hyperprior.scales()
+    every = np.arange(len(scatter)) if known.scales is None else known.scales
+    likely = every[known.weights > WALKING_SCALE_WEIGHT]
+    own, other = scatter[likely], reading[likely]
+    smaller = scatter[scatter < own.min()].max(initial=0.0)
+    within = (scatter >= smaller) & (scatter <= own.max()) & (reading >= other.min()) & (reading <= other.max())
+    return np.flatnonzero(within)
+
+
 def _settled(result: Fit) -> Fit:
-    """The fit with weights of outlier flights that agree with it."""
-    if result.flight_weight is None:
-        return result
+    """The fit with weights of outlier flights that agree with it, and all pairs of scales."""
     for _ in range(MAX_SETTLING_ROUNDS):
+        if result.flight_weight is None:
+            break
         weight = flight_weights(result)
         if np.max(np.abs(np.log(weight / result.flight_weight)), initial=0.0) < FLIGHT_WEIGHT_TOLERANCE:
             break
-        result = solve(result.model, result.data, result.tangent, weight)
-    return result
+        result = solve(result.model, result.data, result.tangent, weight, probable_scales(result))
+    if result.scales is None:
+        return result
+    return solve(result.model, result.data, result.tangent, result.flight_weight)
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
@@ -211,9 +238,8 @@ def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) 
     """A fit made again without each of some flights, all side by side, from where it ended with all of them."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = whole.tangent.scatter_slope[..., -1]
-    found = [
-        _settled(_solved(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, 0)) for row in rows
-    ]
+    likely = probable_scales(whole)
+    found = [solve(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, likely) for row in rows]
     walks = [_Walk(whole.tangent.at) for _ in rows]
     moving = list(range(len(rows)))
     for _ in range(rounds):
@@ -223,8 +249,7 @@ def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) 
         for i, tangent in zip(
             moving, tangents(whole.model, [(every, walks[i].at) for i in moving], angle_slope), strict=True
         ):
-            weight = flight_weights(found[i]) if whole.flight_weight is not None else None
-            found[i] = solve(whole.model, found[i].data, tangent, weight)
+            found[i] = _moved(found[i], tangent)
     return [_settled(one) for one in found]
 
 

@@ -10,6 +10,7 @@ Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research
 
 from dataclasses import dataclass
 from math import log, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -61,15 +62,33 @@ class Sampled:
 def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
     """A fit's evidence and its flights left out, by importance sampling with the simulator; with more draws where the
     weights of the first cannot be relied on."""
-    first = _sampled(fit, rng, draws)
-    return first if first.pareto_k < RELIABLE_PARETO_K else _sampled(fit, rng, MORE_DRAWS * draws)
-
-
-def _sampled(fit: Fit, rng: Generator, draws: int) -> Sampled:
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    flown = _flown(fit, scales, rng, draws)
+    first = _weighed(fit, scales, flown)
+    if first.pareto_k < RELIABLE_PARETO_K:
+        return first
+    more = _flown(fit, scales, rng, (MORE_DRAWS - 1) * draws)
+    return _weighed(fit, scales, _Flown(*(np.concatenate(pair) for pair in zip(flown, more, strict=True))))
+
+
+class _Flown(NamedTuple):
+    """Draws of a fit, flown."""
+
+    log_density: Float[Array, "draw"]
+    likelihood: Float[Array, "draw scale flight"]
+    apogee: Float[Array, "draw flight"]
+    target: Float[Array, "draw scale"]
+
+
+def _flown(fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int) -> _Flown:
     terms, log_density = _drawn(fit, scales, rng, draws)
     likelihood, apogee = _log_likelihood(fit, scales, terms)
-    target = log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1)
+    return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1))
+
+
+def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled:
+    log_density, likelihood, apogee, target = flown
+    draws = len(target)
     log_weight = np.logaddexp.reduce(target, axis=1) - log_density
     smooth, pareto_k = smoothed(log_weight)
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)

@@ -16,7 +16,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.odd_flights import log_tail, readouts_used
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 UNOBSERVED_SD = 1e3
 """Standard deviation given to what was not observed."""
@@ -34,9 +34,11 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
     return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
 
 
-def prior_precision(model: Model) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:
-    """Prior precision of the terms for every pair of scales, and the logarithm of its determinant."""
-    sds = term_sds(model)
+def prior_precision(
+    model: Model, which: Int[Integers, "scale"] | None = None
+) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:
+    """Prior precision of the terms for every pair of scales, or for `which` of them, and the log of its determinant."""
+    sds = term_sds(model) if which is None else term_sds(model)[which]
     precision = np.zeros((*sds.shape, sds.shape[-1]))
     diagonal = np.arange(sds.shape[-1])
     precision[:, diagonal, diagonal] = 1 / sds**2
@@ -81,7 +83,8 @@ class Fit:
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
     of the terms, `precision` its inverse. `flight_weight` as in `solve`, None if flights are taken to be normal; the
-    log evidence is a lower bound then.
+    log evidence is a lower bound then. `scales` are the pairs of scales of a fit that is
+    still on its way, None for all.
     """
 
     model: Model
@@ -93,6 +96,7 @@ class Fit:
     covariance: Float[Array, "scale term term"]
     log_weight: Float[Array, "scale"]
     flight_weight: Float[Array, "flight"] | None = None
+    scales: Int[Integers, "scale"] | None = None
 
     @property
     def log_evidence(self) -> float:
@@ -111,18 +115,27 @@ class Fit:
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
 
-def solve(model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None) -> Fit:
+def solve(
+    model: Model,
+    data: Data,
+    near: Tangent,
+    flight_weight: Float[Array, "flight"] | None = None,
+    which: Int[Integers, "scale"] | None = None,
+) -> Fit:
     """The normal posterior for every pair of scales, the readouts linear about a point.
 
     `flight_weight` is the expected precision of each flight as a whole over that of an ordinary one (see
-    `fieldkit.inference.laplace.odd_flights`).
+    `fieldkit.inference.laplace.odd_flights`). With `which` the result has those pairs of scales
+    alone, for a fit that is still on its way.
     """
-    told = flight_evidence(model, data, near, flight_weight)
+    told = flight_evidence(model, data, near, flight_weight, which)
     scales, terms = len(told.noise), len(model.terms)
-    slope, miss = told.slope.reshape(told.miss.size, terms), told.miss.ravel()
-    weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
-    missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
-    found = _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+    used = np.flatnonzero(told.slope.any(axis=(0, 2)) | told.miss.any(axis=0))
+    sharpness = told.sharpness[..., used[:, None], used]
+    slope, miss = told.slope[:, used].reshape(-1, terms), told.miss[:, used].ravel()
+    weighed = (sharpness @ told.slope[:, used]).reshape(scales, len(slope), terms)
+    missed = (sharpness @ told.miss[:, used, None]).reshape(scales, len(slope))
+    found = _concluded(model, data, near, told, (slope.T @ weighed, missed @ slope, missed @ miss), which)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
@@ -134,14 +147,14 @@ def _concluded(
     data: Data,
     near: Tangent,
     told: FlightEvidence,
-    information: Float[Array, "scale term term"],
-    gain: Float[Array, "scale term"],
-    misfit: Float[Array, "scale"],
+    sums: tuple[Float[Array, "scale term term"], Float[Array, "scale term"], Float[Array, "scale"]],
+    which: Int[Integers, "scale"] | None,
 ) -> Fit:
-    """The posterior from what all flights together say of the terms: their information, its pull from the prior
-    means, and how far the flights lie from those."""
+    """The posterior from what all flights together say of the terms: `sums` are their information, its pull from the
+    prior means, and how far the flights lie from those."""
+    information, gain, misfit = sums
     prior_mean = np.array([term.mean for term in model.terms])
-    prior, log_det_prior = prior_precision(model)
+    prior, log_det_prior = prior_precision(model, which)
     precision = information + prior
     covariance = np.asarray(np.linalg.inv(precision), float)
     offset = (covariance @ gain[..., None])[..., 0]
@@ -149,19 +162,25 @@ def _concluded(
     left = misfit - (gain * offset).sum(axis=1)
     log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
-    log_weight = log_likelihood + model.hyperprior.scales()[2] + _log_inside(model, mean, covariance)
-    return Fit(model, data, near, told, mean, precision, covariance, log_weight)
+    log_prior = model.hyperprior.scales()[2]
+    log_weight = log_likelihood + (log_prior if which is None else log_prior[which])
+    log_weight += _log_inside(model, mean, covariance)
+    return Fit(model, data, near, told, mean, precision, covariance, log_weight, scales=which)
 
 
 def flight_evidence(
-    model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None
+    model: Model,
+    data: Data,
+    near: Tangent,
+    flight_weight: Float[Array, "flight"] | None = None,
+    which: Int[Integers, "scale"] | None = None,
 ) -> FlightEvidence:
-    """The information in each flight's readouts, linear about a point; `flight_weight` as in `solve`."""
+    """The information in each flight's readouts, linear about a point; `flight_weight` and `which` as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
-    noise = _noise(model, data, near, usable)
+    noise = _noise(model, data, near, usable, which)
     if flight_weight is not None:
         wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
         noise = noise * wider[:, :, None] * wider[:, None, :]
@@ -183,13 +202,18 @@ def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags
     return sharpness, log_det + 2 * (width - last) * log(UNOBSERVED_SD)
 
 
-def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
+def _noise(
+    model: Model, data: Data, near: Tangent, usable: Flags, which: Int[Integers, "scale"] | None
+) -> Float[Array, "scale flight readout readout"]:
     """Covariance of each flight's readouts for every pair of scales."""
-    scatter_scale = model.hyperprior.scales()[0]
+    rows = slice(None) if which is None else which
+    scatter_scale = model.hyperprior.scales()[0][rows]
     spread = np.where(usable[..., None], near.scatter_slope, 0.0)
     noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
     diagonal = np.arange(len(OBSERVED_READOUTS))
-    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNOBSERVED_SD**2)
+    noise[..., diagonal, diagonal] += np.where(
+        usable, residual_variance(model, data)[rows] / data.trust, UNOBSERVED_SD**2
+    )
     return np.asarray(noise)
 
 

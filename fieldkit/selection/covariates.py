@@ -1,0 +1,80 @@
+"""Which columns of a flyer's own table a pattern may go with: what was so before lift-off, not what came of the flight.
+
+An outcome, or a forecast of one, goes with what a flight is off by because it holds it; a pattern in it explains
+nothing and is not there for the next flight. What a column of the schema is, the schema says. A column that it does not
+know is taken for an outcome where its header names a readout, or a figure that is fitted to readouts, and where its
+values are a readout's, or a forecast of it: in a constant ratio to it from flight to flight, or lengths about as large
+as the apogees.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from fieldkit.flight import MEASURED, READOUTS, Flight
+from fieldkit.physics.setups import recorded
+from fieldkit.shapes import Array, Float
+
+FITTED = ("cd", "alpha")
+"""Figures that are fitted to the readouts of a flight, as forecasts and documents call them."""
+LENGTHS = {"m": 1.0, "ft": 0.3048}
+"""Last words of headers of lengths, with their meters."""
+SAME_RATIO = 0.25
+"""Variance of the log ratio of a column to a readout over that of the readout, below which the column restates it:
+three quarters of what the readout does are in the column. [1]"""
+SAME_LENGTH = 1 / 3
+"""Median log ratio of a length to the apogee up to which it is taken for one: forecasts are seldom further off. [1]"""
+MIN_FLIGHTS = 4
+"""Flights with both numbers from which on they are compared. [1]"""
+
+
+def known_before(name: str, flights: Sequence[Flight]) -> bool:
+    """Whether a column of the flyer's own says what was so before lift-off, as far as its header and values show."""
+    words = _words(name)
+    if any(said <= words for said in _outcomes()):
+        return False
+    numbers = own_numbers(name, flights)
+    apogee = recorded(flights, "apogee")
+    scale = LENGTHS.get(re.split(r"[^a-z]+", name.casefold())[-1])
+    if scale and _alike(scale * numbers, apogee):
+        return False
+    return not any(_restates(numbers, recorded(flights, column.name)) for column in READOUTS)
+
+
+def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """A column of the flyer's own, nan where it is no number."""
+    return np.array([_number(flight.extra.get(name, "")) for flight in flights])
+
+
+def _outcomes() -> Iterator[frozenset[str]]:
+    """The words that together name an outcome."""
+    for column in MEASURED:
+        yield _words(column.name)
+        yield _words(column.title)
+    for name in FITTED:
+        yield frozenset({name})
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(re.findall(r"[a-z]+", text.casefold()))
+
+
+def _restates(numbers: Float[Array, "flight"], readout: Float[Array, "flight"]) -> bool:
+    both = np.isfinite(numbers) & np.isfinite(readout) & (numbers > 0) & (readout > 0)
+    if both.sum() < MIN_FLIGHTS:
+        return False
+    ratio, varies = np.log(numbers[both] / readout[both]), np.log(readout[both])
+    return bool(np.var(ratio) < SAME_RATIO * np.var(varies))
+
+
+def _alike(lengths: Float[Array, "flight"], apogee: Float[Array, "flight"]) -> bool:
+    both = np.isfinite(lengths) & np.isfinite(apogee) & (lengths > 0)
+    return bool(both.any() and np.median(np.abs(np.log(lengths[both] / apogee[both]))) < SAME_LENGTH)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
