@@ -124,7 +124,8 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     felt = push.felt + np.where(full, found.missed, 0.0)
     lasts = float(full.sum()) * median_step(push.time)
     note = FILLED_NOTE.format(lasts, found.missed)
-    return _Trust(replace(push, felt=felt, full=full, missed=found.missed), notes=(note,))
+    filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
+    return _Trust(filled, notes=(note,))
 
 
 def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
