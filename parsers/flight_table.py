@@ -12,60 +12,45 @@ their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
 """
 
 import re
-import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
-from fieldkit.flight.readout import ReadoutColumn, beside
+from fieldkit.flight import BY_NAME, READOUTS, Column, read_date, read_tags
+from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing.tables.flight_headings import (
+    OWN_COLUMNS,
+    ColumnRole,
+    headings_of,
+    plain,
+    renamed,
+    role_of,
+    shape,
+    synonyms,
+    table_names,
+)
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
-from fieldkit.importing.tables.text import decode, decode_whole, first_names, first_row, rows, shown
-from fieldkit.safe_text import from_cell, printable
+from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.safe_text import from_cell
 
 SEPARATORS = (",", ";", "\t")
-OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
-"""Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
 LIFTOFF_MASSES = ("liftoff_mass", "lift_off_mass", "launch_mass", "takeoff_mass", "pad_mass", "mass_with_motor")
 MOTOR_MASSES = ("motor_mass", "engine_mass", "motor_weight", "loaded_motor_mass")
 """Masses with the motor, and of the motor alone: the first less the second is the dry mass."""
-NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
-"""Ends of a header that look like a unit and are none: `wind_direction` is a column of its own."""
-
-
-@dataclass(frozen=True, slots=True)
-class ColumnRole:
-    """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
-
-    `unit` is empty if cells bring theirs.
-    """
-
-    spelled: str
-    field: str = ""
-    unit: str = ""
-    beside: ReadoutColumn | None = None
-
-    @property
-    def key(self) -> str:
-        """What no second column may hold."""
-        return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
 
 
 def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
-    fields = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
+    fields = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
     if {"date_time"} == fields & set(OWN_COLUMNS) and not fields & {column.name for column in READOUTS}:
         return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
-    named = {_heading(name, strict=False, taken=fields).field for name in spelled}
+    named = {role_of(name, strict=False, taken=fields).field for name in spelled}
     if not ours and named & set(OWN_COLUMNS) and named & {column.name for column in READOUTS}:
-        ours = [place for place, name in enumerate(spelled) if _heading(name, strict=False).field in named - {""}]
+        ours = [place for place, name in enumerate(spelled) if role_of(name, strict=False).field in named - {""}]
     return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
 
 
@@ -84,13 +69,15 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
     Raises DamagedLog.
     """
     text = decode_whole(log)
-    choice = choice_for(first_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
+    choice = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
     separator = _separator(text) if choice is None else _widest(text)
     header_row, spelled = first_row(text, separator)
     names = [from_cell(name) for name in spelled]
+    if choice is not None and (bare := shape(names)):  # a table without headers
+        header_row, names = header_row - 1, list(bare)
     if choice is not None:
-        names = _renamed(names, choice, header_row)
-    headings = _headings(names, header_row)
+        names = renamed(names, choice, header_row)
+    headings = headings_of(names, header_row)
     table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
@@ -100,45 +87,13 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
     if choice is None:
         return found
     line = ", ".join(f"{name} = {shown(column)}" for name, column in choice.channels.items())
-    kept = ColumnChoice(choice.channels, first_names(log[:HEAD]))
-    return [Mapped(f"columns as chosen: {line}", header_row, kept, chosen=not choice.headers), *found]
+    kept = ColumnChoice(choice.channels, table_names(log[:HEAD]))
+    return [Mapped(f"columns as chosen: {line}", header_row or None, kept, chosen=not choice.headers), *found]
 
 
 def _widest(text: str) -> str:
     """The separator that parts the header into most cells."""
     return max(SEPARATORS, key=lambda separator: len(first_row(text, separator)[1]))
-
-
-def _renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
-    """The names of the columns with fieldkit's own for those that were chosen, each with its unit.
-
-    Raises DamagedLog for a column that is not there.
-    """
-    renamed = list(names)
-    for name, text in choice.channels.items():
-        bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
-        ways = [(text, ""), *([(bare[1], bare[2])] if bare else [])]
-        found = ((place, unit) for wanted, unit in ways for place in _places(names, wanted))
-        place, unit = next(found, (-1, ""))
-        if place < 0:
-            columns = ", ".join(shown(one) for one in names[:30])
-            raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
-        unit = unit or _stated_unit(names[place])
-        renamed[place] = f"{name}_{unit}" if unit else name
-    return renamed
-
-
-def _places(names: Sequence[str], wanted: str) -> list[int]:
-    """Where a column of a name is, or of a number as in `#3`."""
-    if re.fullmatch(r"#\d{1,3}", wanted) and 1 <= int(wanted[1:]) <= len(names):
-        return [int(wanted[1:]) - 1]
-    return [place for place, name in enumerate(names) if _plain(name) == _plain(wanted)]
-
-
-def _stated_unit(name: str) -> str:
-    """The unit that the end of a header names, or none."""
-    ending = _plain(name).rpartition("_")[2]
-    return ending if any(ending in known for known in units.UNITS.values()) and "_" in _plain(name) else ""
 
 
 def _separator(text: str) -> str:
@@ -148,92 +103,15 @@ def _separator(text: str) -> str:
 
 def _is_known(spelled: str) -> bool:
     try:
-        heading = _heading(spelled, strict=True)
+        heading = role_of(spelled, strict=True)
         return bool(heading.field or heading.beside)
     except BadValue:
         return True
 
 
 def _is_ours(spelled: str) -> bool:
-    heading = _heading(spelled, strict=False, taken=_synonyms().values())
+    heading = role_of(spelled, strict=False, taken=synonyms().values())
     return heading.field in OWN_COLUMNS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
-
-
-def _plain(spelled: str) -> str:
-    """A header in lower case, with one underscore for blanks and brackets: `Apogee (ft)` is `apogee_ft`."""
-    return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
-
-
-@cache
-def _synonyms() -> Mapping[str, str]:
-    """Other names of columns, and fieldkit's own."""
-    known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
-    return {other: name for name, others in known.items() for other in others}
-
-
-def _ours(plain: str, taken: Collection[str]) -> str:
-    """A header under fieldkit's own name, its unit behind it: `wind_speed_mps` is `wind_mps`."""
-    for other, name in _synonyms().items():
-        if (plain == other or plain.startswith(f"{other}_")) and name not in taken:
-            return name + plain.removeprefix(other)
-    return plain
-
-
-def _heading(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
-    """What a header stands for; another name of a field counts where none of those `taken` has its own.
-
-    Raises BadValue for a column we know in a unit we do not, unless another column already holds the
-    quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
-    """
-    plain = _ours(_plain(spelled), taken)
-    if plain in TEXT_COLUMNS or plain in BY_NAME:
-        return ColumnRole(spelled.strip(), plain)
-    if told := _beside(plain, strict=strict):
-        return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
-    for name in sorted(BY_NAME, key=len, reverse=True):
-        column, ending = BY_NAME[name], plain.removeprefix(f"{name}_")
-        if ending == plain:
-            continue
-        if ending in units.UNITS[column.quantity]:
-            return ColumnRole(spelled.strip(), name, ending)
-        if strict and "_" not in ending and ending not in NO_UNITS:
-            units.unit(column.quantity, ending)
-        break
-    return ColumnRole(spelled.strip())
-
-
-def _beside(plain: str, *, strict: bool) -> ReadoutColumn | None:
-    """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
-    try:
-        return beside(plain)
-    except BadValue:
-        if strict:
-            raise
-        return None
-
-
-def _headings(spelled: Sequence[str], row: int) -> list[ColumnRole]:
-    """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
-    own = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
-    certain = {_heading(name, strict=False, taken=own).field for name in spelled}
-    if not certain - {""}:
-        raise DamagedLog(
-            f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
-        )
-    headings: list[ColumnRole] = []
-    seen: dict[str, str] = {"": ""}
-    for name in spelled:
-        try:
-            spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
-            heading = _heading(name, strict=not spoken_for or "_sd_" in _plain(name), taken=own)
-        except BadValue as error:
-            raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
-        if heading.key and heading.key in seen:
-            found = f"found a second column for the same as {printable(seen[heading.key])}, expected one"
-            raise DamagedLog(found, row=row, column=printable(heading.spelled))
-        seen[heading.key] = heading.spelled
-        headings.append(heading)
-    return headings
 
 
 def _blank(cells: list[str] | DamagedLog) -> bool:
@@ -324,7 +202,7 @@ def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collectio
     """A mass that is no field of a flight, from the column that one of these words and a unit name. Raises BadValue.
     [kg]"""
     for heading, cell in zip(headings, cells, strict=False):
-        name, _, unit = _plain(heading.spelled).rpartition("_")
+        name, _, unit = plain(heading.spelled).rpartition("_")
         known = name in words and unit in units.UNITS["mass"]
         if known and not heading.field and cell.strip().lower() not in NOT_RECORDED:
             return _number(cell.strip(), ColumnRole(heading.spelled, "dry_mass", unit), mark)

@@ -34,6 +34,8 @@ _COAST = 0.6
 """Of the coast the climbs are compared: later the lean counts, and earlier a filtered height lags. [1]"""
 _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Samples [1] and a climb [m] without which there is nothing to compare."""
+_CORRELATION_TIME = 0.5
+"""How long the errors of heights stay alike. [s]"""
 _SPARSE = 0.2
 """An accelerometer that was read less often has not felt all of a boost. [s]"""
 _REACH, _STEP = 1.5, 0.02
@@ -48,7 +50,8 @@ _TRANSONIC_SPEEDS = (260.0, 430.0)
 class Agreement:
     """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s].
 
-    `missed` is what it felt beyond the end of its range in the mean [m/s^2], `misfit` what that leaves [1].
+    `missed` is what it felt beyond the end of its range in the mean, with its standard deviation [m/s^2], `misfit`
+    what that leaves [1].
     """
 
     scale: float
@@ -56,6 +59,7 @@ class Agreement:
     step: float
     missed: float = 0.0
     misfit: float = 0.0
+    missed_sd: float = 0.0
 
     @property
     def believed(self) -> bool:
@@ -103,9 +107,11 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     shifts = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
     found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
     cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
-    scale, missed = next((one[1], one[2]) for one in found if one[0] == cost)
+    scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
     misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
-    return Agreement(scale, late, median_step(track.time[inside]), missed, misfit)
+    step = median_step(track.time[inside])
+    alike = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
+    return Agreement(scale, late, step, missed, misfit, float(sd * alike))
 
 
 def _fit(
@@ -116,8 +122,9 @@ def _fit(
     speed: Float[Array, "time"],
     beyond: Float[Array, "time"] | None,
     noise: float,
-) -> tuple[float, float, float]:
-    """How badly a climb at some times fits heights, the scale that fits best, and how much of `beyond` was missed.
+) -> tuple[float, float, float, float]:
+    """How badly a climb at some times fits heights, the scale that fits best, how much of `beyond` was missed, and the
+    standard deviation of that.
 
     The pressure in the airframe is off by a part of the dynamic pressure, which is fitted beside the scale.
     """
@@ -131,7 +138,11 @@ def _fit(
     design = np.concatenate([np.stack(columns, axis=1) / spread[:, None], prior])
     wanted = np.concatenate([height / spread, prior[0]])
     values, *_ = np.linalg.lstsq(design, wanted, rcond=None)
-    return float(((wanted - design @ values) ** 2).sum()), float(values[0]), float([*values, 0.0][2])
+    cost = float(((wanted - design @ values) ** 2).sum())
+    if beyond is None:
+        return cost, float(values[0]), 0.0, 0.0
+    spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    return cost, float(values[0]), float(values[2]), float(spread[2])
 
 
 def _summed(values: Float[Array, "time"], time: Float[Array, "time"]) -> Float[Array, "time"]:

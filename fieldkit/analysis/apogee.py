@@ -44,7 +44,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
     satellites = track.source == CHANNEL_TITLES["gps_altitude_msl"]
-    least = max(_LEAST_GPS, wander(track, seen)) if satellites else _MIN_APOGEE_ERROR
+    least = max(_LEAST_GPS, drift_of_receiver(track, seen)) if satellites else _MIN_APOGEE_ERROR
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(
@@ -63,7 +63,7 @@ def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
     return heard if heard.any() else np.ones(time.size, bool)
 
 
-def wander(track: Heights, seen: Outline) -> float:
+def drift_of_receiver(track: Heights, seen: Outline) -> float:
     """By how much a receiver's height moves on the ground, before lift-off or after landing: two such are apart by
     more, the pad's and the top's. [m]"""
     first, last = track.time[0], track.time[-1]

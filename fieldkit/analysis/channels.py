@@ -66,7 +66,8 @@ class Push:
 
     `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
     channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
-    range, to which `missed` has been added, by the heights; None where it never was there. `scale` is the climb by
+    range, to which `missed` has been added, by the heights; None where it never was there. That makes a speed off by
+    `missed_speed_sd` [m/s]. `scale` is the climb by
     the heights over that which it makes: off for its calibration, for a lean or for a pressure that is. [1]
     """
 
@@ -77,6 +78,7 @@ class Push:
     weighs: bool = False
     full: Flags | None = None
     missed: float = 0.0
+    missed_speed_sd: float = 0.0
     scale: float = 1.0
 
 

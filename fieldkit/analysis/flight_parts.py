@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fieldkit.analysis.apogee import apogee_of, falls, wander
+from fieldkit.analysis.apogee import apogee_of, drift_of_receiver, falls
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
@@ -58,7 +58,7 @@ class _FlightPart:
     notes: tuple[str, ...] = ()
 
 
-def told(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
+def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     """What a fitted ascent and the descent after it come to."""
     begin = lift.time if lift else float(log.ascent.time[0])
     hole = silence(log.track, log.seen)
@@ -141,7 +141,7 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
     landed, level = landing(track, seen, apogee.time)
     if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:
         sinks = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
-        landed = replace(landed, sd=float(np.hypot(landed.sd, wander(track, seen) / sinks)))
+        landed = replace(landed, sd=float(np.hypot(landed.sd, drift_of_receiver(track, seen) / sinks)))
     ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
     events: dict[str, Event] = {}
     figures: dict[str, Figure] = {}

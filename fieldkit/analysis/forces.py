@@ -121,7 +121,9 @@ def boost_event(
     if ascent.fused and push:
         late, spread = (
             float(np.hypot(late, max(0.02, median_step(push.time) / 2))),
-            float(np.linalg.norm([spread, _FUSED_SPEED_ERROR * value, (push.scale - 1) / 2 * value])),
+            float(
+                np.linalg.norm([spread, _FUSED_SPEED_ERROR * value, (push.scale - 1) / 2 * value, push.missed_speed_sd])
+            ),
         )
     else:
         pressed, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED

@@ -10,7 +10,7 @@ from fieldkit.analysis.ascent import ascend
 from fieldkit.analysis.channels import Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
-from fieldkit.analysis.flight_parts import FittedLog, told
+from fieldkit.analysis.flight_parts import FittedLog, recorded_of
 from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.notes import CLIPPED_NOTE, DISBELIEVED, FILLED_NOTE, LEANED, NO_FLIGHT, NO_HEIGHT
@@ -77,7 +77,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
-    found = told(FittedLog(track, every, seen, ascent, trust.push, felt, stated), lift, clocks)
+    found = recorded_of(FittedLog(track, every, seen, ascent, trust.push, felt, stated), lift, clocks)
     if NO_FLIGHT in found.notes:
         return found
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
@@ -124,7 +124,8 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     felt = push.felt + np.where(full, found.missed, 0.0)
     lasts = float(full.sum()) * median_step(push.time)
     note = FILLED_NOTE.format(lasts, found.missed)
-    return _Trust(replace(push, felt=felt, full=full, missed=found.missed), notes=(note,))
+    filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
+    return _Trust(filled, notes=(note,))
 
 
 def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:

@@ -12,7 +12,7 @@ _CLOSE = 1e-4
 """A simplex that is smaller, with values that are closer, has converged. [unit of each]"""
 _DAMPING, _EASED, _HARDENED = 1e-2, 1 / 3, 4.0
 """Of a first step, to the diagonal [1], and what it becomes after a step that helps and one that does not."""
-_DIFFERENCE, _SETTLED = 1e-5, 1e-8
+_DIFFERENCE, _MIN_RELATIVE_GAIN = 1e-5, 1e-8
 """Step of a derivative, in scales, and the gain of a step, to the cost, below which it has converged. [1]"""
 
 
@@ -87,7 +87,7 @@ def least_soft_squares(
         if gain <= 0:
             break
         values, left, cost, damping = tried, there, cost - gain, damping * _EASED
-        if gain < _SETTLED * cost:
+        if gain < _MIN_RELATIVE_GAIN * cost:
             break
     return values
 

@@ -46,7 +46,8 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
             hidden = inside & (np.interp(ascent.time, push.time, push.full) > 0)
             floor = float(level[there & push.full].min()) - push.missed
             lasts = float(push.full[there].sum()) * median_step(push.time)
-            return _above(_smoothed_peak(ascent, inside, mean, hidden, lasts), max(floor, GRAVITY))
+            filled = float(level[there & push.full].mean())
+            return _above(_smoothed_peak(ascent, inside, mean, hidden, (filled, lasts)), max(floor, GRAVITY))
     return _smoothed_peak(ascent, inside, mean) if inside.any() else None
 
 
@@ -82,18 +83,20 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
 
 
 def _smoothed_peak(
-    ascent: Ascent, inside: Flags, mean: Figure, hidden: Flags | None = None, lasts: float = 0.0
+    ascent: Ascent, inside: Flags, mean: Figure, hidden: Flags | None = None, filled: tuple[float, float] = (0.0, 0.0)
 ) -> Figure:
     """The peak by heights alone: that of the curve, and what motors have beyond it in a window as long as it resolves.
 
-    Where an accelerometer was at the end of its range, `hidden`, the mean there is known and how long it `lasts` [s].
+    Where an accelerometer was at the end of its range, `hidden`, the mean there [m/s^2] and how long it was [s] are
+    known, `filled`.
     Pressure that is disturbed at speed makes peaks that no motor has: where the curve's is further from what motors
     have for such a mean than both are sure of, the mean alone tells.
     """
     burn = max(float(np.ptp(ascent.time[inside])), 1e-3)
     usual, spread = mean.value * np.exp(BEYOND_MEAN[0]), float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
     if hidden is not None and hidden.any():
-        curve, draws, window = ascent.acceleration[hidden].mean(), ascent.accelerations[:, hidden].mean(axis=1), lasts
+        curve, window = filled
+        draws = ascent.accelerations[:, hidden].mean(axis=1)
     else:
         place = int(np.argmax(ascent.acceleration[inside]))
         curve, draws = ascent.acceleration[inside][place], ascent.accelerations[:, inside][:, place]
@@ -102,7 +105,8 @@ def _smoothed_peak(
         return Figure(usual, spread * usual, mean.source)
     parts, logs, sds = np.array(BEYOND_WINDOW).T
     peak = float(curve * np.exp(np.interp(window / burn, parts, logs)))
-    sd = float(np.hypot(draws.std() / curve, np.interp(window / burn, parts, sds)))
+    shared = mean.sd / mean.value  # what is off with the mean is off with the peak
+    sd = float(np.linalg.norm([draws.std() / curve, np.interp(window / burn, parts, sds), shared]))
     if abs(np.log(peak / usual)) > 2 * np.hypot(sd, spread):
         peak, sd = usual, spread
     return Figure(peak, sd * peak, mean.source)

@@ -18,6 +18,8 @@ _CONTRADICTION_SDS = 3.0
 """A contradiction is one beyond so many standard deviations. [1]"""
 _SWINGS = 4.0
 """A curve that is so many times as fast as its samples follows no flight. [1]"""
+_MAX_SMOOTHING = 2.0
+"""Samples that are far apart make a climb seem slower by no more than this. [1]"""
 _MARGIN = 1.5
 """Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
 LEAST_TOP_SPEED = 5.0
@@ -65,6 +67,7 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
         return True
     if speed.value > _SWINGS * climbs:
         return False
+    fastest = min(fastest, _MAX_SMOOTHING * climbs)
     return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
 
 

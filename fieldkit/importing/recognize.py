@@ -8,9 +8,9 @@ from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
+from fieldkit.importing.tables.flight_headings import table_names
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.spreadsheet import as_csv, is_spreadsheet
-from fieldkit.importing.tables.text import first_names
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
 
@@ -92,7 +92,7 @@ def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
     """What the flyer has said of the columns of such a table, of samples or of flights."""
     from fieldkit.importing.tables.layout import layout_of
 
-    found = choice_for(first_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
+    found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
     if found is not None or not choices:
         return found
     try:

@@ -95,8 +95,8 @@ def _in_file(path: Path, format: str | None, choices: Sequence[ColumnChoice]) ->
 def _recording(name: str, reading: Reading) -> Recording:
     kind = "simulation" if reading.describes == "simulation" else reading.device or "log"
     stated = {key: value for key, value in reading.stated.items() if isinstance(value, float)}
-    told = simulated if kind == "simulation" else measure
-    return Recording(name, kind, reading, told(reading.clocks, reading.events), stated)
+    analyze = simulated if kind == "simulation" else measure
+    return Recording(name, kind, reading, analyze(reading.clocks, reading.events), stated)
 
 
 def _by_readouts(flight: Flight, name: str) -> Recording:

@@ -8,12 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.errors import DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import BY_NAME, COLUMNS, TAGS, TEXT_COLUMNS, Flight
 from fieldkit.flight.plausibility import LIMITS
-from fieldkit.importing import Intake
+from fieldkit.importing import Intake, Mapped, Reading
 from fieldkit.importing.read import read, read_plans
-from fieldkit.importing.recognize import claims
+from fieldkit.importing.recognize import claims, open_log
+from fieldkit.importing.tables.flight_headings import shape
+from fieldkit.importing.tables.mapping import read_choice
 from fieldkit.presentation.export import csv_table
 from tests.samples import any_motor
 
@@ -363,3 +365,28 @@ def test_a_name_without_its_unit_wants_it_in_the_cell() -> None:
 def test_a_table_with_nothing_but_the_names_of_others_is_one_of_flights() -> None:
     assert claims(b"Engine,Max altitude (ft)\nC6-5,1000\n") == ["flight_table"]
     assert claims(b"Time (s),Max altitude (ft)\n0,1000\n") != ["flight_table"]
+
+
+def test_a_table_without_headers_is_mapped_by_number_and_known_again_by_its_shape() -> None:
+    rows = b"2024-05-01,Astra,F24-4W,251,410\n2024-05-02,Astra,F24-4W,797 ft,415\n"
+    chosen = read_choice(["date_time=#1", "rocket=#2", "motor=#3", "apogee=#4 [m]", "dry_mass=#5 [g]"])
+    opened = open_log(rows, "bare.csv", None, [chosen])
+    assert opened.format == "flight_table"
+    (mapped,) = (item for item in opened.found if isinstance(item, Mapped))
+    assert mapped.choice.headers == ("#1 date", "#2 text", "#3 text", "#4 number", "#5 number")
+    assert [item.stated["apogee"] for item in opened.found if isinstance(item, Reading)] == [
+        251.0,
+        pytest.approx(797 * 0.3048),
+    ]
+    later = open_log(b"2024-06-01,Astra,F24-4W,222,410\n", "later.csv", None, [mapped.choice])
+    (only,) = (item for item in later.found if isinstance(item, Reading))
+    assert (only.stated["apogee"], only.stated["dry_mass"]) == (222.0, pytest.approx(0.41))
+    with pytest.raises(FieldkitError):  # another shape
+        open_log(b"Astra,2024-06-01,F24-4W,222,410\n", "other.csv", None, [mapped.choice])
+
+
+@pytest.mark.parametrize(
+    "header", ["date_time,rocket,motor,apogee_m", "Date,Rocket 2,Motor,Height 1", "flight,F24-4W,E35-5W"]
+)
+def test_headers_are_no_row_of_a_table_without_them(header: str) -> None:
+    assert shape(header.split(",")) == ()

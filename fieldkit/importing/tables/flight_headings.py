@@ -1,0 +1,170 @@
+"""What the headers of a table of flights stand for: fieldkit's own names of columns, those of others, and numbers.
+
+A table without headers has the columns `#1`, `#2`, and is known again by what is in them: a date, a text or a number.
+"""
+
+import re
+import tomllib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from fieldkit import units
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME, TEXT_COLUMNS
+from fieldkit.flight.readout import ReadoutColumn, beside
+from fieldkit.importing.reading import ColumnChoice
+from fieldkit.importing.tables.text import first_names, shown
+from fieldkit.safe_text import printable
+
+OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
+"""Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
+NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
+"""Ends of a header that look like a unit and are none: `wind_direction` is a column of its own."""
+_NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
+_DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnRole:
+    """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
+
+    `unit` is empty if cells bring theirs.
+    """
+
+    spelled: str
+    field: str = ""
+    unit: str = ""
+    beside: ReadoutColumn | None = None
+
+    @property
+    def key(self) -> str:
+        """What no second column may hold."""
+        return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
+
+
+def shape(cells: Sequence[str]) -> tuple[str, ...]:
+    """The columns of a table that has no headers, by the cells of its first row; none where those are headers."""
+    kinds = [
+        "date" if _DATE.fullmatch(cell) else "number" if _NUMBER.fullmatch(cell) else "text"
+        for cell in map(str.strip, cells)
+    ]
+    if not {"date", "number"} & set(kinds):
+        return ()
+    return tuple(f"#{number} {kind}" for number, kind in enumerate(kinds, start=1))
+
+
+def table_names(head: bytes) -> tuple[str, ...]:
+    """What the columns of a table of flights are called, and what a table without headers is known again by."""
+    names = first_names(head)
+    return shape(names) or names
+
+
+def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
+    """The names of the columns with fieldkit's own for those that were chosen, each with its unit.
+
+    Raises DamagedLog for a column that is not there.
+    """
+    told = list(names)
+    for name, text in choice.channels.items():
+        bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
+        ways = [(text, ""), *([(bare[1], bare[2])] if bare else [])]
+        found = ((place, unit) for wanted, unit in ways for place in _places(names, wanted))
+        place, unit = next(found, (-1, ""))
+        if place < 0:
+            columns = ", ".join(shown(one) for one in names[:30])
+            raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
+        unit = unit or _stated_unit(names[place])
+        told[place] = f"{name}_{unit}" if unit else name
+    return told
+
+
+def _places(names: Sequence[str], wanted: str) -> list[int]:
+    """Where a column of a name is, or of a number as in `#3`."""
+    if re.fullmatch(r"#\d{1,3}", wanted) and 1 <= int(wanted[1:]) <= len(names):
+        return [int(wanted[1:]) - 1]
+    return [place for place, name in enumerate(names) if plain(name) == plain(wanted)]
+
+
+def _stated_unit(name: str) -> str:
+    """The unit that the end of a header names, or none."""
+    ending = plain(name).rpartition("_")[2]
+    return ending if any(ending in known for known in units.UNITS.values()) and "_" in plain(name) else ""
+
+
+def plain(spelled: str) -> str:
+    """A header in lower case, with one underscore for blanks and brackets: `Apogee (ft)` is `apogee_ft`."""
+    return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
+
+
+@cache
+def synonyms() -> Mapping[str, str]:
+    """Other names of columns, and fieldkit's own."""
+    known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
+    return {other: name for name, others in known.items() for other in others}
+
+
+def _ours(words: str, taken: Collection[str]) -> str:
+    """A header under fieldkit's own name, its unit behind it: `wind_speed_mps` is `wind_mps`."""
+    for other, name in synonyms().items():
+        if (words == other or words.startswith(f"{other}_")) and name not in taken:
+            return name + words.removeprefix(other)
+    return words
+
+
+def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
+    """What a header stands for; another name of a field counts where none of those `taken` has its own.
+
+    Raises BadValue for a column we know in a unit we do not, unless another column already holds the
+    quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
+    """
+    words = _ours(plain(spelled), taken)
+    if words in TEXT_COLUMNS or words in BY_NAME:
+        return ColumnRole(spelled.strip(), words)
+    if told := _beside(words, strict=strict):
+        return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
+    for name in sorted(BY_NAME, key=len, reverse=True):
+        column, ending = BY_NAME[name], words.removeprefix(f"{name}_")
+        if ending == words:
+            continue
+        if ending in units.UNITS[column.quantity]:
+            return ColumnRole(spelled.strip(), name, ending)
+        if strict and "_" not in ending and ending not in NO_UNITS:
+            units.unit(column.quantity, ending)
+        break
+    return ColumnRole(spelled.strip())
+
+
+def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
+    """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
+    try:
+        return beside(words)
+    except BadValue:
+        if strict:
+            raise
+        return None
+
+
+def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
+    """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
+    own = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
+    certain = {role_of(name, strict=False, taken=own).field for name in spelled}
+    if not certain - {""}:
+        raise DamagedLog(
+            f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
+        )
+    headings: list[ColumnRole] = []
+    seen: dict[str, str] = {"": ""}
+    for name in spelled:
+        try:
+            spoken_for = any(plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
+            role = role_of(name, strict=not spoken_for or "_sd_" in plain(name), taken=own)
+        except BadValue as error:
+            raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
+        if role.key and role.key in seen:
+            found = f"found a second column for the same as {printable(seen[role.key])}, expected one"
+            raise DamagedLog(found, row=row, column=printable(role.spelled))
+        seen[role.key] = role.spelled
+        headings.append(role)
+    return headings
