@@ -36,7 +36,7 @@ def predict(
     ] = None,
     model: Annotated[ModelVersion, typer.Option(help="Without or with what the loop added.")] = ModelVersion.after,
     quick: Annotated[
-        bool, typer.Option("--quick", help="The apogee alone, from the network, at once; nothing is kept.")
+        bool, typer.Option("--quick", help="The apogee alone, by the network where a check bears it out; kept nowhere.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
