@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.history.evidence import conditional, weigh
-from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit
+from fieldkit.inference.history.linear_fit import LinearFit, declared_terms, history_data, history_model, linear_fit
 from fieldkit.inference.history.response import (
     DRAG_OFFSETS,
     REFERENCE_LOG_DRAG,
@@ -23,6 +23,7 @@ from fieldkit.inference.history.response import (
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.inference.network.history import response_of
 from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
@@ -118,3 +119,12 @@ def test_what_one_flight_says_is_no_robust_evidence(linear: LinearFit) -> None:
     assert (trials.robust <= trials.log_bayes + 1e-12).all()
     days = [row for row, number in enumerate(trials.candidate) if trials.family[row] == ""]
     assert (trials.robust[days] < trials.log_bayes[days] - 0.01).any()
+
+
+def test_only_effects_that_are_declared_act_on_forecasts_unasked() -> None:
+    """Wind that was written down does, the temperature does not: the altimeter is not thought to correct for it."""
+    flights = [flight.with_changes(wind=3.0, temperature=300.0) for flight in WORN.flights]
+    known = {id(effect): name for name, effect in effects().items()}
+    acting = {known[id(term.bends)] for term in declared_terms(flights)}
+    assert acting == {name for name, effect in effects().items() if effect.declared}
+    assert not declared_terms(WORN.flights)

@@ -10,7 +10,9 @@ from fieldkit.inference.history import shards
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, draw_rocket, stock
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.simulated_histories import simulated_histories
+from fieldkit.model.hyperprior import certified
 from fieldkit.model.prior_predictive import split_motors
+from fieldkit.model.rocket_model import base_model
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 
@@ -43,11 +45,33 @@ def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> Non
     assert [one.apogee for one in again] == [one.apogee for one in found]
 
 
+def test_effects_are_there_as_probably_as_the_prior_has_it() -> None:
+    """None of a prior of zero; of a prior of one all that each rocket's flights could show, and a pattern."""
+    nothing, everything = (dict.fromkeys(PRIOR, chance) for chance in (0.0, 1.0))
+    for one in simulated_histories(np.random.default_rng(3), KNOWN, quick_candidates, nothing, 5, 2, flights=6):
+        assert (one.effects, one.unexplained) == ((), False)
+    found = simulated_histories(np.random.default_rng(3), KNOWN, quick_candidates, everything, 5, 2, flights=6)
+    assert found
+    for one in found:
+        model = base_model(one.history.flights, one.history.found, certified(), 6)
+        acting = {candidate.effect for candidate in quick_candidates(model, one.history.used_in_fit)}
+        assert set(one.effects) == acting - {""}
+        assert one.unexplained
+
+
+def test_shards_of_another_prior_are_not_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 3)
+    with ThreadPoolExecutor(1) as pool:
+        shards.simulate_table(tmp_path, 5, 3, quick_candidates, PRIOR, pool)
+        shards.simulate_table(tmp_path, 5, 3, quick_candidates, dict.fromkeys(PRIOR, 0.01), pool)
+    assert len(list(tmp_path.glob("*/*.npy"))) == 2
+
+
 def test_features_are_finite_and_named() -> None:
     found = simulated_histories(np.random.default_rng(2), KNOWN, quick_candidates, PRIOR, 6, 1)
     names = effect_names()
     for made in shards.summarized(found, quick_candidates, names):
-        assert made.features.shape == (len(feature_names(names)),)
+        assert made.features.shape == (1, len(feature_names(names)))
         assert np.isfinite(made.features).all()
         assert made.baseline.apogee_sd > made.baseline.parameter_sd > 0
 
