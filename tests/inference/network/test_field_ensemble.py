@@ -108,7 +108,7 @@ def test_a_flight_without_any_readout_is_answered_by_the_prior_and_told_so(field
 def test_apogee_of_a_heavy_rocket_alone_does_not_tell_drag(field: Ensemble) -> None:
     heavy = Flight(flight_id="1", motor="Estes D12-5", dry_mass=0.25, diameter=0.025, apogee=70.0)
     found = infer_field([heavy], [catalogue().find("Estes D12-5")], field)
-    assert any("apogee alone cannot tell drag from thrust" in line for line in found.warnings[0])
+    assert any("apogee alone cannot separate drag from thrust" in line for line in found.warnings[0])
 
 
 def test_no_mass_is_an_error_that_names_the_flight(field: Ensemble) -> None:
