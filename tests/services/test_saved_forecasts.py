@@ -71,7 +71,7 @@ def test_a_prediction_keeps_what_it_was_made_from(ledger: Ledger) -> None:
 CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
     "tag": (lambda ledger: ledger.tag("2", "off_axis"), "flight 2 is tagged"),
     "edit": (lambda ledger: ledger.edit("1", apogee=261.0), "flight 1 was edited"),
-    "remove": (lambda ledger: ledger.remove("3"), "flight 3 is gone"),
+    "remove": (lambda ledger: ledger.remove("3"), "flight 3 was removed"),
     "model": (
         lambda ledger: ledger.keep_version("Astra", {"effects": []}),
         "the plain model replaced by model version 1",
