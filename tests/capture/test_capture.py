@@ -217,7 +217,7 @@ def test_ports_and_devices_are_listed_for_people_and_scripts(
     [
         (["/dev/no-such-port", "--device", "mawd"], "/dev/no-such-port: cannot be opened"),
         (["--device", "rrc3", "/dev/null"], "mDACS"),
-        (["--resume"], "no capture that is unfinished"),
+        (["--resume"], "no unfinished capture"),
     ],
 )
 def test_what_cannot_be_captured_is_one_line(
