@@ -391,7 +391,7 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     err = capsys.readouterr().err
     (file,) = captures(folder)
     assert f"fieldkit capture --resume {file.name}" in err
-    assert "the port is gone" in err
+    assert "the port disappeared" in err
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
     assert "1 imported" in capsys.readouterr().out
