@@ -68,7 +68,7 @@ def _texts() -> Iterator[tuple[str, int, str]]:
             name = file.relative_to(ROOT).as_posix()
             if not name.startswith(REWORKED_ELSEWHERE):
                 yield from ((name, line, text) for line, text in _python_texts(file))
-    for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+    for page in (ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))):
         name = page.relative_to(ROOT).as_posix()
         if page != GLOSSARY and name not in PAGES_REWORKED_ELSEWHERE:
             yield name, 1, re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)

@@ -217,7 +217,7 @@ def test_ports_and_devices_are_listed_for_people_and_scripts(
     [
         (["/dev/no-such-port", "--device", "mawd"], "/dev/no-such-port: cannot be opened"),
         (["--device", "rrc3", "/dev/null"], "mDACS"),
-        (["--resume"], "no capture that is unfinished"),
+        (["--resume"], "no unfinished capture"),
     ],
 )
 def test_what_cannot_be_captured_is_one_line(
@@ -391,7 +391,7 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     err = capsys.readouterr().err
     (file,) = captures(folder)
     assert f"fieldkit capture --resume {file.name}" in err
-    assert "the port is gone" in err
+    assert "the port disappeared" in err
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
     assert "1 imported" in capsys.readouterr().out

@@ -250,7 +250,7 @@ def test_a_capture_goes_on_another_day_and_not_with_another_unit(tmp_path: Path)
         wishes = replace(QUICK, reconnect=0)
         end = ended(run(capture(Port(first.name), "altimulti", folder=tmp_path, wishes=wishes, look=list)))
     assert not end.whole
-    assert "the port is gone" in end.why
+    assert "the port disappeared" in end.why
     with played(devices.altimulti(FLIGHTS[:1])) as other, pytest.raises(PortTrouble, match="another unit"):
         run(resume(end.file, Port(other.name), wishes=QUICK))
     with played(devices.altimulti(FLIGHTS)) as again:

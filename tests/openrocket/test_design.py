@@ -201,7 +201,7 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
         assert not open_one.stale
         ledger.keep_start(Start("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
         (stale,) = list_forecasts(ledger, motors)
-    assert stale.changes == ("the design's Cd was 1, is 0.6", "the design's dry mass was 400 g, is 420 g")
+    assert stale.changes == ("the design's Cd was 1, now 0.6", "the design's dry mass was 400 g, now 420 g")
 
 
 def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
@@ -236,7 +236,7 @@ def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: 
     for command in (guided, ["delay", "--rocket", "Skylark", "--motor", "E20W"]):
         assert main([*ledger, *command]) == 0
         said = capsys.readouterr().out
-        assert "no flight of this rocket" in said
+        assert "no flights of this rocket" in said
         assert "initial Cd 0.55 from skylark.ork" in said
 
 
@@ -247,7 +247,7 @@ def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pyt
     said = capsys.readouterr()
     assert "dry mass  400 g" in said.out
     assert "Cd        0.55" in said.out
-    assert "kept" in said.err
+    assert "Saved" in said.err
     assert main(["--ledger", ledger, "ork", str(file), "--look", "--rocket", "Lark", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))

@@ -366,7 +366,7 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
     for failed in ("ground wind: unsafe", "ceiling: unsafe", "motor temperature: caution"):
         assert failed in out
     if command[0] == "ballast":
-        assert "1 g more  -" in out
+        assert "1 g more -" in out
     assert "ceiling of " not in out  # the waiver is the day's, not the site's
     if command[0] != "motors":
         assert all(f"{name}: " in out for name in NAMES)

@@ -52,7 +52,7 @@ def test_a_track_has_altitude_above_sea_level_and_leaves_out_what_is_lost() -> N
     longitude = np.array([8.0, 8.0, 8.001, 0.0, 8.002])
     (track,) = coordinates(track_kml("3", latitude, longitude, np.array([400.0, 1, 500, 0, 410])))
     assert track == [(8.0, 47.0, 400.0), (8.001, 47.001, 500.0), (8.002, 47.002, 410.0)]
-    with pytest.raises(BadValue, match="no positions"):
+    with pytest.raises(BadValue, match="no GPS positions"):
         track_kml("3", np.full(4, np.nan), np.full(4, np.nan), None)
 
 

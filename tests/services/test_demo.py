@@ -121,7 +121,7 @@ def test_a_warning_is_said_once_for_all_flights_that_it_is_about(
     assert main(["--ledger", ledger, "infer", "2", "3"]) == 0
     notes = capsys.readouterr().err.splitlines()
     assert len(notes) == len({note.partition(": ")[2].partition(": ")[2] for note in notes})
-    assert any(note.startswith("note: flights 2, 3: apogee alone cannot tell drag from thrust") for note in notes)
+    assert any(note.startswith("note: flights 2, 3: apogee alone cannot separate drag from thrust") for note in notes)
 
 
 ROCKET = Flight(rocket="Kestrel", motor="F24-4W", dry_mass=0.322, diameter=0.066)

@@ -71,7 +71,7 @@ def test_a_prediction_keeps_what_it_was_made_from(ledger: Ledger) -> None:
 CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
     "tag": (lambda ledger: ledger.tag("2", "off_axis"), "flight 2 is tagged"),
     "edit": (lambda ledger: ledger.edit("1", apogee=261.0), "flight 1 was edited"),
-    "remove": (lambda ledger: ledger.remove("3"), "flight 3 is gone"),
+    "remove": (lambda ledger: ledger.remove("3"), "flight 3 was removed"),
     "model": (
         lambda ledger: ledger.keep_version("Astra", {"effects": []}),
         "the plain model replaced by model version 1",
@@ -79,7 +79,7 @@ CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
     "flight": (lambda ledger: ledger.add([FLOWN.with_changes(flight_id="9")]), "flight 9 added since"),
     "plan": (
         lambda ledger: ledger.add([PLAN.with_changes(dry_mass=0.33, diameter=0.066, wind=4.0)]),
-        "dry mass was 320 g, is 330 g; wind was 2 m/s, is 4 m/s",
+        "dry mass was 320 g, now 330 g; wind was 2 m/s, now 4 m/s",
     ),
 }
 
@@ -120,7 +120,7 @@ def test_the_flight_is_paired_and_what_comes_later_is_no_fault_of_the_prediction
     one = only(ledger)
     assert (one.state, one.stale, one.flown) == ("flown", False, 255.0)
     assert one.miss == pytest.approx(255.0 - one.interval[1])
-    assert any("flown 255.0 m" in line and "of the interval" in line for line in in_words(one))
+    assert any("flown 255.0 m" in line and "the interval" in line for line in in_words(one))
 
 
 def test_what_changed_before_the_flight_came_in_stays_said(ledger: Ledger) -> None:
@@ -141,7 +141,7 @@ def test_a_change_taken_back_in_time_is_none(ledger: Ledger) -> None:
 
 def test_a_flight_on_another_mass_says_so_and_weather_that_nobody_foretold_does_not(ledger: Ledger) -> None:
     ledger.add([FLOWN.with_changes(dry_mass=0.34, temperature=300.0)])
-    assert only(ledger).changes == ("dry mass was 320 g, is 340 g",)
+    assert only(ledger).changes == ("dry mass was 320 g, now 340 g",)
 
 
 def test_a_prediction_made_of_a_flight_that_is_known_is_none_of_it(ledger: Ledger) -> None:
@@ -190,7 +190,7 @@ def test_the_commands_show_foretold_against_flown(
     assert main(["import", str(table)]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "4: forecast 2026-06-01" in said
-    assert "stale by then: dry mass was 320 g, is 330 g" in said
+    assert "stale at launch: dry mass was 320 g, now 330 g" in said
     assert main(["show", "4"]) == 0
     assert "flown 255.0 m" in capsys.readouterr().out
     assert main(["predictions"]) == 0
@@ -199,6 +199,6 @@ def test_the_commands_show_foretold_against_flown(
     assert max(map(len, out.splitlines())) <= 80
     assert main(["predictions", "--json"]) == 0
     (document,) = json.loads(capsys.readouterr().out)["predictions"]
-    assert document["changes"] == ["dry mass was 320 g, is 330 g"]
+    assert document["changes"] == ["dry mass was 320 g, now 330 g"]
     assert document["flown"]["apogee_m"] == 255.0
     assert "made_from" not in document

@@ -85,7 +85,7 @@ def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport)
     assert not first.foretold.kept
     assert second.foretold is not None
     assert second.foretold.kept
-    assert second.foretold.changes == ("dry mass was 320 g, is 330 g",)
+    assert second.foretold.changes == ("dry mass was 320 g, now 330 g",)
     assert ("Apogee", "262.0 m", "860 ft") in second.readouts
     assert ("Dry mass", "330 g", "11.64 oz") in second.circumstances
     assert second.miss == pytest.approx(262.0 - second.foretold.interval[1])
