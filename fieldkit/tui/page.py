@@ -226,16 +226,18 @@ class PageScreen(Screen[None]):
         *,
         in_turn: bool = False,
         alone: bool = False,
+        ledger_alone: bool = False,
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
         one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
 
         A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
         `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
+        One that reads the `ledger_alone` does not wait for the rest of the engine.
         """
 
         def with_engine() -> T:
-            self.resources.import_engine()
+            self.resources.import_engine(ledger_alone=ledger_alone)
             return question()
 
         async def work() -> None:
