@@ -85,6 +85,18 @@ class Host(Protocol):
     def ask_target(self) -> None:
         """Ask for the height to hit."""
 
+    def action_next_units(self) -> None:
+        """The next system of units."""
+
+    def action_next_theme(self) -> None:
+        """The next colors."""
+
+    async def open_flight(self, id: str) -> None:
+        """Open a flight over the page Flights."""
+
+    async def show_flights(self, words: str) -> None:
+        """The flights that hold all of some words."""
+
     def action_read(self) -> None:
         """The notice in front was read."""
 

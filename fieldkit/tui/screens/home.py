@@ -45,7 +45,7 @@ class HomeScreen(PageScreen):
         Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
         Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
-        Binding("e", "weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
+        Binding("e", "day_weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
     ]
     DEFAULT_CSS = """
     HomeScreen #cards { height: 8; }
@@ -149,7 +149,7 @@ class HomeScreen(PageScreen):
 
         ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
 
-    async def action_weather(self) -> None:
+    async def action_day_weather(self) -> None:
         """Type the weather of the day."""
         await self.settled("change", "ask")
         from fieldkit.flight import Flight
