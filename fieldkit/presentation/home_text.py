@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import measure, number, spelled, unit_of
-from fieldkit.services.launch_day import WEATHER, ListedFlight, Overview
+from fieldkit.services.day_weather import WEATHER
+from fieldkit.services.launch_day import ListedFlight, Overview
 from fieldkit.services.saved_forecasts import SavedForecast
 
 APOGEE = BY_NAME["apogee"]

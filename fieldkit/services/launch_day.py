@@ -1,13 +1,14 @@
-"""The day at the field: its weather, typed once, the plan of the next flight, and what is next."""
+"""The day at the field: the plan of the next flight, and what is next."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import date, datetime
+from datetime import date
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-from fieldkit.importing.manual_entry import answer_text, read_answer
+from fieldkit.importing.manual_entry import read_answer
 from fieldkit.ledger import Ledger
+from fieldkit.services.day_weather import WEATHER, WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
@@ -15,12 +16,8 @@ if TYPE_CHECKING:
     from fieldkit.services.saved_forecasts import SavedForecast
     from fieldkit.settings import Settings
 
-PLAN_DRAFT, WEATHER_DRAFT = "plan", "weather"
-"""Names under which the ledger keeps the plan of the next flight and the weather of the day."""
-WEATHER = ("wind", "temperature", "pressure", "humidity")
-"""Conditions that belong to the day and not to the rocket or the site."""
-TYPED_AT = "at"
-"""Key of the weather of the day: when it was typed, ISO 8601, local time."""
+PLAN_DRAFT = "plan"
+"""Name under which the ledger keeps the plan of the next flight."""
 MAX_LISTED_FLIGHTS = 50
 
 
@@ -54,35 +51,12 @@ class Overview:
         return [one for one in self.flights if one.flight.date_time and one.flight.date_time.date() == day]
 
 
-def typed_weather(ledger: Ledger, now: datetime | None = None) -> tuple[dict[str, str], datetime | None]:
-    """The weather of today as it was typed, and when; empty if none was typed today."""
-    kept = ledger.draft(WEATHER_DRAFT) or {}
-    typed = datetime.fromisoformat(kept[TYPED_AT]) if TYPED_AT in kept else None
-    if typed is None or typed.date() != (now or datetime.now()).date():
-        return {}, None
-    return {name: text for name, text in kept.items() if name in WEATHER}, typed
-
-
-def weather_of(texts: Mapping[str, str]) -> Flight:
-    """Typed weather as the conditions of a flight. [SI]"""
-    return Flight().with_changes(**{name: read_answer(name, text) for name, text in texts.items()})
-
-
-def save_weather(ledger: Ledger, conditions: Flight) -> bool:
-    """Keep the weather of today, for every plan and flight of the day; False if it is so already. Undo brings back
-    what was before."""
-    texts = _texts(conditions, WEATHER)
-    if texts == typed_weather(ledger)[0]:
-        return False
-    return ledger.change_draft(WEATHER_DRAFT, texts | {TYPED_AT: _now()}, "weather", "of the day")
-
-
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
     """Keep the plan of the next flight, and its weather as that of today, as one change; False if it is so already."""
     weather = {name: text for name, text in texts.items() if name in WEATHER}
     drafts = {PLAN_DRAFT: {name: text for name, text in texts.items() if name not in WEATHER}}
     if weather != typed_weather(ledger)[0]:
-        drafts[WEATHER_DRAFT] = weather | {TYPED_AT: _now()}
+        drafts[WEATHER_DRAFT] = signed_now(weather)
     build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
     return ledger.change_drafts(drafts, "plan", build)
 
@@ -128,7 +102,7 @@ def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", pl
     from fieldkit.services.forecasts import predict_plans
     from fieldkit.services.planning import completed_plan
 
-    save_plan(ledger, _texts(plan, ("rocket", "config", "dry_mass", "diameter")))
+    save_plan(ledger, answer_texts(plan, ("rocket", "config", "dry_mass", "diameter")))
     full = completed_plan(ledger, motors, plan, settings)
     (made,) = predict_plans(ledger, motors, [full], decided=True)
     return made
@@ -139,11 +113,3 @@ def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
     values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
     warm = texts.get(MOTOR_TEMPERATURE, "")
     return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
-
-
-def _texts(flight: Flight, names: Sequence[str]) -> dict[str, str]:
-    return {name: text for name in names if (text := answer_text(flight, name))}
-
-
-def _now() -> str:
-    return datetime.now().isoformat(timespec="seconds")

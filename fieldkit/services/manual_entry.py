@@ -11,7 +11,7 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, a
 from fieldkit.ledger import Added, Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
-from fieldkit.services.launch_day import typed_weather
+from fieldkit.services.day_weather import typed_weather
 
 WEATHER = ("wind", "temperature")
 """Questions whose answers belong to the day."""

@@ -13,21 +13,21 @@ from fieldkit.motors import Catalogue, Motor, is_cluster
 
 MAX_PICKS = 8
 """Answers that are offered at once."""
-NAMED = ("rocket", "config", "site")
+NAME_QUESTIONS = ("rocket", "config", "site")
 """Questions whose answers are names of the flyer's own."""
-CLOSE = 0.6
+MIN_SIMILARITY = 0.6
 """Similarity from which a name is taken for another one misspelled (`difflib`). [1]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Pick:
+class OfferedAnswer:
     """An answer that is offered, and what is said of it."""
 
     text: str
     about: str = ""
 
 
-Source = Callable[[str], Sequence[Pick]]
+Source = Callable[[str], Sequence[OfferedAnswer]]
 """The answers to offer for what was typed so far."""
 
 
@@ -40,12 +40,18 @@ class Names:
 
     def sources(self) -> dict[str, Source]:
         """What is offered for each question that has names."""
-        own: dict[str, Source] = {name: among([Pick(one) for one in self.known[name]]) for name in NAMED}
-        return own | {"motor": self._motors, "tags": among([Pick(tag) for tag in TAGS]), "date_time": among(days())}
+        own: dict[str, Source] = {
+            name: among([OfferedAnswer(one) for one in self.known[name]]) for name in NAME_QUESTIONS
+        }
+        return own | {
+            "motor": self._motors,
+            "tags": among([OfferedAnswer(tag) for tag in TAGS]),
+            "date_time": among(days()),
+        }
 
-    def _motors(self, typed: str) -> Sequence[Pick]:
+    def _motors(self, typed: str) -> Sequence[OfferedAnswer]:
         """Motors flown before that contain what was typed, then those of the catalogue, each with its delays."""
-        flown = [Pick(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
+        flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]
         found = chain(flown, chain.from_iterable(map(_with_delays, self.motors.search(typed)[:MAX_PICKS])))
@@ -67,15 +73,15 @@ class Names:
 
 def names_of(ledger: Ledger, motors: Catalogue) -> Names:
     """The names that a ledger knows."""
-    known = {name: tuple(ledger.names(name)) for name in (*NAMED, "motor")}
+    known = {name: tuple(ledger.names(name)) for name in (*NAME_QUESTIONS, "motor")}
     known["site"] = tuple(dict.fromkeys([*known["site"], *(site.name for site in sites(ledger))]))
     return Names(known, motors)
 
 
-def among(picks: Sequence[Pick]) -> Source:
+def among(picks: Sequence[OfferedAnswer]) -> Source:
     """Of some answers, those that fit what was typed: its beginning first, then any part, then its letters in order."""
 
-    def found(typed: str) -> Sequence[Pick]:
+    def found(typed: str) -> Sequence[OfferedAnswer]:
         text = typed.strip().casefold()
         tests = (_begins, _contains, _in_order)
         fitting = chain.from_iterable((pick for pick in picks if test(pick.text, text)) for test in tests)
@@ -87,22 +93,26 @@ def among(picks: Sequence[Pick]) -> Source:
 def nearest(text: str, known: Iterable[str]) -> list[str]:
     """Names that a text may be a slip of, the most similar first."""
     by_fold = {name.casefold(): name for name in known}
-    return [by_fold[one] for one in get_close_matches(text.casefold(), by_fold, n=3, cutoff=CLOSE)]
+    return [by_fold[one] for one in get_close_matches(text.casefold(), by_fold, n=3, cutoff=MIN_SIMILARITY)]
 
 
-def days(today: date | None = None) -> list[Pick]:
+def days(today: date | None = None) -> list[OfferedAnswer]:
     """Today, yesterday and the days before, as dates are typed."""
     now = today or date.today()
-    before = [Pick(f"{now - timedelta(days=n)}", f"{now - timedelta(days=n):%A}") for n in range(2, 7)]
-    return [Pick("today", f"{now:%A}, {now}"), Pick("yesterday", f"{now - timedelta(days=1)}"), *before]
+    before = [OfferedAnswer(f"{now - timedelta(days=n)}", f"{now - timedelta(days=n):%A}") for n in range(2, 7)]
+    return [
+        OfferedAnswer("today", f"{now:%A}, {now}"),
+        OfferedAnswer("yesterday", f"{now - timedelta(days=1)}"),
+        *before,
+    ]
 
 
-def _with_delays(motor: Motor) -> Iterable[Pick]:
+def _with_delays(motor: Motor) -> Iterable[OfferedAnswer]:
     """A motor once for each delay on sale: `AeroTech F24W-4`."""
     about = f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s" + ("" if motor.available else ", retired")
     name = f"{motor.maker} {motor.designation}"
     delays = [delay for delay in motor.delays if 0 <= delay < float("inf") and "-" not in motor.designation]
-    return [Pick(f"{name}-{delay:g}", about) for delay in delays] or [Pick(name, about)]
+    return [OfferedAnswer(f"{name}-{delay:g}", about) for delay in delays] or [OfferedAnswer(name, about)]
 
 
 def _begins(name: str, typed: str) -> bool:

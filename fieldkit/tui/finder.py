@@ -11,11 +11,11 @@ from textual.command import Hit, Provider
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
-from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.page import Host, PageScreen, pages
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
-    from fieldkit.tui.app import FieldkitApp
+
 
 MAX_HITS = 40
 """Hits of one kind that are listed."""
@@ -34,8 +34,8 @@ class Finder(Provider):
     """Everything by its name, the best match first."""
 
     @property
-    def _host(self) -> "FieldkitApp":
-        return cast("FieldkitApp", self.app)
+    def _host(self) -> Host:
+        return cast(Host, self.app)
 
     async def startup(self) -> None:
         """Read what can be found."""

@@ -85,6 +85,18 @@ class Host(Protocol):
     def ask_target(self) -> None:
         """Ask for the height to hit."""
 
+    def action_next_units(self) -> None:
+        """The next system of units."""
+
+    def action_next_theme(self) -> None:
+        """The next colors."""
+
+    async def open_flight(self, id: str) -> None:
+        """Open a flight over the page Flights."""
+
+    async def show_flights(self, words: str) -> None:
+        """The flights that hold all of some words."""
+
     def action_read(self) -> None:
         """The notice in front was read."""
 
@@ -226,16 +238,18 @@ class PageScreen(Screen[None]):
         *,
         in_turn: bool = False,
         alone: bool = False,
+        ledger_alone: bool = False,
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
         one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
 
         A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
         `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
+        One that reads the `ledger_alone` does not wait for the rest of the engine.
         """
 
         def with_engine() -> T:
-            self.resources.import_engine()
+            self.resources.import_engine(ledger_alone=ledger_alone)
             return question()
 
         async def work() -> None:

@@ -16,13 +16,18 @@ if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
 
 
-ENGINE = (
+LEDGER_ENGINE = (
     "fieldkit.ledger",
     "fieldkit.motors",
-    "fieldkit.services.imports",
     "fieldkit.services.saved_forecasts",
-    "fieldkit.services.forecasts",
     "fieldkit.services.launch_day",
+    "fieldkit.presentation.home_text",
+)
+"""What the first page reads the ledger with: its rows come before the rest is imported."""
+ENGINE = (
+    *LEDGER_ENGINE,
+    "fieldkit.services.imports",
+    "fieldkit.services.forecasts",
     "fieldkit.services.pickers",
     "fieldkit.inference.network.field_ensemble",
     "fieldkit.planning.motor_guide",
@@ -41,14 +46,14 @@ class Resources:
         self.settings: Settings = read_settings(settings_file)
         self.complaints: list[FieldkitError] = []
 
-    def import_engine(self) -> None:
-        """Import the engine, one worker at a time.
+    def import_engine(self, *, ledger_alone: bool = False) -> None:
+        """Import the engine, or what reads the `ledger_alone`, one worker at a time.
 
         A worker that imports a part of a package, while another is in the midst of the package itself, is let through
         by Python and finds it half there.
         """
         with self._lock:
-            for name in ENGINE:
+            for name in LEDGER_ENGINE if ledger_alone else ENGINE:
                 import_module(name)
 
     @property

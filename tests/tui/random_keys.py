@@ -29,7 +29,7 @@ NAMED = (
     "pagedown",
 )
 OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", "ctrl+end", "question_mark")
-KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"123456" * 2)
+KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """Keys, those that lead to another place more often than the others; none leaves the app."""
 REST = 5.0
 """After the last key. [s]"""

@@ -119,15 +119,15 @@ async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monk
     monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
-        await front(pilot, "Kept")
+        await front(pilot, "Saved")
         assert "flown: F39 B" in said(pilot)
         await press(pilot, "escape", "enter", "_", "d")
-        await front(pilot, "Kept")
+        await front(pilot, "Saved")
         assert "open: AeroTech F39T" in said(pilot)
         with Ledger.open(file) as ledger:
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
         await press(pilot, "escape", "escape", "d")  # the first reads the notice
-        await front(pilot, "Kept")
+        await front(pilot, "Saved")
         assert "stale now: flight 13 added since" in said(pilot)
 
 

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -18,25 +18,12 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
-
-
-class Line(Input):
-    """A line in which a question mark asks for help, unless it `takes_marks`."""
-
-    def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
-        super().__init__(text, select_on_focus=True, validate_on=(), **rest)
-        self.takes_marks = takes_marks
-        self.cursor_blink = False
-
-    def check_consume_key(self, key: str, character: str | None = None) -> bool:
-        """Whether a key is a letter here; Textual knows the slash by no name."""
-        character = "/" if key == "slash" else character
-        asks = character == "?" and not self.takes_marks
-        return super().check_consume_key(key, character) and not asks
 
 
 class Field(Horizontal):
@@ -223,7 +210,6 @@ class Form(ModalScreen[dict[str, object] | None]):
         if not doubts:
             self.dismiss(values)
             return
-        from fieldkit.tui.widgets.dialogs import AskYes
 
         def sure(yes: bool | None) -> None:
             if yes:

@@ -12,7 +12,7 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup.setup_lists import answer_of, same
 
 ASKED = {question.name for question in QUESTIONS}
-EDITED = (
+EDIT_QUESTIONS = (
     *QUESTIONS[:3],
     DATE,
     *QUESTIONS[3:],
@@ -24,9 +24,11 @@ EDITED = (
 def ask_changes(page: PageScreen, id: str, flight: Flight) -> None:
     """A form over a flight; what is changed there is one change of the ledger."""
     system = page.resources.settings.units
-    texts = {question.name: answer_of(flight, question, system) for question in EDITED}
-    units = {question.name: unit_of(question.column, system) for question in EDITED if question.column is not None}
-    form = Form(f"Flight {id}", EDITED, texts, units, names=page.resources.names)
+    texts = {question.name: answer_of(flight, question, system) for question in EDIT_QUESTIONS}
+    units = {
+        question.name: unit_of(question.column, system) for question in EDIT_QUESTIONS if question.column is not None
+    }
+    form = Form(f"Flight {id}", EDIT_QUESTIONS, texts, units, names=page.resources.names)
     page.app.push_screen(form, partial(_answered, page, id, flight, texts))
 
 
@@ -51,6 +53,6 @@ def _answered(
 
 
 def _saved(page: PageScreen, id: str, names: list[str]) -> None:
-    titles = ", ".join(question.title.lower() for question in EDITED if question.name in names)
+    titles = ", ".join(question.title.lower() for question in EDIT_QUESTIONS if question.name in names)
     page.show_notice(f"Saved flight {id}: {titles}. u to undo")
     page.field_app.changed()

@@ -38,17 +38,21 @@ class Drawn:
         start = self.events.get("liftoff")
         if start is None:
             return self
-        end = self.events.get("landing", self.span[1]) + BESIDE
+        end = self.events.get("landing", self.span[1]) + DRAWN_MARGIN
         traces: dict[str, ChannelTrace] = {}
         for name, trace in self.traces.items():
-            kept = [(t - start, v) for t, v in zip(trace.time, trace.values, strict=True) if start - BESIDE <= t <= end]
+            kept = [
+                (t - start, v)
+                for t, v in zip(trace.time, trace.values, strict=True)
+                if start - DRAWN_MARGIN <= t <= end
+            ]
             if kept:
                 time, values = zip(*kept, strict=True)
                 traces[name] = replace(trace, time=list(time), values=list(values))
         return Drawn(self.device, traces, {name: time - start for name, time in self.events.items()})
 
 
-BESIDE = 1.0
+DRAWN_MARGIN = 1.0
 """Time that is drawn before liftoff and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
 """What is drawn of a log, from top to bottom."""

@@ -13,7 +13,7 @@ CHOICES = (
     ("p", "Plan", "rocket and weather"),
 )
 """Key, name, and what it leads to."""
-ROOM = 34
+LONG_CHOICE_WIDTH = 34
 """Width from which a choice says what it leads to. [cell]"""
 
 
@@ -32,7 +32,7 @@ class Choice(Static):
     def render(self) -> Content:
         """What it leads to is said where there is room."""
         parts: list[str | tuple[str, str]] = [(f" {self._key} ", "b reverse"), (f" {self._name}", "b")]
-        return Content.assemble(*parts, f"  {self._about}" if self.size.width > ROOM else "")
+        return Content.assemble(*parts, f"  {self._about}" if self.size.width > LONG_CHOICE_WIDTH else "")
 
     async def on_click(self) -> None:
         """As the key does."""

@@ -10,8 +10,8 @@ from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
     from fieldkit.services.launch_day import ListedFlight
+    from fieldkit.tui.resources import Resources
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
 """Widths of the sparkline and of the motor of a flight. [cell]"""
@@ -72,7 +72,7 @@ def _interval(one: "ListedFlight") -> Interval | None:
     return None if said is None else Interval("", *said.interval, flown=one.flight.apogee)
 
 
-def logs_of(ledger: "Ledger", flights: "Sequence[ListedFlight]") -> dict[str, str]:
+def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
     """The profile of each flight that has a log, by its number."""
     from fieldkit.presentation.home_text import sparkline
     from fieldkit.tui.flights.flight_facts import or_why
@@ -82,7 +82,7 @@ def logs_of(ledger: "Ledger", flights: "Sequence[ListedFlight]") -> dict[str, st
     found: dict[str, str] = {}
     for one in flights:
         go_on()
-        log = or_why(lambda id=one.id: drawn(ledger, id, "SI"))()  # type: ignore[misc]  # bound at once
+        log = or_why(lambda id=one.id: drawn(resources.ledger, id, "SI"))()  # type: ignore[misc]  # bound at once
         trace = log.traces.get("altitude") if isinstance(log, Drawn) else None
         found[one.id] = sparkline(trace.values, PROFILE_CELLS) if trace is not None else ""
     return found

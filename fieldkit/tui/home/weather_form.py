@@ -11,7 +11,7 @@ from fieldkit.tui.page import PageScreen
 
 def ask_weather(page: PageScreen, now: Flight) -> None:
     """Ask for the weather of today; what comes of it is kept."""
-    from fieldkit.services.launch_day import WEATHER
+    from fieldkit.services.day_weather import WEATHER
 
     system = page.resources.settings.units
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: not known.") for name in WEATHER]
@@ -25,7 +25,7 @@ def _answered(page: PageScreen, values: dict[str, object] | None) -> None:
         return
 
     def work() -> bool:
-        from fieldkit.services.launch_day import save_weather
+        from fieldkit.services.day_weather import save_weather
 
         return save_weather(page.resources.ledger, Flight().with_changes(**values))
 

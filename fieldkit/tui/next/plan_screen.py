@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fieldkit.flight.site import Site
     from fieldkit.planning.contest_day import Day
 
-VIEWS = ("Delay", "Ballast", "Contest", "Kept", "Score")
+VIEWS = ("Delay", "Ballast", "Contest", "Saved", "Score")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Of the parachute's area that may be chosen. [1]"""
 
@@ -40,7 +40,7 @@ class PlanScreen(PageScreen):
         "What is left to decide once the motor is chosen, from the flights of this rocket, in the weather of "
         "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
         "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
-        "expect by a season's rule. Kept: the forecasts that were kept. Score: how good they are. Forecasts are "
+        "expect by a season's rule. Saved: the forecasts that were saved. Score: how good they are. Forecasts are "
         "advice: the range safety officer decides.",
         (
             ("delay", "Best is the one least likely to fire too fast for the parachute."),
@@ -59,7 +59,7 @@ class PlanScreen(PageScreen):
                 "p: target and window as announced, the cut and so the chance to qualify, the flights declared, the "
                 "length of the rocket; and of the site the field's size and the ceiling, which safety lines ask for.",
             ),
-            ("kept", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
+            ("saved", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
             (
                 "score",
                 "Each flight forecast from those before it, beside simpler ways; where flights lay in their forecasts.",

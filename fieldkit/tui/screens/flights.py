@@ -13,7 +13,6 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.quantities import spelled, unit_of
-from fieldkit.tui.add.fields import Line
 from fieldkit.tui.flights.flight_card import FlightCard
 from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
@@ -23,6 +22,7 @@ from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:

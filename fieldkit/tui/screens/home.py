@@ -45,7 +45,7 @@ class HomeScreen(PageScreen):
         Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
         Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
-        Binding("e", "weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
+        Binding("e", "day_weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
     ]
     DEFAULT_CSS = """
     HomeScreen #cards { height: 8; }
@@ -59,6 +59,7 @@ class HomeScreen(PageScreen):
         super().__init__()
         self._view: Overview | None = None
         self._profiles: dict[str, str] = {}
+        self._have_read = False
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
@@ -76,7 +77,7 @@ class HomeScreen(PageScreen):
 
     def reload(self) -> None:
         """Read what is next."""
-        self.ask(self._read, self._have)
+        self.ask(self._read, self._have, ledger_alone=True)
 
     def redraw(self) -> None:
         """The same in other units."""
@@ -88,20 +89,22 @@ class HomeScreen(PageScreen):
         return overview(self.resources.ledger, self.resources.motors)
 
     def _have(self, view: "Overview | None") -> None:
-        self._view = view
+        self._view, self._have_read = view, True
         self._show()
-        self.field_app.settled()
-        if view is not None:
-            wanted = [one for one in view.flights if one.flight.log and one.id not in self._profiles]
-            self.ask(partial(logs_of, self.resources.ledger, wanted), self._have_profiles, "profiles")
+        flights = view.flights if view is not None else ()
+        wanted = [one for one in flights if one.flight.log and one.id not in self._profiles]
+        self.ask(partial(logs_of, self.resources, wanted), self._have_profiles, "profiles")
 
     def _have_profiles(self, found: dict[str, str]) -> None:
         self._profiles |= found
         self.query_one(Table).refresh()
+        self.field_app.settled()
 
     @on(Table.Sized)
     def _show(self) -> None:
         """What was read, in the columns that fit."""
+        if not self._have_read:
+            return  # the words of the cards need the engine, which a worker imports
         from fieldkit.tui.home.cards import LastCard, NextCard
 
         system, table = self.resources.settings.units, self.query_one(Table)
@@ -146,7 +149,7 @@ class HomeScreen(PageScreen):
 
         ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
 
-    async def action_weather(self) -> None:
+    async def action_day_weather(self) -> None:
         """Type the weather of the day."""
         await self.settled("change", "ask")
         from fieldkit.flight import Flight

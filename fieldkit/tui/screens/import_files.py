@@ -206,9 +206,9 @@ class ImportScreen(PageScreen):
     def action_format(self) -> None:
         """Name a parser."""
         from fieldkit.importing.recognize import parsers
-        from fieldkit.services.pickers import Pick
+        from fieldkit.services.pickers import OfferedAnswer
 
-        picks = [Pick(name, parser.title) for name, parser in parsers().items()]
+        picks = [OfferedAnswer(name, parser.title) for name, parser in parsers().items()]
         about = "The format; ↓ chooses one. Empty: by its content."
         self.app.push_screen(AskText("Read it as", self._reading.format or "", about, picks), self._named)
 

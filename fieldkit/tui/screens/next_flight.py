@@ -13,11 +13,11 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
-from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.next_plan import QUESTIONS, Plan, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
+from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
 
 if TYPE_CHECKING:

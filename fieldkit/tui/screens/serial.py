@@ -269,9 +269,9 @@ class CaptureScreen(PageScreen):
     def action_device(self) -> None:
         """Name what is on the port."""
         from fieldkit.capture import known_devices
-        from fieldkit.services.pickers import Pick
+        from fieldkit.services.pickers import OfferedAnswer
 
-        picks = [Pick(name, device.title) for name, device in known_devices().items()]
+        picks = [OfferedAnswer(name, device.title) for name, device in known_devices().items()]
         about = "What is on the port; ↓ chooses one. Empty: find out."
         self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
 

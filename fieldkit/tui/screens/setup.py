@@ -11,7 +11,6 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
-from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.setup.setup_lists import (
@@ -24,6 +23,7 @@ from fieldkit.tui.setup.setup_lists import (
 )
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
+from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
 
@@ -32,6 +32,14 @@ if TYPE_CHECKING:
     from fieldkit.tui.setup.setup_card import Facts, SetupCard
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
+
+EMPTY = (
+    "No motor is called that; / changes the search",
+    "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
+    "No sites yet.\n\n2 Add   a flight that names its site lists it here",
+    "",
+)
+"""What a list says that holds nothing."""
 
 
 class SetupScreen(PageScreen):
@@ -156,7 +164,7 @@ class SetupScreen(PageScreen):
         self.query_one(Table).set_class(self._kind == 3, "-settings")
         heads, keys, cells = self._list()
         table = self.query_one(Table)
-        table.enter = ("About it", "Change", "Change", "Change")[self._kind]
+        table.enter, table.empty = ("About it", "Change", "Change", "Change")[self._kind], EMPTY[self._kind]
         table.show(heads, keys, cells)
         self.query_one(KeyBar).follow()
         self._beside()

@@ -11,14 +11,14 @@ from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
 from fieldkit.safe_text import printable
-from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging
+from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
 
 if TYPE_CHECKING:
-    from fieldkit.services.pickers import Pick
+    from fieldkit.services.pickers import OfferedAnswer
 
 
 class HelpScreen(ModalScreen[None]):
@@ -91,7 +91,7 @@ class AskText(ModalScreen[str | None]):
         Binding("escape", "leave", "Cancel", priority=True),
     ]
 
-    def __init__(self, title: str, text: str, about: str = "", offered: "Sequence[Pick]" = ()) -> None:
+    def __init__(self, title: str, text: str, about: str = "", offered: "Sequence[OfferedAnswer]" = ()) -> None:
         super().__init__()
         self._title, self._text, self._about, self._offered = title, text, about, offered
         self._picker = Picker()

@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
-    from fieldkit.services.pickers import Pick, Source
+    from fieldkit.services.pickers import OfferedAnswer, Source
 
 MIN_WIDTH, MAX_WIDTH = 24, 56
 """Of the list. [cell]"""
@@ -32,7 +32,7 @@ class Picker(OptionList, can_focus=False):
     def __init__(self) -> None:
         super().__init__()
         self._line: Input | None = None
-        self._picks: Sequence[Pick] = ()
+        self._picks: Sequence[OfferedAnswer] = ()
         self._taken = ""
         self.sources: Mapping[str, Source] = {}
         """What is offered, by the name of a question."""
@@ -89,5 +89,5 @@ class Picker(OptionList, can_focus=False):
         self.take()
 
 
-def _shown(pick: "Pick") -> Content:
+def _shown(pick: "OfferedAnswer") -> Content:
     return Content.assemble((printable(pick.text), "b"), f"  {printable(pick.about)}" if pick.about else "")

@@ -1,0 +1,20 @@
+"""A line that is typed in."""
+
+from typing import Any
+
+from textual.widgets import Input
+
+
+class Line(Input):
+    """A line in which a question mark asks for help, unless it `takes_marks`."""
+
+    def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
+        super().__init__(text, select_on_focus=True, validate_on=(), **rest)
+        self.takes_marks = takes_marks
+        self.cursor_blink = False
+
+    def check_consume_key(self, key: str, character: str | None = None) -> bool:
+        """Whether a key is a letter here; Textual knows the slash by no name."""
+        character = "/" if key == "slash" else character
+        asks = character == "?" and not self.takes_marks
+        return super().check_consume_key(key, character) and not asks
