@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from math import isfinite
 
+from fieldkit.physics.effect import spoken
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 from fieldkit.units import FOOT
@@ -114,7 +115,12 @@ def _what_now(found: Findings) -> Iterator[str]:
     yield f"forecasts average what is probable enough to matter: {', '.join(parts)}"
     if found.diagnosis.accepted:
         name = found.diagnosis.effect
-        yield f"--effect {name} takes it for certain, --decline {name} leaves it out"
+        certain = all(set(name.split("+")) <= {spoken(place.effect) for place in places} for _, places in averaged)
+        yield (
+            f"--decline {name} leaves it out"
+            if certain
+            else (f"--effect {name} takes it for certain, --decline {name} leaves it out")
+        )
 
 
 def _chance(share: float) -> str:
