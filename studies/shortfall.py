@@ -36,7 +36,7 @@ CAUSES: Mapping[str, tuple[str, ...]] = {
     "the device, and what is wrong with the model": OBSERVED_READOUTS,
 }
 """Causes in the order in which they are put in, each with the quantities of the model that stand for it."""
-LEAN = REFERENCE_LAUNCH_ANGLE
+ASSUMED_LAUNCH_ANGLE = REFERENCE_LAUNCH_ANGLE
 """Launch angle of flights whose rail angle was not written down. [rad]"""
 FIXED_SD = 1e-3
 """Standard deviation of what is held at its mean. [1]"""
@@ -67,15 +67,15 @@ class Step:
 class Shortfall:
     """What a ledger says of the shortfall.
 
-    `ratio` is the median of flown over simulated apogee, `lean` the mean change of its logarithm by the usual launch
-    angle. `joint` is the posterior of what all rockets have in common
+    `ratio` is the median of flown over simulated apogee, `launch_angle_worth` the mean change of its logarithm by the
+    usual launch angle. `joint` is the posterior of what all rockets have in common
     with everything put in, `worth` what each of its terms makes of the apogee, on average over the flights: the change
     of its logarithm.
     """
 
     flights: int
     ratio: float
-    lean: float
+    launch_angle_worth: float
     steps: tuple[Step, ...]
     joint: SharedPrior
     worth: Float[Array, "term"]
@@ -83,22 +83,24 @@ class Shortfall:
 
 def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op) -> Shortfall:
     """Trace the shortfall of all flights of a ledger, in the order flown."""
-    simulated, inclined = _measured(flown), _measured(leaning := _leaning(flown))
+    simulated, inclined = _measured(flown), _measured(at_an_angle := _at_an_angle(flown))
     steps, known = [], restricted(())
     quantities: tuple[str, ...] = ()
     for number, (cause, own) in enumerate(CAUSES.items()):
         on_progress(cause, number / (len(CAUSES) + 1))
         quantities = (*quantities, *own)
         known = restricted(quantities)
-        steps.append(Step(cause, tuple(forward(leaning, hyperprior=known))))
+        steps.append(Step(cause, tuple(forward(at_an_angle, hyperprior=known))))
     pairs = zip(steps[0].forecasts, simulated, strict=True)
     bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
     on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
-    joint, worth = _together(leaning, known)
+    joint, worth = _together(at_an_angle, known)
     ratio = float(np.median([one.ratio for one in simulated])) if simulated else float("nan")
     both = zip(inclined, simulated, strict=True)
-    lean = float(np.mean([log(one.simulated / other.simulated) for one, other in both])) if simulated else float("nan")
-    return Shortfall(len(simulated), ratio, lean, (bare, *steps), joint, worth)
+    worth_of_angle = (
+        float(np.mean([log(one.simulated / other.simulated) for one, other in both])) if simulated else float("nan")
+    )
+    return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth)
 
 
 def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
@@ -106,10 +108,10 @@ def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
     return [one for one in simulate(flown) if one.flight.clean and one.flight.apogee is not None]
 
 
-def _leaning(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
+def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
     """The flights with the launch angle that is usual where none was written down."""
     return [
-        (flight if flight.rail_angle is not None else flight.with_changes(rail_angle=LEAN), motor)
+        (flight if flight.rail_angle is not None else flight.with_changes(rail_angle=ASSUMED_LAUNCH_ANGLE), motor)
         for flight, motor in flown
     ]
 
@@ -200,7 +202,8 @@ def _apart(found: Shortfall) -> Iterator[str]:
     yield ""
     yield "| quantity | off by | makes of the apogee | hardest to tell from |"
     yield "|---|---|---|---|"
-    yield f"| launch angle | {np.degrees(LEAN):.0f}°, taken as given | {100 * found.lean:+.1f} % | |"
+    angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
+    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f} % | |"
     sds = np.sqrt(np.diag(found.joint.covariance))
     correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
     for i, name in enumerate(found.joint.names):

@@ -151,7 +151,7 @@ def test_the_shortfall_is_traced_to_what_the_flights_were_made_with() -> None:
     first, last = (np.log1p(step.errors).mean() for step in (found.steps[0], found.steps[-1]))
     assert first > 0.15
     assert abs(last) < 0.5 * first
-    assert found.lean < 0
+    assert found.launch_angle_worth < 0
     written = shortfall_page(found, unnamed=True)
     assert "| drag |" in written
     assert "| 3 | 3 |" in written
