@@ -99,7 +99,7 @@ WORKED_OUT: dict[str, Any] = {}
 def guide(rocket: Any, plan: Any, motors: Any, *rest: Any) -> Any:
     """What the guide says, worked out at the first asking."""
     names = [(motor.maker, motor.designation) for motor in motors]
-    asked = repr((rocket.flights, rocket.averaged, rocket.widened, rocket.stretched, plan, names, rest))
+    asked = repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
     if asked not in WORKED_OUT:
         WORKED_OUT[asked] = guided(rocket, plan, motors, *rest)
     return WORKED_OUT[asked]

@@ -53,6 +53,26 @@ def rockets(
     _hand_out(page(found, forecasts, unnamed=unnamed), out, force)
 
 
+@study.command()
+def shortfall(
+    context: typer.Context,
+    out: Out = None,
+    force: Force = False,
+    unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
+) -> None:
+    """Trace why flights fall short of their simulation: launch angle, impulse, mass, drag, device, one by one."""
+    need_studies()
+    from fieldkit.cli.screen import progress
+    from fieldkit.services.plausible_flights import followed
+    from studies.shortfall import page
+    from studies.shortfall import shortfall as trace
+
+    force = out is not None and settled(out, force)
+    with open_ledger(context) as ledger, progress("tracing the shortfall") as on_progress:
+        found = trace(followed(ledger.flights(), known_motors()), on_progress)
+    _hand_out(page(found, unnamed=unnamed), out, force)
+
+
 def _hand_out(page: str, out: Path | None, force: bool) -> None:
     from fieldkit.cli.screen import complain, say_lines
     from fieldkit.files import write

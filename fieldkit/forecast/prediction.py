@@ -54,10 +54,6 @@ class Prediction:
         """At 5, 50 and 95 %. [m]"""
         return quantiles(self.apogee, LEVELS)
 
-    def widened(self, factor: float) -> "Prediction":
-        """The same with draws of the apogee that lie further from their median, by ratio."""
-        return replace(self, apogee=spread_out(self.apogee, factor), true_apogee=spread_out(self.true_apogee, factor))
-
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
         """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
         if factor is None:

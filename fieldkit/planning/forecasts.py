@@ -19,12 +19,11 @@ Planned = Sequence[tuple[Flight, Found]]
 @dataclass(frozen=True, slots=True)
 class Rocket:
     """What is known of a rocket that forecasts rest on: its flights, the sets of effects in its model, by how much
-    intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared, and the
-    designs it starts from, and what the flyer's other rockets show."""
+    intervals are `stretched` for how `earlier` forecasts fared, the designs it starts from, and what the flyer's other
+    rockets show."""
 
     history: tuple[tuple[Flight, Found], ...]
     averaged: Averaged
-    widened: float
     stretched: float | None
     earlier: int
     starts: tuple[Start, ...] = ()
@@ -79,5 +78,5 @@ def flown_ahead(
 ) -> list[Prediction]:
     """The fit, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
     made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
-    made = [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
+    made = [one.corrected(rocket.stretched, rocket.earlier) for one in made]
     return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]

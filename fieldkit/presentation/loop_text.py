@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from math import isfinite
 
+from fieldkit.physics.effect import spoken
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 from fieldkit.units import FOOT
@@ -125,7 +126,12 @@ def _what_now(found: Findings) -> Iterator[str]:
     yield f"forecasts average over: {', '.join(parts)}"
     if found.diagnosis.accepted:
         name = found.diagnosis.effect
-        yield f"--effect {name} treats it as certain, --decline {name} excludes it"
+        certain = all(set(name.split("+")) <= {spoken(place.effect) for place in places} for _, places in averaged)
+        yield (
+            f"--decline {name} excludes it"
+            if certain
+            else (f"--effect {name} treats it as certain, --decline {name} excludes it")
+        )
 
 
 def _chance(share: float) -> str:

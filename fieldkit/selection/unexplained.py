@@ -1,6 +1,6 @@
 """What is left where no known effect accounts for it: what it goes with, in a sentence, and by how much."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,15 +18,13 @@ SMOOTHLY = ", smoothly"
 class Leftover:
     """Flights that differ from the others: which, by which share of the apogee, and how sure that is.
 
-    `amount` and `sd` are of a ratio of apogees, less one; `where` marks the flights; `widened` is by how much
-    intervals of forecasts are widened for it.
+    `amount` and `sd` are of a ratio of apogees, less one; `where` marks the flights.
     """
 
     name: str
     where: Flags
     amount: float
     sd: float
-    widened: float = 1.0
 
     @property
     def in_words(self) -> str:
@@ -40,10 +38,10 @@ class Leftover:
         return f"{who} {self.name} {verb} {abs(self.amount):.0%} {way} than the others (± {self.sd:.0%})"
 
 
-def leftover(diagnosis: Diagnosis, widened: float = 1.0) -> Leftover:
-    """What is left unexplained; `widened` is how much wider forecasts are for it. [1]"""
+def leftover(diagnosis: Diagnosis) -> Leftover:
+    """What is left unexplained."""
     nothing = Leftover("nothing that was recorded", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
-    return replace(_goes_with(diagnosis) or nothing, widened=widened)
+    return _goes_with(diagnosis) or nothing
 
 
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:

@@ -129,6 +129,6 @@ def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[
     }
     if left is not None:
         pattern = [asdict(place) for place in diagnosis.pattern]
-        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened, "pattern": pattern}
+        payload["unexplained"] = {"goes_with": left.in_words, "pattern": pattern}
     payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
     return payload

@@ -85,15 +85,7 @@ def version_adds(payload: Mapping[str, Any]) -> str:
     sets = version_average(payload)
     named = ["+".join(map(str, places)) or "nothing" for _, places in sets]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
-    added = named[0] if len(named) == 1 else added
-    wider = payload.get("unexplained", {}).get("widened", 1.0)
-    return f"{added}, intervals {wider:.2f} times as wide" if wider > 1.005 else added
-
-
-def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> float:
-    """By how much the model of a rocket widens its intervals for what it does not explain. [1]"""
-    version = ledger.active_version(rocket) if which == "after" else None
-    return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
+    return named[0] if len(named) == 1 else added
 
 
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
@@ -135,8 +127,8 @@ def predict_plans(
             cds=cds,
             shared=fleet_prior(ledger, motors, rocket, on_progress),
         )
-        wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
-        finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
+        sure = stretch(surprises)
+        finished = [one.corrected(sure, len(surprises)) for one in made]
         if names := implausible_flights(ledger.flights(rocket), motors):
             finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
@@ -202,4 +194,4 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
     averaged, shared = accepted_average(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
     (made,) = predict(history, [(plan, motors.resolve(flight.motor))], averaged=averaged, shared=shared)
-    return made.widened(accepted_widening(ledger, flight.rocket))
+    return made

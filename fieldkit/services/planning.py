@@ -11,7 +11,7 @@ from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import accepted_average, accepted_widening, flown, start_of
+from fieldkit.services.forecasts import accepted_average, flown, start_of
 from fieldkit.services.plausible_flights import implausible_flights, plausible
 from fieldkit.settings import Settings
 
@@ -25,7 +25,6 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
         averaged=accepted_average(ledger, name),
-        widened=accepted_widening(ledger, name),
         stretched=stretch(surprises),
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),

@@ -178,7 +178,7 @@ def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_s
         (plan.with_changes(flight_id=str(n), motor="F24-6W", apogee=height, duration=height / 4.2 + 7.5), found)
         for n, height in enumerate((241.0, 246.0, 238.0, 249.0))
     )
-    rule, rocket = season(2027), Rocket(history, (), 1.0, None, 0)
+    rule, rocket = season(2027), Rocket(history, (), None, 0)
     as_flown = outlook(rule, rocket, plan, found, draws=200)
     assert as_flown.timed == 4
     assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
@@ -310,7 +310,7 @@ def test_mass_and_parachute_are_solved_together_and_higher_targets_want_less_mas
         (plan.with_changes(flight_id=str(n), motor="F39T-6", apogee=height, duration=height / 5.5 + 7.0), found)
         for n, height in enumerate((236.0, 240.0, 238.0, 243.0))
     )
-    flown = trials(Rocket(history, (), 1.0, None, 0), plan, found, rule)
+    flown = trials(Rocket(history, (), None, 0), plan, found, rule)
     table = finals_table(flown, rule, finals_targets(rule))
     assert [round(one.target / FOOT) for one in table] == list(range(775, 826, 5))
     masses = [one.mass for one in table]
@@ -328,8 +328,8 @@ def test_ballast_is_left_alone_where_the_gain_is_not_clear() -> None:
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066)
     goal = Goal(rule.target, 3.0, "points", rule)
     heavy = plan.with_changes(dry_mass=0.58)
-    near = ballast(Rocket((), (), 1.0, None, 0), plan, found, goal, draws=80)
-    legal = ballast(Rocket((), (), 1.0, None, 0), heavy, found, goal, draws=80)
+    near = ballast(Rocket((), (), None, 0), plan, found, goal, draws=80)
+    legal = ballast(Rocket((), (), None, 0), heavy, found, goal, draws=80)
     assert near.gain is not None
     assert not near.clear
     assert "no change" in " ".join(ballast_in_words(near, goal))

@@ -26,7 +26,7 @@ from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
 FOUND = catalogue().resolve("F39T-6")
-NEW = Rocket((), (), 1.0, None, 0)
+NEW = Rocket((), (), None, 0)
 PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind=4.0)
 
 
@@ -91,7 +91,7 @@ def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_tell_it() -> 
 
 def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> None:
     flights = tuple((flown(6.0, 6.0).with_changes(flight_id=str(n)), FOUND) for n in range(5))
-    rocket = Rocket(flights, (), 1.0, None, 0)
+    rocket = Rocket(flights, (), None, 0)
     plan = PLAN.with_changes(wind=None, delay=6.0)
     (one,) = forecasts(rocket, [(plan, FOUND)], draws=300)
     fall = fall_of(rocket.history, plan)

@@ -1,9 +1,11 @@
 """Places that are worth a fit: what linear readouts say of them is near what fits say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.fit import fit, probable_scales
 from fieldkit.inference.laplace.linearization import tangents
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
@@ -68,3 +70,9 @@ def test_every_effect_has_a_family_that_the_prior_knows() -> None:
 
     assert {effect.family for effect in effects().values()} == set(FAMILIES)
     assert min(inclusion_probabilities().values()) > 0.01
+
+
+def test_a_fit_without_finite_evidence_keeps_every_scale() -> None:
+    plain, _ = families()
+    lost = replace(plain, log_weight=np.full(len(plain.log_weight), np.nan))
+    assert len(probable_scales(lost)) == len(plain.log_weight) > len(probable_scales(plain))

@@ -158,6 +158,8 @@ def probable_scales(known: Fit) -> Int[Integers, "scale"]:
     scatter, for that is what scatter turns to as a fit finds its place."""
     scatter, reading, _ = known.model.hyperprior.scales()
     every = np.arange(len(scatter)) if known.scales is None else known.scales
+    if not np.isfinite(known.log_weight).all():  # evidence that is no number: flights that this point does not follow
+        return np.arange(len(scatter))
     likely = every[known.weights > WALKING_SCALE_WEIGHT]
     own, other = scatter[likely], reading[likely]
     smaller = scatter[scatter < own.min()].max(initial=0.0)

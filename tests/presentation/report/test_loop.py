@@ -201,10 +201,10 @@ def test_draws_are_widened_about_their_median() -> None:
     flights = windy()[:4]
     known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
     (narrow,) = predict(known, [(flights[0].with_changes(apogee=None), known[0][1])], draws=300)
-    wide = narrow.widened(1.5)
+    wide = narrow.corrected(1.5, 20)
     assert np.median(wide.apogee) == pytest.approx(np.median(narrow.apogee))
     np.testing.assert_allclose(np.log(wide.apogee).std(), 1.5 * np.log(narrow.apogee).std(), rtol=0.02)
-    np.testing.assert_array_equal(narrow.widened(1.0).apogee, narrow.apogee)
+    np.testing.assert_array_equal(narrow.corrected(1.0, 20).apogee, narrow.apogee)
 
 
 def test_what_the_residual_goes_with_is_said(diagnosis: Diagnosis) -> None:

@@ -1,0 +1,240 @@
+"""Why measured flights fall short of their simulation: what each cause is worth, and which can be told apart.
+
+A model of all rockets of a ledger is given one cause after the other. Each time every flight is forecast from the
+flights before it, of its own rocket and of all others. No mean of a cause is taken from flights: causes start at what
+certificates, scales and devices claim, with the standard deviations of the learned hyperprior, so that what they are
+found to be comes from earlier flights alone.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import log
+from textwrap import fill
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, forward
+from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.fleet import merged, rocket_fit
+from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
+from fieldkit.model.rocket_model import REFERENCE_LAUNCH_ANGLE, base_model, fleet_term
+from fieldkit.model.shared_prior import SharedPrior, combined
+from fieldkit.progress import ReportProgress, no_op
+from fieldkit.safe_text import as_markdown
+from fieldkit.shapes import Array, Float
+
+ALWAYS = ("delay", "coast_drag", "burn_impulse")
+"""Quantities that every model has: the delay says nothing of the climb, the others are there with logs alone."""
+CAUSES: Mapping[str, tuple[str, ...]] = {
+    "launch angle and weathercocking": (),
+    "impulse and burn against certificate": ("thrust", "stretch"),
+    "mass": ("mass",),
+    "drag": ("drag",),
+    "the device, and what is wrong with the model": OBSERVED_READOUTS,
+}
+"""Causes in the order in which they are put in, each with the quantities of the model that stand for it."""
+ASSUMED_LAUNCH_ANGLE = REFERENCE_LAUNCH_ANGLE
+"""Launch angle of flights whose rail angle was not written down. [rad]"""
+FIXED_SD = 1e-3
+"""Standard deviation of what is held at its mean. [1]"""
+FLEET_SD = {"drag": 0.14, "thrust": 0.05, "mass": 0.1}
+"""How far all rockets of a flyer may be off together: a judgement, wide enough for what is not weighed or certified.
+[1]"""
+WIDE_DEVICE_SD = 0.1
+"""How far a device may show all flights of a flyer off. [1]"""
+
+KNOWS_NOTHING = 0.995
+"""Posterior over prior standard deviation from which on flights say nothing of a quantity. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Forecasts with everything up to a cause put in."""
+
+    cause: str
+    forecasts: tuple[Forecast, ...]
+
+    @property
+    def errors(self) -> Float[Array, "flight"]:
+        """Forecast over flown apogee, less one."""
+        return np.array([one.p50 / one.flown - 1 for one in self.forecasts])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shortfall:
+    """What a ledger says of the shortfall.
+
+    `ratio` is the median of flown over simulated apogee, `launch_angle_worth` the mean change of its logarithm by the
+    usual launch angle. `joint` is the posterior of what all rockets have in common
+    with everything put in, `worth` what each of its terms makes of the apogee, on average over the flights: the change
+    of its logarithm.
+    """
+
+    flights: int
+    ratio: float
+    launch_angle_worth: float
+    steps: tuple[Step, ...]
+    joint: SharedPrior
+    worth: Float[Array, "term"]
+
+
+def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op) -> Shortfall:
+    """Trace the shortfall of all flights of a ledger, in the order flown."""
+    simulated, inclined = _measured(flown), _measured(at_an_angle := _at_an_angle(flown))
+    steps, known = [], restricted(())
+    quantities: tuple[str, ...] = ()
+    for number, (cause, own) in enumerate(CAUSES.items()):
+        on_progress(cause, number / (len(CAUSES) + 1))
+        quantities = (*quantities, *own)
+        known = restricted(quantities)
+        steps.append(Step(cause, tuple(forward(at_an_angle, hyperprior=known))))
+    pairs = zip(steps[0].forecasts, simulated, strict=True)
+    bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
+    on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
+    joint, worth = _together(at_an_angle, known)
+    ratio = float(np.median([one.ratio for one in simulated])) if simulated else float("nan")
+    both = zip(inclined, simulated, strict=True)
+    worth_of_angle = (
+        float(np.mean([log(one.simulated / other.simulated) for one, other in both])) if simulated else float("nan")
+    )
+    return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth)
+
+
+def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
+    """The clean flights with an apogee beside their uncalibrated simulation."""
+    return [one for one in simulate(flown) if one.flight.clean and one.flight.apogee is not None]
+
+
+def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
+    """The flights with the launch angle that is usual where none was written down."""
+    return [
+        (flight if flight.rail_angle is not None else flight.with_changes(rail_angle=ASSUMED_LAUNCH_ANGLE), motor)
+        for flight, motor in flown
+    ]
+
+
+def restricted(quantities: Sequence[str]) -> Hyperprior:
+    """The learned hyperprior with some quantities free, none of their means taken from flights."""
+    whole = learned()
+    free = {*quantities, *ALWAYS}
+    sds = {name: sd for name, sd in whole.sds.items() if name.partition(".")[0] in free or name.endswith(".flight")}
+    for name in free & set(FLEET_SD):
+        sds[f"{name}.fleet"] = FLEET_SD[name]
+    for name in free & (set(OBSERVED_READOUTS) - {"apogee_to_eject", *ALWAYS}):
+        sds[f"{name}.fleet"] = WIDE_DEVICE_SD
+    unknown_area = whole.unknown_area
+    if "drag" not in free:
+        sds["drag.rocket"] = unknown_area = FIXED_SD
+    return replace(whole, means={"drag": log(NOMINAL_CD)}, sds=sds, unknown_area=unknown_area)
+
+
+def _uncalibrated(row: Forecast, middle: float) -> Forecast:
+    return replace(row, p05=middle, p50=middle, p95=middle)
+
+
+def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[SharedPrior, Float[Array, "term"]]:
+    """The posterior of the fleet's terms, and what each is worth to the apogees."""
+    rockets: dict[str, list[FlownFlight]] = {}
+    for flight, motor in flown:
+        rockets.setdefault(flight.rocket, []).append((flight, motor))
+    taught = [own for own in rockets.values() if any(one.clean and one.readouts() for one, _ in own)]
+    fits = [rocket_fit(own, hyperprior) for own in taught]
+    posterior = combined(merged([one.prior for one in fits]), [one.message for one in fits])
+    names = [name for name in posterior.names if name.endswith(fleet_term("")) and "delay" not in name]
+    joint = posterior.only(names)
+    slopes = np.concatenate([_apogee_slopes(own, hyperprior, joint.names) for own in taught])
+    prior = np.array([log(NOMINAL_CD) if name == fleet_term("drag") else 0.0 for name in joint.names])
+    return joint, np.asarray(slopes.mean(axis=0) * (joint.mean - prior))
+
+
+def _apogee_slopes(
+    flown: Sequence[FlownFlight], hyperprior: Hyperprior, names: Sequence[str]
+) -> Float[Array, "flight term"]:
+    """What a unit of each term does to the log apogee of the clean flights of a rocket."""
+    flights: list[Flight] = [flight for flight, _ in flown]
+    model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)
+    fit = fit_robustly(model, observe(flights, [one.clean for one in flights], hyperprior))
+    rows = fit.data.seen[:, 0] & np.isfinite(fit.tangent.values[:, 0])
+    return np.asarray(fit.tangent.slope[rows][:, 0, [fit.model.names.index(name) for name in names]])
+
+
+def page(found: Shortfall, *, unnamed: bool = False) -> str:
+    """The shortfall as a page of Markdown; `unnamed` numbers the rockets."""
+    return "\n".join([*_causes(found), "", *_apart(found), "", *_rockets(found, unnamed)]) + "\n"
+
+
+def _causes(found: Shortfall) -> Iterator[str]:
+    yield "# Why flights fall short of their simulation"
+    yield ""
+    yield fill(
+        f"{found.flights} clean flights with an apogee reach {found.ratio:.2f} of the uncalibrated simulation (Cd "
+        f"{NOMINAL_CD:g}, certified thrust, recorded mass), in the median. Below, each cause is put in beside those "
+        "above it, and every flight is forecast from the flights before it. Bias is the mean of the log of forecast "
+        "over flown, with its standard error.",
+        118,
+    )
+    yield ""
+    yield "| put in | flights | bias | median error | mean error | in the 90 % interval |"
+    yield "|---|---|---|---|---|---|"
+    for step in found.steps:
+        if not step.forecasts:
+            continue
+        logs, inside = np.log1p(step.errors), [one.p05 <= one.flown <= one.p95 for one in step.forecasts]
+        error, bare = np.abs(step.errors), step is found.steps[0]
+        bias = f"{100 * logs.mean():+.1f} ± {100 * logs.std() / np.sqrt(len(logs)):.1f} %"
+        covered = "" if bare else f"{np.mean(inside):.0%}"
+        yield f"| {step.cause} | {len(logs)} | {bias} | {np.median(error):.1%} | {error.mean():.1%} | {covered} |"
+
+
+def _apart(found: Shortfall) -> Iterator[str]:
+    """What all rockets have in common, and what cannot be told apart."""
+    yield "## What all rockets have in common"
+    yield ""
+    yield fill(
+        "With everything put in, from all flights together: what each quantity is off by, and what that makes of the "
+        "apogee. Flights bend several of these alike; the last column names the one that each is hardest to tell from, "
+        "with their posterior correlation.",
+        118,
+    )
+    yield ""
+    yield "| quantity | off by | makes of the apogee | hardest to tell from |"
+    yield "|---|---|---|---|"
+    angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
+    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f} % | |"
+    sds = np.sqrt(np.diag(found.joint.covariance))
+    correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
+    for i, name in enumerate(found.joint.names):
+        if sds[i] > KNOWS_NOTHING * _prior_sd(name):
+            continue
+        quantity = name.removesuffix(fleet_term("")).replace("_", " ")
+        start = log(NOMINAL_CD) if name == fleet_term("drag") else 0.0
+        other = int(np.abs(correlation[i]).argmax())
+        rival = found.joint.names[other].removesuffix(fleet_term("")).replace("_", " ")
+        unit = " s" if quantity == "apogee to eject" else " %"
+        scale = 1.0 if unit == " s" else 100.0
+        off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
+        yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f} % | {rival} ({correlation[i, other]:+.2f}) |"
+
+
+def _prior_sd(name: str) -> float:
+    quantity = name.removesuffix(fleet_term(""))
+    return restricted(sum(CAUSES.values(), ())).sd(quantity, "fleet")
+
+
+def _rockets(found: Shortfall, unnamed: bool) -> Iterator[str]:
+    yield "## Rocket by rocket"
+    yield ""
+    yield "Mean error of every flight of a rocket, forecast from those before it, with more and more put in."
+    yield ""
+    yield f"| rocket | flights | {' | '.join(step.cause for step in found.steps)} | not worse |"
+    yield f"|{'---|' * (len(found.steps) + 3)}"
+    names = list(dict.fromkeys(one.rocket for one in found.steps[0].forecasts))
+    for number, name in enumerate(names, start=1):
+        rows = [row for row, one in enumerate(found.steps[0].forecasts) if one.rocket == name]
+        errors = [float(np.abs(step.errors[rows]).mean()) for step in found.steps]
+        label = str(number) if unnamed else as_markdown(name)
+        cells = " | ".join(f"{error:.0%}" for error in errors)
+        yield f"| {label} | {len(rows)} | {cells} | {'yes' if errors[-1] <= errors[0] else 'no'} |"
