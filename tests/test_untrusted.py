@@ -239,6 +239,7 @@ LONG = {
     "paper": [],
     "study reference": [],
     "study rockets": [],
+    "study shortfall": [],
     "delay": ["--motor", "F24-4W"],
     "ballast": ["--motor", "F24-4W", "--target", "240m"],
     "contest": ["--season", "2026"],

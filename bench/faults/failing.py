@@ -80,7 +80,7 @@ class Bench:
         if ended.status == TRACEBACK or "Traceback" in ended.said:
             return name, f"a traceback: {lines[-1] if lines else ''}"
         if ended.status == 0:
-            return "done all the same", "it said that it was done" if changes and name == "before" else ""
+            return "finished anyway", "it said that it was done" if changes and name == "before" else ""
         if changes and name == "after":
             denied = any("nothing was changed" in line for line in lines)
             return "refused, and done", "it said that nothing was changed" if denied else ""

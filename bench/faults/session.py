@@ -33,6 +33,7 @@ LEFT_OUT = {
     "learn": "computes for minutes; its file is written by the same function as an export",
     "study reference": "computes for minutes; its file is written by the same function as an export",
     "study rockets": "computes for minutes; its file is written by the same function as an export",
+    "study shortfall": "computes for minutes; its file is written by the same function as an export",
     "ork": "its design is no file of the session",
     "paper": "computes for minutes and keeps nothing",
 }

@@ -38,7 +38,7 @@ def _flights(report: "PaperReport") -> None:
     say()
     print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
     say()
-    say("publ.: published. left out: forecast from the other valid flights on the same motor.")
+    say("publ.: published. left out: forecast from other valid flights on the same motor.")
     say("*: tagged as an anomaly, not counted below.")
     say()
 

@@ -86,7 +86,7 @@ def test_the_bench_sees_a_command_that_says_what_is_not_so(tmp_path: Path) -> No
     bench = failing.Bench(tmp_path / "trial", session.Call(("tag", "3", "mine"), found))
     bench.learn()
     done = calls.Ended(0, "", "", True)
-    assert bench.judged(done) == ("may have finished", "")
+    assert bench.judged(done) == ("finished anyway", "")
     assert bench.judged(calls.Ended(1, "", "x: nothing was changed", True))[1] == "it said that nothing was changed"
     bench.fresh()
     assert bench.judged(done)[1] == "it said that it was done"

@@ -269,7 +269,7 @@ def test_a_fault_in_a_parser_loses_nothing(
     (file,) = folder.glob("*.raw")
     assert str(file) in capsys.readouterr().err
     assert main(["--ledger", str(folder / "ledger.db"), "import", str(file)]) == 0
-    assert "1 imported" in capsys.readouterr().out
+    assert "Imported 1" in capsys.readouterr().out
 
 
 @terminals
@@ -394,7 +394,7 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     assert "the port disappeared" in err
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
-    assert "1 imported" in capsys.readouterr().out
+    assert "Imported 1" in capsys.readouterr().out
     with pytest.raises(CaptureTrouble, match="is not found; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
 
@@ -447,6 +447,6 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     assert "every byte goes to" in shown
     assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown
     assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)" in shown
-    assert "-9.0 m/s   coast   heard 60 s ago" in shown
+    assert "-9.0 m/s   coast   received 60 s ago" in shown
     assert "▁█" in shown
     assert "\x1b[31m" not in shown

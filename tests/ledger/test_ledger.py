@@ -186,7 +186,7 @@ def test_an_id_is_the_flight_id_where_that_says_enough(ledger: Ledger) -> None:
     assert ledger.ids(ledger.flights()) == ["Astra/1", "Comet/1", "2"]
     assert ledger.flight("Comet/1") == other
     assert ledger.flight("Astra/2") == SECOND
-    with pytest.raises(LedgerError, match="1 may be Astra/1 or Comet/1"):
+    with pytest.raises(LedgerError, match="1 is ambiguous: Astra/1 or Comet/1"):
         ledger.flight("1")
 
 

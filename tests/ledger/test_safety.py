@@ -432,7 +432,7 @@ def test_a_row_that_was_damaged_before_an_upgrade_is_found_after_it(measured: Pa
     with closing(sqlite3.connect(measured)) as raw:
         raw.execute("UPDATE flights SET apogee = 101 WHERE rocket = 'Lark'")
         raw.commit()
-    with pytest.raises(LedgerError, match="is not as it was written"), Ledger.open(measured) as ledger:
+    with pytest.raises(LedgerError, match="does not match its checksum"), Ledger.open(measured) as ledger:
         ledger.flights()
 
 

@@ -41,7 +41,7 @@ def test_the_demo_goes_from_readouts_to_the_next_apogee_and_leaves_the_flyers_le
     assert len(steps) == 6
     _, _, inferred, predicted, loop, profile = steps
     assert len(re.findall(r"^ +\d+ [AB]  .* m .*±.*±", inferred, flags=re.MULTILINE)) == 12
-    forecasts = re.findall(r"^(\S+) +([AB]) +(\d+) m .*?(\d+) and (\d+) m", predicted, flags=re.MULTILINE)
+    forecasts = re.findall(r"^(\S+) +([AB]) +(\d+) m .*?(\d+) to (\d+) m", predicted, flags=re.MULTILINE)
     assert {one[:2] for one in forecasts} == {(m, c) for m in ("E35-5W", "F24-4W", "F39") for c in "AB"}
     assert all(int(low) < int(middle) < int(high) for *_, middle, low, high in forecasts)
     assert "verdict:" in loop

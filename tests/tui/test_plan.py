@@ -45,7 +45,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "No target yet" in said(pilot)
         await press(pilot, "right")
         assert "season 2027" in words(pilot)
-        assert "calibrated on 1 flight" in said(pilot)
+        assert "fitted to 1 flight" in said(pilot)
         assert "contest mass: ok" in said(pilot)
         await press(pilot, "comma")
         assert "season 2026" in words(pilot)
@@ -69,7 +69,7 @@ async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(fi
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
         assert "No target yet" in said(pilot)
         await press(pilot, "j", "j")
-        assert "a flight, with duration" in said(pilot)
+        assert "per flight, with duration" in said(pilot)
         assert "contest mass: ok" in said(pilot)
         await press(pilot, "left_square_bracket")
         assert "parachute 95% of the area flown" in said(pilot)
@@ -103,7 +103,7 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
     async with opened(file) as pilot:
         await press(pilot, "6", "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")
         await press(pilot, *typed("400 m"), "enter", *typed("-3"), "ctrl+s")
-        assert "above nothing" in words(pilot)
+        assert "above zero" in words(pilot)
         await press(pilot, "ctrl+u", *typed("3000ft"), "ctrl+s", "_")
         assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
         with Ledger.open(file) as ledger:

@@ -88,7 +88,7 @@ def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, s
     assert set(ensemble.card["guard"]) == set(ensemble.card["guarded"])
     assert ensemble.card["effects"] == list(ensemble.card["effect_priors"]) == ["mass_offset", "wind"]
     assert "--effects mass_offset,wind" in ensemble.card["command"]
-    with pytest.raises(BadValue, match="an ensemble there already"):
+    with pytest.raises(BadValue, match="an existing ensemble"):
         train_field(folder)
 
 

@@ -132,7 +132,7 @@ def test_the_same_seed_trains_the_same_ensemble_and_its_card_tells_how(tmp_path:
 
 def test_an_ensemble_is_never_overwritten(tmp_path: Path) -> None:
     (tmp_path / CARD).write_text("{}")
-    with pytest.raises(BadValue, match="found an ensemble there already"):
+    with pytest.raises(BadValue, match="found an existing ensemble"):
         train_paper(tmp_path)
     assert (tmp_path / CARD).read_text() == "{}"
 
@@ -151,4 +151,4 @@ def test_the_command_trains_and_says_where(tmp_path: Path, capsys: pytest.Captur
     assert (summary["recipe"], summary["n_train"]) == ("paper", 256)
     assert all(Path(file).exists() for file in summary["files"])
     assert main(["train", "--out", str(out)]) == 1
-    assert "found an ensemble there already" in capsys.readouterr().err
+    assert "found an existing ensemble" in capsys.readouterr().err

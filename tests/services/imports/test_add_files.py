@@ -141,7 +141,7 @@ def test_a_number_that_an_erased_memory_gave_again_is_another_flight(ledger: Led
     ledger.edit(id, apogee=700.0)
     receipt = taken(ledger, ALTOS["flash"])
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert any(f"may be of the flight {id}, which has the same number" in note for note in receipt.notes)
+    assert any(f"may belong to flight {id}, which has the same number" in note for note in receipt.notes)
 
 
 def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger, tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger,
     exported.write_bytes(b"# Comment: exported once more\n" + ALTOS["csv"].read_bytes())
     receipt = taken(ledger, exported)
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert any(f"may be of the flight {id}, which has the same number" in note for note in receipt.notes)
+    assert any(f"may belong to flight {id}, which has the same number" in note for note in receipt.notes)
 
 
 def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> None:
@@ -169,7 +169,7 @@ def test_a_file_of_another_lift_off_is_another_flight(ledger: Ledger, tmp_path: 
     later.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",12:04:"))
     receipt = taken(ledger, later)
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert not any("may be of the flight" in note for note in receipt.notes)
+    assert not any("may belong to flight" in note for note in receipt.notes)
 
 
 def test_a_file_without_a_time_of_day_says_what_it_may_be_of(ledger: Ledger, tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_a_file_without_a_time_of_day_says_what_it_may_be_of(ledger: Ledger, tmp
     spoilt.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",04:"))
     receipt = taken(ledger, spoilt)
     assert (len(receipt.ids), receipt.joined) == (1, ())
-    assert any(f"may be of the flight {id}" in note for note in receipt.notes)
+    assert any(f"may belong to flight {id}" in note for note in receipt.notes)
 
 
 def test_files_are_measured_again_and_what_was_typed_stays(
@@ -243,14 +243,14 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
     assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
     assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
     ledger.undo()
-    assert "1 would change, 0 as before, 1 without samples" in run("remeasure", "--dry-run")
+    assert "1 would change, 0 unchanged, 1 without samples" in run("remeasure", "--dry-run")
     assert ledger.flight(id) == before
     (told,) = json.loads(run("remeasure", id, "--json"))["flights"]
     apogee = told["changes"]["apogee_m"]
     assert apogee["now"]["value"] - apogee["there"]["value"] == pytest.approx(1.0)
     assert apogee["now"]["sd"] == before.sd["apogee"]
     assert ledger.flight(id).apogee == pytest.approx((before.apogee or 0) + 1)
-    assert "0 changed, 1 as before" in run("remeasure", id)
+    assert "0 changed, 1 unchanged" in run("remeasure", id)
     run("undo")
     assert ledger.flight(id) == before
     assert "±" in run("remeasure")
