@@ -15,7 +15,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.shapes import Array, Flags, Float
 
 HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
-"""Channels that tell heights, the best first."""
+"""Channels that hold heights, the best first."""
 CHANNEL_TITLES = {
     "altitude": "barometric altitude",
     "pressure": "pressure",
@@ -67,8 +67,8 @@ class Push:
     `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
     channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
     range, to which `missed` has been added, by the heights; None where it never was there. That makes a speed off by
-    `missed_speed_sd` [m/s]. `scale` is the climb by
-    the heights over that which it makes: off for its calibration, for a lean or for a pressure that is. [1]
+    `missed_speed_sd` [m/s]. `scale` is the ratio of the climb by the heights to the climb by the accelerometer: it
+    differs from 1 because of calibration, tilt, or a pressure error. [1]
     """
 
     time: Float[Array, "time"]

@@ -9,13 +9,13 @@ UNSEEN_TOP_NOTE = (
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
 NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
-CLIPPED_NOTE = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
+CLIPPED_NOTE = "the accelerometer was saturated in the boost: only heights are used for it"
 FILLED_NOTE = (
     "the accelerometer was at the end of its range for {:.1f} s of the boost: "
     "the {:.0f} m/s² that it missed there in the mean are by the heights"
 )
 DISBELIEVED = (
-    "the acceleration {}: it is not taken for an accelerometer's along the axis, heights alone tell of the boost"
+    "the acceleration {}: it is not used as acceleration along the axis, only heights are used for the boost"
 )
 LEANED = "it climbed at some {:.0f} degrees from the vertical: so its accelerometer and its heights agree"
 NO_LANDING = "the log ends before landing: no duration"
