@@ -21,15 +21,15 @@ SCALES = (0.75, 1.35)
 """Ratio of the climb by the heights to that by a trusted accelerometer: a calibration error of a tenth and a flight
 tilted by 30 degrees stay within. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
-"""How far the scale of one is off that was at the end of its range [1], and how much it may have missed there. It must
-be known well, for what was missed and a scale make nearly the same climb. [m/s^2]"""
+"""Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
+be known well, because what was missed and a scale error make nearly the same climb."""
 _MAX_MISFIT = 3.0
 """Of a climb that was filled so, in standard deviations of the heights. [1]"""
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
-"""An accelerometer is believed that is later or earlier than the heights by no more: vents and filters delay pressures,
+"""An accelerometer is trusted if it is later or earlier than the heights by no more: vents and filters delay pressures,
 and nothing delays what a mass feels. [s]"""
 _PAD = 0.1
-"""So much of the pad an accelerometer must have felt for its climb to be known from its foot on. [s]"""
+"""Time on the pad that an accelerometer must have recorded for its climb to be known from the start. [s]"""
 _COAST = 0.6
 """Fraction of the coast in which climbs are compared: tilt matters later, and a filtered height lags earlier. [1]"""
 _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0

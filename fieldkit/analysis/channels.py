@@ -126,7 +126,7 @@ def sensor(source: str) -> str:
 
 
 def is_clipped(push: Push, begin: float, end: float) -> bool:
-    """Whether an accelerometer was at the end of its range: its highest value comes again and again, no other does.
+    """Whether an accelerometer was saturated: its highest value is repeated many times, and no other is.
 
     A converter that is full gives one number, in a row or, where the thrust plays about the end, now and again; a
     thrust that only happens to be even has the sensor's noise. Low values, as of a rest, come again in any log.
@@ -144,7 +144,7 @@ def is_clipped(push: Push, begin: float, end: float) -> bool:
 
 
 def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
-    """Which samples of an accelerometer are at the end of its range from one time to another; None where it is not."""
+    """Which samples of an accelerometer are saturated from one time to another; None if none are."""
     inside = (push.time >= begin) & (push.time <= end)
     if not is_clipped(push, begin, end):
         return None

@@ -118,7 +118,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
 
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
-    """An accelerometer with what it missed at the end of its range, where its rest agrees with the heights."""
+    """An accelerometer with what it missed while saturated, if the rest of it agrees with the heights."""
     if found is None or not found.believed or abs(found.late) > _MAX_FILLED_DELAY + found.step:
         return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)
