@@ -160,7 +160,7 @@ def _fit(
     told: float,
     scale_sd: float,
 ) -> tuple[float, Float[Array, "column"]]:
-    How badly a climb fits heights, robustly, and by how much scale, zero and ram are off.
+    """How badly a climb fits heights, robustly, and by how much scale, zero and ram are off.
 
     Only the fraction `told` of the samples counts, because neighboring samples have correlated errors.
     """

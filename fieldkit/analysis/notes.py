@@ -14,8 +14,6 @@ FILLED_NOTE = (
     "the accelerometer was saturated for {:.1f} s of the boost: "
     "the {:.0f} m/s² that it missed on average are filled in from the heights"
 )
-DISBELIEVED = (
-    "the acceleration {}: it is not used as acceleration along the axis, only heights are used for the boost"
-)
+DISBELIEVED = "the acceleration {}: it is not used as acceleration along the axis, only heights are used for the boost"
 LEANED = "it climbed at about {:.0f} degrees from the vertical: with that, its accelerometer and its heights agree"
 NO_LANDING = "the log ends before landing: no duration"

@@ -267,9 +267,9 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
 
 
 def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
-    Error of each height after a first-order filter whose delay has been removed. [m]
+    """Error of each height after a first-order filter whose delay has been removed. [m]
 
-    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay known to half of itself leaves
+    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay with a 50 % uncertainty leaves
     v d/2 of a speed; both are the same for all samples of a boost.
     """
     if not samples.lag or marks.lift is None:
