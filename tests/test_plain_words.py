@@ -13,7 +13,8 @@ pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("fieldkit", "parsers", "models", "studies", "bench", "tools")GLOSSARY = ROOT / "docs/glossary.md"
+FOLDERS = ("fieldkit", "parsers", "models", "studies", "bench", "tools")
+GLOSSARY = ROOT / "docs/glossary.md"
 
 LEFT_COLUMN = """
     afresh, alike, anew, apart by, askew, begun, evened, farewell, foretell, foretells, foretold, hopeless, in
