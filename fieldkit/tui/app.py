@@ -259,7 +259,7 @@ class FieldkitApp(Choosing):
         self.show_notice("q leaves the app; so does ^Q, from a field as well")
 
     def action_undo(self) -> None:
-        """Undo the last change, whoever made it."""
+        """Undo the last change, no matter who made it."""
         self._journal("undo", "undone")
 
     def action_redo(self) -> None:
