@@ -156,7 +156,7 @@ def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
 def test_a_single_log_says_that_it_decides_nothing() -> None:
     (line,) = climbs_in_words(LogEvidence((one(),), (), (), ""))
     assert "base drag" in line
-    assert line.endswith("one flight alone decides nothing")
+    assert line.endswith("one flight alone is not enough")
 
 
 def log(seed: int) -> tuple[str, dict[str, float]]:
