@@ -86,7 +86,7 @@ def test_the_files_of_one_real_flight_bring_one_flight_in_either_order() -> None
         assert float(flight.extra["stated_apogee_m"]) == pytest.approx(4034.98 * FOOT)
         assert flight.apogee == pytest.approx(4034.98 * FOOT, rel=0.005)
         assert intakes[SUMMARY].flights == ()
-        assert intakes[SUMMARY].notes == (f"{SUMMARY}: is part of the flight of {LOW}",)
+        assert intakes[SUMMARY].notes == (f"{SUMMARY}: belongs to the flight of {LOW}",)
 
 
 def test_low_and_high_rate_and_summary_are_one_flight() -> None:
