@@ -1,4 +1,4 @@
-"""Entacore AIM XTRA, the CSV export: groups of columns, each begun by a `time` column of its own.
+"""Entacore AIM XTRA, the CSV export: groups of columns, each starting with its own `time` column.
 
 Seconds from launch, from about -100; Pa, m, g and V. A group ends where its samples end, so the lower rows are
 empty on the right. Flags come with a clock of their own as well.

@@ -1,8 +1,8 @@
 """AltimeterCloud Nano and Mercury (Rocketry Limited): a block of labels and values, an empty row, then the table.
 
 The table begins with `time(ms)`; its names carry their units. Older logs begin with it at once. Labels and
-values stand side by side and are kept as they are; an apogee among them counts as stated if it bears a unit. Which
-axis points up is told by the rest before launch.
+values stand side by side and are kept as they are; an apogee among them counts as stated if it has a unit. The axis
+that points up is found from the rest before launch.
 """
 
 import re

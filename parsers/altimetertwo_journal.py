@@ -3,8 +3,8 @@
 Two files belong together. The launches have one row per flight, in feet, miles per hour, seconds and g,
 numbers without their leading zero (`.800`, `-.100`), an empty cell for "none seen". The rockets have one
 row per rocket: number, name and weight in grams, presumably without the motor. Launches read alone
-know their rocket by its number. The motors of one flight stand apart by commas (`4 C6-3, D12-3`), its
-stages by a question mark or the byte 0xBD between blanks; 0xBD at a name is the half of `½A3-2`. The note
+give their rocket only by its number. The motors of one flight are separated by commas (`4 C6-3, D12-3`), its
+stages by a question mark or the byte 0xBD between spaces; 0xBD at a name is the half of `½A3-2`. The note
 comes last and is not quoted, so it may hold commas.
 
 `DelayNote` is no delay. Rows that hold 5 ejected near apogee, those with 2 well after it, whatever their

@@ -45,7 +45,7 @@ IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNIT
 MAX_RADIO_GAP = 2.0
 """A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
 WRAP = 65536 * TICK
-"""After which the clock of the radio form starts anew. [s]"""
+"""Period after which the clock of the radio form wraps around. [s]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -160,7 +160,7 @@ def _by_flight(table: LogTable) -> list[LogTable]:
 
 
 def _unwrapped(table: LogTable) -> LogTable:
-    """The table with a clock that goes on where its 16 bits start anew."""
+    """The table with a clock that continues when its 16 bits wrap around."""
     time = table.values["time"]
     fallen = np.diff(time, prepend=time[:1]) < -WRAP / 2
     table.values["time"][:] = time + WRAP * np.cumsum(fallen)
@@ -193,7 +193,7 @@ def _number(part: LogTable, name: str) -> str:
 
 
 def _events(part: LogTable) -> dict[str, float]:
-    """When each state was first entered; one that the log begins in tells nothing but that time 0 is boost. [s]"""
+    """When each state was first entered; the state at the start of the log shows only that time 0 is boost. [s]"""
     states = part.get("state")
     if states is None:
         return {}

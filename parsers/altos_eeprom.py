@@ -1,8 +1,8 @@
 """AltOS .eeprom: the flash of an Altus Metrum device as its download brings it, in the new form and the old.
 
-New: an object of settings, then lines of hex bytes, records of a length that `log_format` tells. Old: settings as
+New: an object of settings, then lines of hex bytes, records whose length follows from `log_format`. Old: settings as
 text, perhaps among the commands of a terminal, then a record a line, `A 1f2e 00 12 ...`. A record is a letter, a
-checksum, a clock of 16 bits and what the letter says. Erased bytes are ff; a checksum that is wrong costs its record.
+checksum, a clock of 16 bits and what the letter says. Erased bytes are ff; a record with a wrong checksum is skipped.
 Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files.
 """
 

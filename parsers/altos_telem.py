@@ -1,7 +1,7 @@
 """AltOS .telem: what a ground station heard, `TELEM` and a line of hex for each packet of 32 bytes.
 
-Only packets whose line has its checksum and whose radio checksum was good are taken. Rockets on one channel are
-told apart by their serial numbers, and each becomes a reading; where nothing was heard there is a gap. Lines of
+Only packets whose line has its checksum and whose radio checksum was good are used. Rockets on one channel are
+distinguished by their serial numbers, and each becomes a reading; if nothing was received there is a gap. Lines of
 other kinds, and the packets of 94 and 95 bytes of versions before 1.0, are counted and left out.
 Source: altoslib/AltosLink.java and the AltOS telemetry document (places of fields within a packet).
 """
@@ -31,7 +31,7 @@ OLD_FRAMES = (94, 95)
 CHECKSUM_BIT = 0x80
 """The status bit that says that the radio's own checksum was right."""
 SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
-"""Without one of these a clock tells nothing."""
+"""Without one of these a clock is of no use."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 The interpreted one has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure. Blanks may
 stand between its names and commas between its numbers.
 The raw one, `MET,Acc(HI),Acc/Baro(LO),Baro(HI),State`, holds counts of a converter whose scale is in no public
-document, so it is refused. Whether `Acc` counts gravity in is told by the rest on the pad.
+document, so it is refused. Whether `Acc` includes gravity is found from the rest on the pad.
 """
 
 import re

@@ -2,7 +2,7 @@
 
 `$start;`, a sentence a line, `$end;`. `$data,flight,ms,m,degC,Pa,...,checksum;` are samples, always metric.
 The checksum is the sum of the characters after `$` up to and including the comma before it, modulo 256. A
-sentence whose checksum does not hold is lost and told of. Telemetry may come in between. What follows the
+sentence whose checksum is wrong is skipped and reported. Telemetry may come in between. What follows the
 pressure depends on the board, which `$alticonfig` names; without it only the battery of a short sentence is
 certain. Eight-bit boards print through 16 bits, so time and pressure wrap.
 """
@@ -113,7 +113,7 @@ def _unwrapped(clock: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def _pressure(printed: Float[Array, "row"], altitude: Float[Array, "row"]) -> Float[Array, "row"] | None:
-    """Pressures that may have been printed through 16 bits, told apart by the altitude, or None. [Pa]"""
+    """Pressures that may have been printed through 16 bits, resolved by the altitude, or None. [Pa]"""
     ground = [p for p in printed[0] + WRAP * np.arange(3) if GROUND[0] <= p <= GROUND[1]]
     if len(ground) != 1:
         return None
@@ -162,7 +162,7 @@ def _of_board(table: Float[Array, "row column"], board: str) -> tuple[Mapping[st
 
 
 def _live(table: Float[Array, "row column"]) -> Reading:
-    """A flight as telemetry told of it while it was flown, with the apogee that the altimeter stated."""
+    """A flight as telemetry reported it in flight, with the apogee that the altimeter stated."""
     clock = _unwrapped(table[:, 7])
     order = np.argsort(clock, kind="stable")
     table, time = table[order], clock[order] / 1000

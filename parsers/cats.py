@@ -2,7 +2,7 @@
 
 Names are joined (`filteredAltitudeAGL`) or parted by underscores (`filtered_altitude_AGL`); sensors are numbered or
 named (`BARO0`). `flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its
-filtered barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
+filtered barometer and accelerometer, `baro` and `imu` raw samples of several sensors, numbered by `id`, `gnssInfo`
 positions. Files of one flight bear neither a date nor a serial number; those read together are one flight.
 """
 

@@ -100,7 +100,7 @@ def _parts(log: bytes) -> Iterator[_TextTable]:
 
 
 def _flights(log: bytes, part: _TextTable) -> list[Found]:
-    """The flight of one table, or several where its clock starts anew."""
+    """The flight of one table, or several if its clock restarts."""
     head, last = part.head, part.stop == len(log)
     body, above = (log, 0) if last else (log[part.start : part.stop], head.row)
     flags = [Channel(event, head.names.index(name)) for name, event in EVENTS.items() if name in head.names]

@@ -30,7 +30,7 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "fix": ("fix", Unit(1.0)),
 }
 RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
-"""What a receiver writes of itself, its height first."""
+"""What a receiver records about its own position, its height first."""
 GROUND = ("tracker", "date", "time")
 DAY = 86_400.0
 """[s]"""

@@ -8,7 +8,7 @@ every cell. Beside a readout may stand its standard deviation (`apogee_sd_m`, `a
 Names that others give these columns are in `fieldkit/data/flight_columns.toml`.
 
 An empty cell, `-`, `n/a` or `none` under a number is "not recorded"; `NaN` is what programs write when
-their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
+their arithmetic failed, and is refused. Tags are separated by `;`, `|` or `,`.
 """
 
 import re

@@ -4,7 +4,7 @@ The columns are taken from the flyer's mapping where there is one (`altitude=Alt
 A unit is what the header or the mapping says, or what physics settles; one that stays open is an error for time,
 height and pressure, and leaves out any other column. What is read as what comes back as a `Mapped`, to be shown.
 
-Two flights in one file start the clock anew; a counter of 16 or 32 bits that runs over does not. A clock that
+A second flight in a file restarts the clock; a counter of 16 or 32 bits that wraps around does not. A clock that
 counts from 1970 starts at the first sample, and the moment of that is kept.
 """
 

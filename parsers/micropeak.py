@@ -1,4 +1,4 @@
-"""MicroPeak .mpd: what the altimeter blinks after a flight, `MP`, then hex, CRC last; MicroKite and MicroPeak 2 alike.
+"""MicroPeak .mpd: what the altimeter blinks after a flight, `MP`, then hex, CRC last; also MicroKite and MicroPeak 2.
 
 It keeps the ground's pressure, the least pressure that its filter saw, and the low 16 bits of each sample, the first
 one step after the ground was measured. Heights are above that pressure, by the standard atmosphere, and so is the

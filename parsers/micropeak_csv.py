@@ -1,7 +1,7 @@
 """MicroPeak CSV: what its program makes of a .mpd file, with pressures, heights and speeds in several units.
 
-The pressures are the device's, the heights and speeds the program's; its accelerations, which it takes from the heights
-too, are left to whoever wants them. Source: the header as listed with the format.
+The pressures are the device's, the heights and speeds the program's; its accelerations, which it also derives from the
+heights, are not read. Source: the header as listed with the format.
 """
 
 from collections.abc import Sequence

@@ -100,7 +100,7 @@ def _table(log: bytes, data_row: int, data: str) -> LogTable:
 def _written(table: LogTable) -> int:
     """How many rows there are before those that were never written, up to the end of the log.
 
-    The last row tells nothing: it may be cut off within its voltage.
+    The last row cannot be used: it may be cut off within its voltage.
     """
     written = np.flatnonzero(table.values["voltage"][:-1] != ERASED_VOLTAGE)
     last = int(written[-1]) + 1 if len(written) else 0
@@ -108,7 +108,7 @@ def _written(table: LogTable) -> int:
 
 
 def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
-    """The device's own apogee and pad; one that cannot be is left out and told of."""
+    """The device's own apogee and pad; an impossible one is left out and reported."""
     stated: dict[str, object] = {"notes": header["Comments"]} if header.get("Comments") else {}
     if "Apogee" in header and not header["Apogee"]:
         found.append(Note("says PWRLOSS where the apogee should be"))

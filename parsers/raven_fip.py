@@ -72,7 +72,7 @@ def read(log: bytes) -> list[Found]:
 def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
     """The lines of a log with three cells for every channel, also for those that have ended.
 
-    A spreadsheet pads each line to the longest, so that the flags, not the length, tell whether cells are missing.
+    A spreadsheet pads each line to the longest, so the flags, not the length, show whether cells are missing.
     """
     for line in lines(log):
         line = line.rstrip(b"\r").replace(b'"', b"")

@@ -1,9 +1,9 @@
-"""Why measured flights fall short of their simulation: what each cause is worth, and which can be told apart.
+"""Why measured flights fall short of their simulation: what each cause is worth, and which can be distinguished.
 
-A model of all rockets of a ledger is given one cause after the other. Each time every flight is forecast from the
+Causes are added one after the other to a model of all rockets of a ledger. Each time every flight is forecast from the
 flights before it, of its own rocket and of all others. No mean of a cause is taken from flights: causes start at what
-certificates, scales and devices claim, with the standard deviations of the learned hyperprior, so that what they are
-found to be comes from earlier flights alone.
+certificates, scales and devices claim, with the standard deviations of the learned hyperprior, so their estimates
+come from earlier flights alone.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
 ALWAYS = ("delay", "coast_drag", "burn_impulse")
-"""Quantities that every model has: the delay says nothing of the climb, the others are there with logs alone."""
+"""Quantities that every model has: the delay does not affect the climb, the others need logs."""
 CAUSES: Mapping[str, tuple[str, ...]] = {
     "launch angle and weathercocking": (),
     "impulse and burn against certificate": ("thrust", "stretch"),
@@ -171,13 +171,13 @@ def _causes(found: Shortfall) -> Iterator[str]:
     yield ""
     yield fill(
         f"{found.flights} clean flights with an apogee reach {found.ratio:.2f} of the uncalibrated simulation (Cd "
-        f"{NOMINAL_CD:g}, certified thrust, recorded mass), in the median. Below, each cause is put in beside those "
+        f"{NOMINAL_CD:g}, certified thrust, recorded mass), in the median. Below, each cause is added to those "
         "above it, and every flight is forecast from the flights before it. Bias is the mean of the log of forecast "
         "over flown, with its standard error.",
         118,
     )
     yield ""
-    yield "| put in | flights | bias | median error | mean error | in the 90 % interval |"
+    yield "| included | flights | bias | median error | mean error | in the 90 % interval |"
     yield "|---|---|---|---|---|---|"
     for step in found.steps:
         if not step.forecasts:
@@ -190,17 +190,17 @@ def _causes(found: Shortfall) -> Iterator[str]:
 
 
 def _apart(found: Shortfall) -> Iterator[str]:
-    """What all rockets have in common, and what cannot be told apart."""
+    """What all rockets have in common, and what cannot be distinguished."""
     yield "## What all rockets have in common"
     yield ""
     yield fill(
-        "With everything put in, from all flights together: what each quantity is off by, and what that makes of the "
-        "apogee. Flights bend several of these alike; the last column names the one that each is hardest to tell from, "
-        "with their posterior correlation.",
+        "With every cause included, from all flights together: how far each quantity is off, and what that changes in "
+        "the apogee. Several of these have the same effect on flights; the last column names the one that each is "
+        "hardest to distinguish from, with their posterior correlation.",
         118,
     )
     yield ""
-    yield "| quantity | off by | makes of the apogee | hardest to tell from |"
+    yield "| quantity | off by | change of the apogee | hardest to distinguish from |"
     yield "|---|---|---|---|"
     angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
     yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f} % | |"
@@ -227,7 +227,7 @@ def _prior_sd(name: str) -> float:
 def _rockets(found: Shortfall, unnamed: bool) -> Iterator[str]:
     yield "## Rocket by rocket"
     yield ""
-    yield "Mean error of every flight of a rocket, forecast from those before it, with more and more put in."
+    yield "Mean error of every flight of a rocket, forecast from those before it, as causes are added."
     yield ""
     yield f"| rocket | flights | {' | '.join(step.cause for step in found.steps)} | not worse |"
     yield f"|{'---|' * (len(found.steps) + 3)}"

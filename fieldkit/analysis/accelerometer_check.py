@@ -1,8 +1,8 @@
-"""Whether an accelerometer tells of the same flight as the heights: its scale and its clock, as the heights have them.
+"""Whether an accelerometer recorded the same flight as the heights: its scale and its clock, checked against them.
 
-What it felt, integrated twice, is a climb. Where that is another than the barometer's in quiet air, in size or in time,
-the column is no axial accelerometer's on this clock: another axis, another scale, or worked out from the pressure,
-which a filter delays. A rocket that leans makes the climb along its axis longer than that upwards, by a little.
+Its acceleration, integrated twice, is a climb. If that differs from the barometer's in quiet air, in size or in time,
+the column is not the axial acceleration on this clock: it is another axis, has another scale, or was derived from the
+pressure, which a filter delays. A tilted flight makes the climb along the axis slightly longer than the vertical one.
 """
 
 from dataclasses import dataclass
@@ -18,24 +18,24 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 SCALES = (0.75, 1.35)
-"""The climb by the heights over that by an accelerometer that is believed: a calibration that is off by a tenth, and a
-flight that leans by 30 degrees, stay within. [1]"""
+"""Ratio of the climb by the heights to that by a trusted accelerometer: a calibration error of a tenth and a flight
+tilted by 30 degrees stay within. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
-"""How far the scale of one is off that was at the end of its range [1], and how much it may have missed there. It must
-be known well, for what was missed and a scale make nearly the same climb. [m/s^2]"""
+"""Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
+be known well, because what was missed and a scale error make nearly the same climb."""
 _MAX_MISFIT = 3.0
 """Of a climb that was filled so, in standard deviations of the heights. [1]"""
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
-"""An accelerometer is believed that is later or earlier than the heights by no more: vents and filters delay pressures,
+"""An accelerometer is trusted if it is later or earlier than the heights by no more: vents and filters delay pressures,
 and nothing delays what a mass feels. [s]"""
 _PAD = 0.1
-"""So much of the pad an accelerometer must have felt for its climb to be known from its foot on. [s]"""
+"""Time on the pad that an accelerometer must have recorded for its climb to be known from the start. [s]"""
 _COAST = 0.6
-"""Of the coast the climbs are compared: later the lean counts, and earlier a filtered height lags. [1]"""
+"""Fraction of the coast in which climbs are compared: tilt matters later, and a filtered height lags earlier. [1]"""
 _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Samples [1] and a climb [m] without which there is nothing to compare."""
 _CORRELATION_TIME = 0.5
-"""How long the errors of heights stay alike. [s]"""
+"""Correlation time of the errors of heights. [s]"""
 _SPARSE = 0.2
 """An accelerometer that was read less often has not felt all of a boost. [s]"""
 _REACH, _STEP = 1.5, 0.02
@@ -63,7 +63,7 @@ class Agreement:
 
     @property
     def believed(self) -> bool:
-        """Whether both tell of one flight; samples that are far apart tell of the clock only so well."""
+        """Whether both recorded the same flight; widely spaced samples constrain the clock less."""
         alike = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
         return alike and self.missed >= 0 and self.misfit < _MAX_MISFIT
 
@@ -83,8 +83,8 @@ class Agreement:
 def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:
     """How an accelerometer agrees with heights from lift-off, by the heights, into the coast.
 
-    What it missed at the end of its range, in samples that are `full`, is fitted beside its scale. None where too few
-    samples in quiet air are left to tell.
+    What it missed while saturated, in samples that are `full`, is fitted along with its scale. None if too few samples
+    in quiet air are left to decide.
     """
     net = levelled(push, lift.time)
     end = seen.fastest + _COAST * (seen.top - seen.fastest)

@@ -14,7 +14,7 @@ _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 _MAX_TAKEN = 0.8
 """The part of a variance that the mean of a short rest may have taken. [1]"""
 _LEAST_GPS = 2.0
-"""Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
+"""Error of a satellite apogee from the drift of one receiver's height within a minute. [m]"""
 _MAX_HEARD_GAP = 2.0
 """Between samples that are further apart nothing is known of a top. [s]"""
 _REST, _MAX_WANDER = 10.0, 20.0
@@ -64,8 +64,8 @@ def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
 
 
 def drift_of_receiver(track: Heights, seen: Outline) -> float:
-    """By how much a receiver's height moves on the ground, before lift-off or after landing: two such are apart by
-    more, the pad's and the top's. [m]"""
+    """By how much a receiver's height moves on the ground, before lift-off or after landing: the difference of two such
+    heights, at the pad and at the top, is larger. [m]"""
     first, last = track.time[0], track.time[-1]
     rests = (
         track.height[(track.time < (seen.lift or first) - 0.5)],

@@ -1,7 +1,7 @@
 """From the pad to just past apogee: height, speed and acceleration, with draws of them for the uncertainties.
 
 A first guess of the acceleration, the accelerometer's or a coast against drag, is integrated twice; what the
-barometer says beyond that is a curve whose acceleration wanders (`wander`, `smooth`).
+barometer adds to that is a curve whose acceleration is a random walk (`wander`, `smooth`).
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ _KNOTS = 1200
 _TIME_AFTER_APOGEE, _LONG_AFTER = 2.0, 20.0
 """How far past apogee the curve goes, and that of a log with few samples. [s]"""
 _MAX_SPACING_SAMPLES = 4000
-"""Of the samples of a climb, so many tell how far apart they are. [1]"""
+"""Number of samples of a climb from which their spacing is found. [1]"""
 _MIN_SAMPLES = 10
 """Samples below which there is no curve. [1]"""
 _NEAR_SOUND = 0.13
@@ -58,7 +58,7 @@ class Ascent:
     resolution: float = 0.0
     """How long a push must last for its size to show in the curve. [s]"""
     sighted: Sightings | None = None
-    """What satellites told beside the heights."""
+    """Satellite data that complement the heights."""
 
 
 def ascend(
@@ -72,8 +72,8 @@ def ascend(
 ) -> Ascent | None:
     """The ascent, or None where it has too few samples.
 
-    `sighted` is what satellites tell beside the heights, `blow` when the charge was felt, `marked` where the logger
-    saw apogee, after which it may have fired one. [s]
+    `sighted` is the satellite data that complement the heights, `blow` when the charge was felt, `marked` when the
+    logger detected apogee, after which it may have fired a charge. [s]
     """
     climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
@@ -235,8 +235,8 @@ def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spre
 def _resolution(samples: Samples, found: FittedCurve) -> float:
     """The width of the window of even weight that a curve's acceleration is about the mean over. [s]
 
-    A curve whose acceleration wanders by q, through heights of spectral density r, passes of an acceleration of the
-    frequency w the part 1 / (1 + w^6 r/q); such a window passes half of it where that does at 3.79 / w.
+    With process noise q of the acceleration and heights of spectral density r, a curve passes the fraction
+    1 / (1 + w^6 r/q) of an acceleration of frequency w; such a window passes half of it where that does at 3.79 / w.
     """
     own = samples.is_own
     density = float(np.median(found.variance[own])) * median_step(samples.time[own])

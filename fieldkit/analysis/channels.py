@@ -15,7 +15,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.shapes import Array, Flags, Float
 
 HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
-"""Channels that tell heights, the best first."""
+"""Channels that hold heights, the best first."""
 CHANNEL_TITLES = {
     "altitude": "barometric altitude",
     "pressure": "pressure",
@@ -67,8 +67,8 @@ class Push:
     `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
     channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
     range, to which `missed` has been added, by the heights; None where it never was there. That makes a speed off by
-    `missed_speed_sd` [m/s]. `scale` is the climb by
-    the heights over that which it makes: off for its calibration, for a lean or for a pressure that is. [1]
+    `missed_speed_sd` [m/s]. `scale` is the ratio of the climb by the heights to the climb by the accelerometer: it
+    differs from 1 because of calibration, tilt, or a pressure error. [1]
     """
 
     time: Float[Array, "time"]
@@ -126,7 +126,7 @@ def sensor(source: str) -> str:
 
 
 def is_clipped(push: Push, begin: float, end: float) -> bool:
-    """Whether an accelerometer was at the end of its range: its highest value comes again and again, no other does.
+    """Whether an accelerometer was saturated: its highest value is repeated many times, and no other is.
 
     A converter that is full gives one number, in a row or, where the thrust plays about the end, now and again; a
     thrust that only happens to be even has the sensor's noise. Low values, as of a rest, come again in any log.
@@ -144,7 +144,7 @@ def is_clipped(push: Push, begin: float, end: float) -> bool:
 
 
 def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
-    """Which samples of an accelerometer are at the end of its range from one time to another; None where it is not."""
+    """Which samples of an accelerometer are saturated from one time to another; None if none are."""
     inside = (push.time >= begin) & (push.time <= end)
     if not is_clipped(push, begin, end):
         return None

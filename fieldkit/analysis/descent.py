@@ -47,8 +47,8 @@ def ejection(
 def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     """When a free fall of some length turned into a steady descent, before it was down; None where it did not.
 
-    A fall that was braked before it was faster than the parachute lets it be cannot be told from ejection
-    at apogee, and then nothing is said.
+    If a fall was braked before it got faster than the parachute allows, it cannot be distinguished from ejection at
+    apogee, and nothing is reported.
     """
     span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
     time, height = track.time[span], track.height[span]

@@ -51,7 +51,7 @@ def undisturbed(track: Heights) -> Heights:
 
 
 def _steps(track: Heights) -> Flags:
-    """Samples between a step and the one that takes it back, and behind a last one that is not taken back."""
+    """Samples between a step and the one that reverses it, and after a last step that is not reversed."""
     wrong = np.zeros(track.time.size, bool)
     jumps = list(_jumps(track))
     place = 0

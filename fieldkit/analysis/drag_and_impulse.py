@@ -9,7 +9,7 @@ propellant. The pad's density and the mass stay in b, so that neither is needed 
 leaves b right; who knows both has Cd = 2 m b / (rho A). As g is known, b with the time and the height of apogee makes
 the whole curve; these are fitted to the samples of the coast. Heights are free in scale as well, within what the air
 and the airframe make of a barometer, for a coast that seems too fast or too slow throughout is not one of other drag.
-Where drag is not quite proportional to v², or the rocket leans, b is that which slows a straight coast as much.
+If drag is not quite proportional to v², or the rocket is tilted, b is the one that slows a straight coast as much.
 
 **Impulse of the burn** j [m/s]. Newton's law from lift-off to a moment t after burnout, m falling as propellant burns:
 
@@ -41,7 +41,7 @@ _COAST_END_MARGINS = (2.0, 1.0, 0.5, 0.05)
 _CHANCE_GROWTH = 6.0
 """Growth of weighted squares that four values make by chance once in five times (chi squared). [1]"""
 _MIN_COAST_TIME, _MIN_COAST_SPEED, _MIN_COAST_SAMPLES = 1.2, 20.0, 8
-"""A coast with less has no drag to tell: its length [s], its first speed [m/s], its samples [1]."""
+"""A shorter or slower coast does not constrain drag: its length [s], its first speed [m/s], its samples [1]."""
 _MAX_RELATIVE_SD = 0.3
 """A figure with a greater standard deviation, to it, is none. [1]"""
 _MIN_DRAG_SD, _MIN_IMPULSE_SD = 0.025, 0.015

@@ -1,4 +1,4 @@
-"""What the parts of a flight tell, once the ascent is fitted: boost, top, way down, and the figures of each."""
+"""What follows from each part of a flight, once the ascent is fitted: boost, top, descent, and the figures of each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -51,7 +51,7 @@ class FittedLog:
 
 @dataclass(frozen=True, slots=True)
 class _FlightPart:
-    """What one part of a flight tells."""
+    """Events and figures of one part of a flight."""
 
     events: Mapping[str, Event] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
@@ -93,7 +93,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
 
 
 def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
-    """Lift-off, if it is believed, and what the boost tells."""
+    """Lift-off, if it is trusted, and the results from the boost."""
     found = boost_event(log.ascent, log.push, begin, end, log.source)
     lost = _lost(log.track, begin, found[0].time) if found else None
     notes: tuple[str, ...] = ()
@@ -136,7 +136,7 @@ def _top(log: FittedLog, lift: Event | None, burnout: Event | None, apogee: tupl
 
 
 def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _FlightPart:
-    """What the way down tells; `heard` is when samples come again where the top was in a silence. [s]"""
+    """Results from the descent; `heard` is when samples resume if the top fell in a gap. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
     if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:

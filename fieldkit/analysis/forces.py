@@ -15,7 +15,7 @@ from fieldkit.shapes import Array
 _MIN_DRAG_SPEED = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
 _MIN_DENSITY = 1e-4
-"""In thinner air, from some 60 km up, there is no drag to tell. [kg/m^3]"""
+"""In thinner air, from about 60 km up, drag cannot be measured. [kg/m^3]"""
 _FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
 """Least error of a top speed, to it: with an accelerometer, from heights. [1]"""
 _TRANSONIC_PRESSURE_ERROR = 0.06

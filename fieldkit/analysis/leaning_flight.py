@@ -1,4 +1,4 @@
-"""A climb that leans, by an accelerometer along the axis: how far it leaned, and what of its push was upwards.
+"""A tilted climb, by an accelerometer along the axis: how far it tilted, and what part of its push was vertical.
 
 A rocket that leaves its rail at an angle from the vertical turns over as gravity bends its path (a gravity turn):
 
@@ -34,7 +34,7 @@ _COMPARED_PART = 0.9
 _SCALE_SD, _ZERO_SD, _RAM_SD = 0.03, 0.3, 0.05
 """Of the accelerometer's scale [1] and zero [m/s^2], and of the pressure in an airframe to the dynamic one [1]."""
 _AT_REST = (0.85, 1.08)
-"""What an accelerometer shows on a pad, along an axis that may lean by 30 degrees. [g]"""
+"""What an accelerometer shows on the pad, along an axis tilted by up to 30 degrees. [g]"""
 _WRONG_SCALE_SD, _WRONG_CLOCK = 0.3, 1.5
 """Of a scale that no calibration explains [1], and how far a wrong clock is off, at most [s]."""
 _RELATIVE_HEIGHT_SD = 0.015
@@ -45,7 +45,7 @@ _MIN_AGREEING, _MAX_SDS = 0.55, 3.0
 """Of the samples so many agree with the climb of an accelerometer that is believed, [1] within so many of their
 standard deviations. [1]"""
 _CORRELATION_TIME = 0.5
-"""How long the errors of a pressure in an airframe stay alike. [s]"""
+"""Correlation time of the errors of the pressure in an airframe. [s]"""
 _MIN_SAMPLES = 12
 
 
@@ -162,7 +162,7 @@ def _fit(
 ) -> tuple[float, Float[Array, "column"]]:
     """How badly a climb fits heights, robustly, and by how much scale, zero and ram are off.
 
-    Of the samples a part `told` counts, for those that follow each other err alike.
+    Only the fraction `told` of the samples counts, because neighboring samples have correlated errors.
     """
     spread = np.hypot(noise, _RELATIVE_HEIGHT_SD * np.maximum(climb, 0.0)) + 0.3
     prior = np.array([scale_sd, _ZERO_SD, _RAM_SD])

@@ -22,15 +22,15 @@ from fieldkit.flight import Series
 from fieldkit.shapes import Flags
 
 _MAX_FILLED_DELAY = 0.1
-"""What an accelerometer missed at the end of its range is not told from a delay that is greater. [s]"""
+"""Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
 _MIN_LAG = 0.08
 """Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 
 
 def rises(clocks: Sequence[Series]) -> bool:
-    """Whether something in a log rises as a rocket does, as far as a look at its heights tells.
+    """Whether something in a log rises as a rocket does, as far as a quick look at its heights shows.
 
-    Where it has none but an accelerometer that cannot be told, and it may.
+    True if it has no heights but an accelerometer: that cannot be decided here.
     """
     track = heights(clocks)
     if track is not None:
@@ -98,9 +98,9 @@ class _Trust:
 
 
 def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> _Trust:
-    """What the heights say of an accelerometer: that it tells of the same climb, straight or leaning, or why not.
+    """What the heights show about an accelerometer: that it recorded the same climb, straight or tilted, or why not.
 
-    One that was at the end of its range, in samples that are `full`, tells of the rest.
+    A saturated accelerometer, in samples that are `full`, is used for the rest.
     """
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
@@ -118,7 +118,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
 
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
-    """An accelerometer with what it missed at the end of its range, where its rest agrees with the heights."""
+    """An accelerometer with what it missed while saturated, if the rest of it agrees with the heights."""
     if found is None or not found.believed or abs(found.late) > _MAX_FILLED_DELAY + found.step:
         return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)

@@ -20,7 +20,7 @@ BEYOND_WINDOW = (
     (1.5, 0.87, 0.34),
 )
 """Peak thrust over the greatest mean of a window, by the window's part of the burn: mean and standard deviation of its
-logarithm over the motors of the catalogue, each impulse class alike (a test works it out again). [1]"""
+logarithm over the motors of the catalog, each impulse class weighted equally (a test computes it again). [1]"""
 BEYOND_MEAN = (0.47, 0.34)
 """The same for the mean of the burn. [1]"""
 _MAX_LATE_START = 0.05
@@ -89,8 +89,8 @@ def _smoothed_peak(
 
     Where an accelerometer was at the end of its range, `hidden`, the mean there [m/s^2] and how long it was [s] are
     known, `filled`.
-    Pressure that is disturbed at speed makes peaks that no motor has: where the curve's is further from what motors
-    have for such a mean than both are sure of, the mean alone tells.
+    Disturbed pressure at high speed makes peaks that no motor has: if the curve's peak is further from what motors
+    have for such a mean than the uncertainty of both, only the mean is used.
     """
     burn = max(float(np.ptp(ascent.time[inside])), 1e-3)
     usual, spread = mean.value * np.exp(BEYOND_MEAN[0]), float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))

@@ -1,4 +1,4 @@
-"""Where in a log the flight is: pad, rise, top and fall, roughly and robustly, for the fits to start from."""
+"""The phases of the flight in a log: pad, rise, top and fall, as robust starting values for the fits."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
-"""A curve through heights whose acceleration wanders more in some phases of a flight than in others, and how much.
+"""A curve through heights whose process noise differs between the phases of a flight, and how large it is.
 
-How much it wanders under thrust and in the coast, and how noisy the samples are, is what makes the samples most
+The process noise under thrust and in the coast, and the noise of the samples, are those that make the samples most
 probable (type-II maximum likelihood), with priors as wide as loggers and rockets differ.
 """
 
@@ -27,13 +27,13 @@ part of v²/2g. In real logs with an accelerometer beside the barometer it was -
 _RAM = 0.006
 """The part of it that changes within a flight, at least. [1]"""
 _CORRELATION_TIME = 0.3
-"""How long such an error stays alike. [s]"""
+"""Correlation time of such an error. [s]"""
 _BOOST_TIME = 1.0
 """How long the dynamic pressure is about its greatest. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
-"""How much acceleration wanders on the pad, and once a parachute may be out. [m^2/s^5]"""
+"""Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
 """Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe bears more [m/s^2]"""
 _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
@@ -55,10 +55,10 @@ class Marks:
 class Samples:
     """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m].
 
-    The first `own` samples are the heights that are measured by; those behind are what satellites tell, heights and
-    speeds by their `order`, with their `variance`, and the `static` error of the heights that they tell. The heights
-    came late by a `lag` [s]. `hidden` is how much more acceleration wanders where an accelerometer was at the end of
-    its range. [m^2/s^5]
+    The first `own` samples are the heights of the log's main source; those after them are satellite data, heights and
+    speeds by their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights
+    are late by a `lag` [s]. `hidden` is the extra process noise of the acceleration where an accelerometer was
+    saturated. [m^2/s^5]
     """
 
     time: Float[Array, "time"]
@@ -97,8 +97,8 @@ def samples_on(
     sighted: Sightings | None = None,
     lag: float = 0.0,
 ) -> Samples:
-    """Heights above the pad, made ready for fits on a grid, beside an accelerometer that shapes the curve, and beside
-    what satellites tell."""
+    """Heights above the pad, prepared for fits on a grid, with an accelerometer that shapes the curve, and with
+    satellite data."""
     own = time.size
     order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
     if sighted is not None:
@@ -112,8 +112,8 @@ def samples_on(
 
 
 def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
-    """How much acceleration wanders about what was filled in at the end of a range: by about as much as that was in
-    the mean, while it lasted. [m^2/s^5]"""
+    """Process noise of the acceleration around what was filled in during saturation: about as much as that was on
+    average, while it lasted. [m^2/s^5]"""
     if push is None or push.full is None or not push.full.any():
         return np.zeros(grid.count)
     reach = max(grid.step, median_step(push.time))
@@ -141,14 +141,14 @@ def noise_variance(
 
 
 def _opening(grid: Grid, guess: Guess, charge: float) -> float:
-    """How much acceleration wanders while a parachute opens that a charge threw out at speed. [m^2/s^5]"""
+    """Process noise of the acceleration while a parachute opens that a charge ejected at speed. [m^2/s^5]"""
     speed = float(np.interp(charge, grid.time, guess.speed))
     return max(_DESCENT_NOISE, min(GRAVITY * (speed / _SINK) ** 2, _MAX_BRAKING) ** 2 / _HARDEST_BRAKING_FRACTION)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedCurve:
-    """What a fit came to: the curve, and the variances and the wander it was made with."""
+    """Result of a fit: the curve, and the variances and the process noise it was made with."""
 
     curve: CurvePosterior
     noise: float
@@ -191,11 +191,11 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Fitted
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Model:
-    """The errors of samples and the wander of a curve by four settings.
+    """The errors of samples and the process noise of a curve by four settings.
 
-    The settings are logarithms: of the wander under thrust and in the coast [m^2/s^5], of the noise of a sample [m],
-    and of how many times noisier one is under thrust [1]. `centre` and `spread` are their prior; `known` are variances
-    of each sample that are there anyhow, `opening` the wander of a parachute's opening.
+    The settings are logarithms: of the process noise under thrust and in the coast [m^2/s^5], of the noise of a sample
+    [m], and of the factor by which it grows under thrust [1]. `centre` and `spread` are their prior; `known` are
+    variances of each sample that are present in any case, `opening` the process noise of a parachute's opening.
     """
 
     samples: Samples
@@ -237,7 +237,7 @@ class _Model:
 
 
 def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
-    """The model of a flight: where an accelerometer gives the shape, the curve wanders less from it."""
+    """The model of a flight: if an accelerometer gives the shape, the process noise about it is smaller."""
     phase = phases(samples.grid, marks)
     return _Model(
         samples,
@@ -252,10 +252,10 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
 
 
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
-    """Error of each height by the pressure in a fast airframe, which counts where an accelerometer tells better. [m]
+    """Error of each height from the pressure in a fast airframe, which matters if an accelerometer is more precise. [m]
 
-    From about Mach 0.8 on, where shocks disturb it, it counts where satellites do too; and all through a flight whose
-    pressure they find off it is that part of the dynamic one, for all samples of a boost alike.
+    From about Mach 0.8 on, where shocks disturb it, it also matters if there are satellite data; and if these find the
+    pressure off, it is that fraction of the dynamic pressure throughout the flight, the same in all samples of a boost.
     """
     step = median_step(samples.time[: samples.own])
     lasting = np.sqrt(max(1.0, _CORRELATION_TIME / step)) if fused else 0.15
@@ -267,10 +267,10 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
 
 
 def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
-    """Error of each height behind a filter of first order whose delay has been taken off. [m]
+    """Error of each height after a first-order filter whose delay has been removed. [m]
 
-    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay that is known to half of itself leaves
-    v d/2 of a speed; both are so for all samples of a boost alike.
+    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay with a 50 % uncertainty leaves
+    v d/2 of a speed; both are the same for all samples of a boost.
     """
     if not samples.lag or marks.lift is None:
         return np.zeros(samples.time.size)

@@ -82,8 +82,8 @@ class HeightTrack:
 class Sightings:
     """Heights above the pad [m] and vertical speeds [m/s] as satellites have them, on the barometer's clock and scale.
 
-    `order` is 0 for a height and 1 for a speed, `variance` that of one sample as if those beside it erred otherwise.
-    `static` is by which part of the dynamic pressure that in the airframe is too high, as the two tell it. [1]
+    `order` is 0 for a height and 1 for a speed, `variance` that of one sample as if its neighbors erred independently.
+    `static` is the fraction of the dynamic pressure by which the airframe's is too high, according to both. [1]
     """
 
     time: Float[Array, "sample"]

@@ -1,9 +1,9 @@
-"""What satellites tell of a climb whose heights are a barometer's: their heights and vertical speeds, made alike.
+"""Satellite data of a climb whose heights are a barometer's: their heights and vertical speeds, on the same scale.
 
-A receiver's heights are true ones above some level, where an altimeter believes in the standard atmosphere, and both
-come with a delay. So a scale, a zero and a delay are fitted between the two where both are believed, away from the
-speed of sound and from silences. What that leaves is the receiver's error, and how long it stays alike says how much
-one of its samples counts: little beside a barometer in quiet air, and all where shocks make that useless.
+A receiver's heights are true ones above some level, while an altimeter assumes the standard atmosphere, and both
+have a delay. So a scale, a zero and a delay are fitted between the two where both are trusted, away from the speed of
+sound and from gaps. What remains is the receiver's error, and its correlation time determines how much one of its
+samples counts: little beside a barometer in quiet air, and fully where shocks make that useless.
 """
 
 from collections.abc import Sequence
@@ -33,14 +33,14 @@ _DELAY, _DELAYS = 0.4, np.arange(-0.2, 1.51, 0.05).tolist()
 _LEAST_NOISE = 0.5
 """Of what the two leave. [m]"""
 _MAX_SCALE, _MAX_SD, _MAX_SPEED_SD = 0.18, 30.0, 5.0
-"""Beyond these the two do not tell of one flight: of a scale [1], of what it leaves of heights [m] and speeds [m/s]."""
+"""Limits beyond which the two are not of one flight: a scale [1], residuals of heights [m] and of speeds [m/s]."""
 _DELAY_SD, _SPEED_SCALE_SD = 0.1, 0.03
 """How far a delay changes within a flight [s], and the scale of a speed. [1]"""
 _UNDER_THRUST = 3.0
 """How many times further off a receiver is while it is pushed. [1]"""
 _STUDENT_DOF, _ROUNDS = 4.0, 6
 _FAST_COAST, _MIN_FAST = 0.3, 4
-"""The part of a coast in which it is about as fast as at burnout, and the samples of it that tell. [1]"""
+"""The part of a coast in which it is about as fast as at burnout, and the fewest samples needed there. [1]"""
 _FASTEST_COMPARED = 1.5 * SPEED_OF_SOUND
 """Beyond this, the two are too far from where they were compared. [m/s]"""
 _SLOPE_REACH = 1.0
@@ -75,7 +75,7 @@ class _Alike:
 
 
 def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sightings | None:
-    """What satellites tell beside heights that are not theirs; None where they tell nothing or of another flight."""
+    """Satellite data beside heights from another sensor; None if they show nothing or another flight."""
     receiver = _receiver(clocks)
     if receiver is None or track.source == SOURCE:
         return None
@@ -175,9 +175,9 @@ def _tried(
 
 
 def _apart(left: Float[Array, "sample"]) -> float:
-    """By how much the standard deviation of a sample grows for those beside it that err alike. [1]"""
-    alike = lag_one(left)
-    return float(np.sqrt((1 + alike) / (1 - alike)))
+    """By how much the standard deviation of a sample grows because its neighbors' errors are correlated. [1]"""
+    correlation = lag_one(left)
+    return float(np.sqrt((1 + correlation) / (1 - correlation)))
 
 
 def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:

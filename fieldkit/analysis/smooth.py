@@ -1,9 +1,9 @@
-"""A curve through noisy heights whose acceleration wanders: its posterior, its derivatives, and draws of it.
+"""A curve through noisy heights whose acceleration is a random walk: its posterior, its derivatives, and draws of it.
 
 The height is a cubic spline on even knots. Between knots its acceleration takes a random step of variance
 `process_noise` × interval, which is the third-order smoothing spline in its state-space form (Wahba 1978; Kohn and
 Ansley 1987); `process_noise` may change from phase to phase. Observations are heights with normal errors; Student's t
-errors come about by weights that are set anew after each fit (Lange, Little and Taylor 1989). All matrices are banded,
+errors are handled by weights that are updated after each fit (Lange, Little and Taylor 1989). All matrices are banded,
 so a fit costs time in proportion to the number of knots.
 """
 

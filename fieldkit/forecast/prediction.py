@@ -77,8 +77,8 @@ class Prediction:
         return float(interval_width(luck + shrunk * rest) / interval_width(luck + rest))
 
     def _luck_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-        """The part of the log apogee that the scatter of single flights explains, by regression, and the rest
-        of it, each about zero, of the draws that fly."""
+        """The part of the logarithm of the apogee that the random draws of single flights explain, by regression, and
+        the rest of it, each about zero, over the draws that fly."""
         flown = self.apogee > 0
         logs = np.log(self.apogee[flown])
         if len(logs) <= len(self.random_draws):

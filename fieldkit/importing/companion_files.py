@@ -44,7 +44,7 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
 
 
 def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) -> list[list[tuple[int, Reading]]]:
-    """Files of several formats in one folder that tell of the same flight by its number and its logger's."""
+    """Files of several formats in one folder that hold the same flight, by its number and its logger's."""
     groups: dict[tuple[Path, str, str], list[tuple[int, Reading]]] = {}
     for i, item in places:
         if item.serial and item.clocks and not item.part and (number := item.extra.get("flight")):

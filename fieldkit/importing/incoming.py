@@ -58,4 +58,4 @@ class Arrival:
 
 
 OTHER_LOGS = "other_logs"
-"""The extra column of a flight that names the digests of `Arrival.others`, apart by blanks."""
+"""The extra column of a flight that holds the digests of `Arrival.others`, space-separated."""

@@ -90,10 +90,10 @@ class Parser:
     `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
     log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
     about a log that no other parser recognises, so it never takes one from a parser that knows better.
-    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that. `signs`
-    are what the beginning of such a file holds, spellings of one parted by `|`: of several parsers that recognize a
-    log the one whose signs are there is asked first, and a file that nobody knows is told what it lacks. `simulates`
-    says that its files are simulations, `maps` what the columns of its `mapped` are of.
+    `mapped` is `read` with the flyer's choice of columns, best choice first, if a format needs that. `signs` are
+    what the beginning of such a file holds, spellings of one separated by `|`: if several parsers recognize a log, the
+    one whose signs are present is asked first, and the error for an unknown file names the missing ones. `simulates`
+    says that its files are simulations, `maps` what the columns of its `mapped` describe.
     """
 
     title: str

@@ -19,7 +19,7 @@ MOST_LACKING = 4
 
 
 def parsers() -> Mapping[str, Parser]:
-    """Every parser on the shelf, by the name that `--format` takes."""
+    """Every parser in the plug-in folders, by the name that `--format` takes."""
     found = plugins("parsers", "PARSER")
     for name, parser in found.items():
         if not isinstance(parser, Parser):
@@ -108,7 +108,7 @@ def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
 
 
 def _hint(log: bytes) -> str:
-    """What a flyer can do about a log that nobody recognises, where one can tell."""
+    """What a flyer can do about a log that no parser recognizes, if that is known."""
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive: unpack it first"
     start = log[:HEAD]

@@ -85,7 +85,7 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The flight that a reading tells of, with a name. Raises DamagedLog if it was never flown."""
+    """The flight that a reading describes, with a name. Raises DamagedLog if it was never flown."""
     flight = _weighed(_flight(reading), reading)
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
@@ -112,7 +112,7 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
 
 
 def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The planned flight that a reading tells of. Raises DamagedLog if it lacks a motor."""
+    """The planned flight that a reading describes. Raises DamagedLog if it lacks a motor."""
     flight = _weighed(_flight(reading), reading)
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")

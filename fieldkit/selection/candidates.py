@@ -41,8 +41,8 @@ Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
 class Candidate:
     """One way to extend a model: its terms, and where the fit of them should begin.
 
-    `place.effect` is empty for a pattern. `starts` are values of the first term from which the fit is begun,
-    each in turn. `log_share` is the log of its share of the prior odds of its effect.
+    `place.effect` is empty for a pattern. `starts` are values of the first term from which the fit is started,
+    each in turn. `log_share` is the log of its fraction of the prior odds of its effect.
     """
 
     place: Place
@@ -57,7 +57,7 @@ class Candidate:
 
 
 SINCE_SHARE = 0.4
-"""Share of an effect's prior odds for beginning at some flight rather than at the first. [1]"""
+"""Fraction of an effect's prior odds for beginning at some flight rather than at the first. [1]"""
 
 
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
@@ -79,7 +79,7 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, everywhere and in each group it may differ in.
 
-    `used_in_fit` marks the flights that teach: a beginning is only looked for between them.
+    `used_in_fit` marks the flights used in the fit: a beginning is only searched for between them.
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
     places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
@@ -119,7 +119,7 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
 
 
 def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> Iterator[Place]:
-    """Flights of each group from which on an effect may be there, with a flight that teaches on either side."""
+    """Flights of each group at which an effect may begin, with a flight used in the fit on either side."""
     if not effect.starts_anywhere:
         return
     group = groups(model.flights, model.found, effect.per) if effect.per else [""] * len(model.flights)

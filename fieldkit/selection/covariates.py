@@ -22,9 +22,10 @@ LENGTHS = {"m": 1.0, "ft": 0.3048}
 """Last words of headers of lengths, with their meters."""
 SAME_RATIO = 0.25
 """Variance of the log ratio of a column to a readout over that of the readout, below which the column restates it:
-three quarters of what the readout does are in the column. [1]"""
+three quarters of the readout's variance are in the column. [1]"""
 SAME_LENGTH = 1 / 3
-"""Median log ratio of a length to the apogee up to which it is taken for one: forecasts are seldom further off. [1]"""
+"""Median log ratio of a length to the apogee up to which it counts as an apogee: forecasts are rarely further off.
+[1]"""
 MIN_FLIGHTS = 4
 """Flights with both numbers from which on they are compared. [1]"""
 

@@ -98,7 +98,7 @@ class Diagnosis:
 
     @property
     def also(self) -> tuple[str, ...]:
-        """Effects that these flights cannot tell from the verdict's."""
+        """Effects that these flights cannot distinguish from the verdict's."""
         return self.verdict.also
 
     @property

@@ -51,7 +51,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
 
 
 def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
-    """What the altimeter shows of every flight with the effect as fitted, and with all else alike but the effect."""
+    """What the altimeter shows of every flight with the effect as fitted, and without it, all else being equal."""
     model = trial.fit.model
     mean, _ = trial.fit.moments()
     own = {term.name for term in trial.candidate.terms}

@@ -1,9 +1,9 @@
-"""The flight or the readout that would tell two explanations apart, by the evidence that it can be expected to bring.
+"""The flight or the readout that would distinguish two explanations, by the evidence to be expected from it.
 
 Each explanation forecasts what the altimeter would show of a flight that could be flown next. How far the two
 forecasts lie apart, in units of what each leaves open, is the log Bayes factor to be expected from it (Lindley, On a
 Measure of the Information Provided by an Experiment, 1956; the divergence of two normals, Kullback and Leibler,
-1951), and the smaller one counts of what it is if the one is right and if the other is.
+1951), and the smaller of its two values, for either explanation being right, counts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -108,7 +108,7 @@ def _readouts(one: Normal, other: Normal, every: Sequence[int]) -> tuple[tuple[s
 
 
 def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
-    """Expected log Bayes factor between two normals over some readouts, if the worse told one is right. [nat]"""
+    """Expected log Bayes factor between two normals over some readouts, the smaller one over which is right. [nat]"""
     rows = np.ix_(which, which)
     (a, s), (b, t) = ((mean[list(which)], cov[rows]) for mean, cov in (one, other))
     volume = float(np.linalg.slogdet(t)[1] - np.linalg.slogdet(s)[1])

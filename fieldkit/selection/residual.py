@@ -57,7 +57,7 @@ SHUFFLES = 2000
 def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
     """Every readout of every flight less its forecast from the other flights, in expected standard deviations.
 
-    nan where it was not recorded or does not teach.
+    nan if it was not recorded or is not used in the fit.
     """
     return standardised(diagnosis.base.left_out, diagnosis.data.seen)
 
@@ -135,7 +135,7 @@ def fingerprint(trial: Trial) -> dict[str, float]:
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:
-    """Every column against the apogee's residuals, the most telling first."""
+    """Every column against the apogee's residuals, the most informative first."""
     return _against(diagnosis, ("apogee",))
 
 

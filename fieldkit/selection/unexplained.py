@@ -16,7 +16,7 @@ SMOOTHLY = ", smoothly"
 
 @dataclass(frozen=True, slots=True)
 class Leftover:
-    """Flights that differ from the others: which, by which share of the apogee, and how sure that is.
+    """Flights that differ from the others: which, by which fraction of the apogee, and how certain that is.
 
     `amount` and `sd` are of a ratio of apogees, less one; `where` marks the flights.
     """
@@ -45,7 +45,7 @@ def leftover(diagnosis: Diagnosis) -> Leftover:
 
 
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
-    """What the apogees' residuals go with most: the strongest pattern, else the most telling column."""
+    """What the apogees' residuals correlate with most: the strongest pattern, else the most informative column."""
     error = _shares(diagnosis)
     pattern = next((item for item in diagnosis.ranking if not item.effect), None)
     if pattern is not None and pattern.probability > 0.5:
@@ -68,7 +68,7 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
 
 
 def _shares(diagnosis: Diagnosis) -> Float[Array, "flight"]:
-    """Log of flown over forecast apogee of each flight left out, nan where it does not teach."""
+    """Log of flown over forecast apogee of each flight left out, nan if it is not used in the fit."""
     seen = diagnosis.data.seen[:, 0]
     return np.where(seen, diagnosis.data.values[:, 0] - np.log(diagnosis.forecasts_before.apogee), np.nan)
 

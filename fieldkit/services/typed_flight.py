@@ -24,7 +24,7 @@ Interval = tuple[float, float, float]
 NORMAL_95 = 1.6448536
 """Standard deviations from the median of a normal distribution to its 95 % quantile. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
-"""Columns without which a flight says nothing of drag, and how a flyer calls them."""
+"""Columns without which a flight does not constrain Cd, and what a flyer calls them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +112,7 @@ class TypedFlight:
         self._rocket, self._asked = rocket, None
 
     def _prepared(self, typed: Flight, found: Found, used: bool) -> PreparedHistory:
-        """What the flights would show, computed anew for another set-up alone."""
+        """What the flights would show, computed again only for another set-up."""
         asked = (set_up(typed), used)
         if self._ready is None or asked != self._asked:
             plan = repeated(asked[0])

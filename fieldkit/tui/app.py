@@ -85,7 +85,7 @@ class FieldkitApp(Choosing):
         back: Whereabouts | None = None,
     ) -> None:
         super().__init__(Resources(where, settings_file))
-        self.error_console = Console(stderr=True, quiet=True)  # what fails is told in a line
+        self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
         self._back = back
         self.place: Whereabouts | None = None
         """Where the flyer was when an error ended the app."""
@@ -259,7 +259,7 @@ class FieldkitApp(Choosing):
         self.show_notice("q leaves the app; so does ^Q, from a field as well")
 
     def action_undo(self) -> None:
-        """Take back the last change, whoever made it."""
+        """Undo the last change, no matter who made it."""
         self._journal("undo", "undone")
 
     def action_redo(self) -> None:

@@ -38,7 +38,7 @@ class Choosing(InOrder):
         self._show_notices()
 
     def withdraw(self, text: str) -> None:
-        """Take back a notice that no longer holds."""
+        """Remove a notice that no longer holds."""
         self.notices = [notice for notice in self.notices if notice.text != text]
         self._show_notices()
 

@@ -74,7 +74,7 @@ class Host(Protocol):
         """Say something."""
 
     def withdraw(self, text: str) -> None:
-        """Take back a notice that no longer holds."""
+        """Remove a notice that no longer holds."""
 
     def survive(self, error: Exception) -> None:
         """Write down an error that nobody foresaw, and say so."""
@@ -123,7 +123,7 @@ class PageScreen(Screen[None]):
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
-    focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had it is painted anew by itself
+    focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had focus repaints itself
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [

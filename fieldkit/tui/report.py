@@ -1,4 +1,4 @@
-"""A report from a page: what it is of is in hand, the name of its file is asked for."""
+"""A report from a page: on the current item, with a prompt for the name of its file."""
 
 from functools import partial
 from pathlib import Path

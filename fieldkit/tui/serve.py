@@ -28,7 +28,7 @@ NOTHING_ELSE = (
     "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"
 )
-"""No browser fetches a font or anything else from another place, for at the field is no network; no page frames it."""
+"""No browser loads a font or anything else from elsewhere: there is no network at the field; no page may frame it."""
 HEADERS = {
     "Content-Security-Policy": NOTHING_ELSE,
     "X-Frame-Options": "DENY",
@@ -36,7 +36,7 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
 }
-"""Of every answer; the link bears the token, and is told to no other place."""
+"""Headers of every response; the link contains the token and is not sent anywhere else."""
 MAX_LOG_LINE = 500
 """Size limit of a line of the log. [character]"""
 MAX_APPS = 8

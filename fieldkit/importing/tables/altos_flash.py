@@ -1,7 +1,7 @@
 """The flash of an Altus Metrum device as records, out of the lines of hex bytes that a download writes.
 
-A record is a letter, a checksum, a clock of 16 bits and what the letter says; its length and what is where in it
-tells the log format. Erased bytes are ff; a checksum that is wrong costs its record.
+A record is a letter, a checksum, a clock of 16 bits and what the letter says; the log format determines its length
+and layout. Erased bytes are ff; a record with a wrong checksum is skipped.
 Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files, but the accelerometer that
 a TeleMega and an EasyMega have along their axis only from `struct ao_log_mega` (ao_log.h).
 """

@@ -1,4 +1,4 @@
-"""Which rows of a log its clock can be believed of, and where it starts anew."""
+"""Rows of a log whose clock can be trusted, and where the clock restarts."""
 
 from array import array
 from bisect import bisect_right
@@ -22,7 +22,7 @@ def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
 
 
 def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
-    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
+    """Where a clock restarts: each of the three rows before is later than the three rows from there on."""
     if len(clock) < 6:
         return np.empty(0, np.int64)
     three = np.lib.stride_tricks.sliding_window_view(clock, 3)

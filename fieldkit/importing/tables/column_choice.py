@@ -178,7 +178,7 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
 
 
 def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
-    """Whether two columns tell the same in the units they state."""
+    """Whether two columns agree in the units they state."""
     units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
     if units[0] is None or units[1] is None:
         return False

@@ -1,8 +1,8 @@
 """Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
 
 A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
-A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
-of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
+A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
+together. Memory is that of the columns asked for, and half a megabyte of text.
 """
 
 import re

@@ -25,7 +25,7 @@ _SENSORS = {
     "clock": ("time",),
 }
 SENSOR_OF = {channel: sensor for sensor, channels in _SENSORS.items() for channel in channels}
-"""What a channel of `Series` is measured by; `device` for what a logger worked out or says of itself."""
+"""The sensor that measures a channel of `Series`; `device` if a logger derived it or reports its own state."""
 _SI = {
     "time": "s",
     "length": "m",

@@ -1,4 +1,4 @@
-"""What is damaged in a log, told in a few lines and kept in little memory however much it is."""
+"""Damaged lines of a log, reported in a few lines and stored in little memory however many there are."""
 
 from dataclasses import dataclass, field
 
@@ -7,7 +7,7 @@ from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.text import is_cut
 
 MAX_REPORTED = 20
-"""So many damaged lines are told of one by one. [1]"""
+"""Maximum number of damaged lines that are reported individually. [1]"""
 
 
 @dataclass(slots=True)
@@ -25,14 +25,14 @@ class Damaged:
         self.count += 1
 
     def reported(self, what: str, *, cut: bool = False) -> list[Found]:
-        """The first, and how many more; without the last one where that is only `cut` off."""
+        """The first ones, and how many more; without the last one if that is only `cut` off."""
         reported: list[Found] = [error for error in self.first if not (cut and error is self.last)]
         more = self.count - cut - len(reported)
         return [*reported, DamagedLog(f"found {more} more damaged {what}")] if more else reported
 
 
 def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
-    """Damaged lines as they are told of: the last as a note if the file ends within it."""
+    """Damaged lines as they are reported: the last as a note if the file ends within it."""
     row = damaged.last.row if damaged.last else None
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
     reported = damaged.reported(what, cut=cut)

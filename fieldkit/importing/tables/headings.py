@@ -1,6 +1,6 @@
 """What the header of a table of samples says: the channel of `Series` that a column holds, and its unit.
 
-Every logger and every team names its columns anew: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`,
+Every logger and every team has its own names for columns: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`,
 `Velocity Feet / Sec`. A name gives a channel only where there is one meaning left: what is predicted, angular
 or sideways is nobody's altitude. A unit is never assumed; a header without one has none.
 """
@@ -40,7 +40,7 @@ QUANTITIES: Mapping[str, str] = {
 """Channels of `Series`, and the three axes of an accelerometer, with the quantity that finds their units."""
 
 DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
-"""Latitude and longitude are degrees wherever no other unit is written."""
+"""Latitude and longitude are in degrees unless another unit is given."""
 
 _WORDS = {
     "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",

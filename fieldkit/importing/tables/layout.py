@@ -77,13 +77,13 @@ def table_in(text: str) -> Layout:
 
 
 def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
-    """The first of three lines (or of those there are) that are rows of numbers alike."""
+    """The first of three lines (or of those there are) that are rows of equally many numbers."""
     rows = [split(line, separator) for line in lines]
     for start in range(len(rows)):
         if len(rows[start]) < 2 or not _numbers(rows[start], separator):
             continue
-        alike = [cells for cells in rows[start : start + 7] if any(cell.strip() for cell in cells)][:3]
-        if all(len(cells) == len(alike[0]) and _numbers(cells, separator) for cells in alike):
+        filled = [cells for cells in rows[start : start + 7] if any(cell.strip() for cell in cells)][:3]
+        if all(len(cells) == len(filled[0]) and _numbers(cells, separator) for cells in filled):
             return start
     return None
 

@@ -46,7 +46,7 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
 
 
 BOOST = 0.4
-"""Over so long a mean tells a boost from the blow of a charge, which is stronger and shorter. [s]"""
+"""Averaging time that distinguishes a boost from the shock of a charge, which is stronger and shorter. [s]"""
 PUSHED = 2.0 * STANDARD_GRAVITY
 """The least push of a boost. [m/s^2]"""
 ONE_G_RANGE = (0.6, 1.2)

@@ -1,7 +1,7 @@
 """Rows of numbers: block by block in C, and cell by cell only where a row is damaged.
 
-A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
-of them are told of as one. A long table is thinned as it is read.
+A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
+together. A long table is thinned as it is read.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -115,7 +115,7 @@ class Rows:
         self._one_by_one(rows[start:], lines[start:])
 
     def _halve(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
-        """Keep rows that ought to be whole: at once, or each half by itself."""
+        """Keep rows that should be complete: all at once, or each half by itself."""
         try:
             self._quickly(rows, lines, iter(filled))
         except ValueError:

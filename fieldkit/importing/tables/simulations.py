@@ -103,7 +103,7 @@ def read_simulation(
     comment: str = "",
     seconds: bool = False,
 ) -> tuple[LogTable, list[Found]]:
-    """The rows of an export and what they tell: a simulation for each time that the clock starts.
+    """The rows of an export and what was found in them: a simulation for each time that the clock starts.
 
     `seconds` says that the program's clock has no unit in its header and counts seconds. Raises DamagedLog for
     an export without time or height, or whose height and speed contradict each other.

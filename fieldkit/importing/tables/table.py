@@ -57,10 +57,10 @@ class LogTable:
         return Series(self.values["time"], **channels)
 
     def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Found]]:
-        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
+        """The table split where its clock restarts, each part without rows out of order, and everything found.
 
-        A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
-        starts anew again and again: rows that were shuffled are no flights.
+        A part that equals an earlier one is a duplicate and left out. Raises DamagedLog for a clock that restarts
+        again and again: shuffled rows are not flights.
         """
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}

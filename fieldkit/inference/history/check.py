@@ -97,7 +97,7 @@ def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
 
 
 def _effective(weights: Float[Array, "draw"]) -> float:
-    """The effective number of draws over their number (Kish): 1 where all weigh alike, 0 where none weighs. [1]"""
+    """Effective number of draws over their number (Kish): 1 for equal weights, 0 for none. [1]"""
     return float(1 / (weights**2).sum() / len(weights)) if weights.any() else 0.0
 
 

@@ -83,7 +83,7 @@ def history_model(
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
-    """Effects that act on forecasts wherever their column was written down, each on all flights."""
+    """Effects that act on forecasts if their column was recorded, each on all flights."""
     every = np.ones(len(flights))
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
@@ -123,7 +123,7 @@ def linear_fit(
 
 
 def _taught(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
-    """A model with the terms that its flown flights or other rockets tell of, and its other terms."""
+    """A model with the terms that its flown flights or other rockets constrain, and its other terms."""
     shared = model.shared.names if model.shared else ()
     known = [i for i, term in enumerate(model.terms) if term.weight[:flown].any() or term.name in shared]
     others = sorted(set(range(len(model.terms))) - set(known))

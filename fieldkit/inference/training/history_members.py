@@ -29,8 +29,8 @@ FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
 """Weights of the losses of the forecast (pinball) and of drag and thrust beside that of inclusion. [1]"""
 CERTIFIED_FORECASTS = 0.25
 """Weight of the forecast, drag and thrust of a rocket from the hyperprior that effects are judged with, over that of
-one from the learned hyperprior, which forecasts are made with; not zero, for a rocket may be unlike those that the
-latter was learned from. [1]"""
+one from the learned hyperprior, which forecasts are made with; not zero, because a rocket may differ from those that
+the latter was learned from. [1]"""
 MAX_TARGET_SDS = 8.0
 """Standard deviations of the linear fit to which a target is limited. [1]"""
 

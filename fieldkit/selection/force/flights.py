@@ -84,7 +84,7 @@ def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> Flight
 
 
 def _told(forces: Forces) -> ClimbTrack:
-    """The part of a climb that tells: all of it as an accelerometer felt it, the coast alone by smoothed heights."""
+    """The informative part of a climb: all of it if an accelerometer recorded it, only the coast by smooth heights."""
     track = track_of(forces)
     if forces.window is not None:
         return track

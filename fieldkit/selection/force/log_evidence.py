@@ -1,4 +1,4 @@
-"""The testimony of the logs, beside the verdict from the readouts: it decides nothing, and may agree or not."""
+"""Evidence of the logs, beside the verdict from the readouts: it decides nothing, and may agree or not."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common, common_
 from fieldkit.selection.force.terms import library
 
 LogVerdict = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
-"""How the law of the climbs stands to the verdict, `more` where that names no effect; empty where it has no say."""
+"""How the law of the climbs compares with the verdict, `more` if that names no effect; empty without a law."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +76,7 @@ def _says(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
 
 
 def document(said: LogEvidence) -> dict[str, Any]:
-    """A testimony as JSON has it; lists are empty where no log shows a missing force."""
+    """The evidence of the logs for JSON; lists are empty if no log shows a missing force."""
     return {
         "flights": [_flight(one) for one in said.flights],
         "silent": [{"flight_id": flight_id, "why": why} for flight_id, why in said.silent],

@@ -29,10 +29,10 @@ class FoundTerm:
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """What the missing force is made of, the most telling term first; empty where nothing is missing.
+    """The terms of the missing force, the most informative first; empty if nothing is missing.
 
-    `explained` is the share of its variance, `left` what remains [m/s^2], `worth` the number of samples that
-    the record is worth.
+    `explained` is the fraction of its variance [1], `left` what remains [m/s^2], `worth` the effective number of
+    independent samples of the record.
     """
 
     terms: tuple[FoundTerm, ...]

@@ -41,8 +41,8 @@ class Regression:
     """The missing force of a climb and the terms that it could show, in standard deviations of a sample.
 
     What is free in every flight is taken out of all of them: a shift of the clock where the motor burns, and what
-    else was asked for. `worth` is the number of independent samples that the record is worth, `spent` the unknowns
-    already taken out. `drag` tells of the drag, where that is free.
+    else was asked for. `worth` is the effective number of independent samples of the record, `spent` the unknowns
+    already taken out. `drag` describes the drag, if that is free.
     """
 
     wanted: Float[Array, "time"]
@@ -72,10 +72,10 @@ class Regression:
         return unit * (inverse @ (basis.T @ self.wanted)), unit * np.sqrt(np.diag(inverse) * scatter)
 
     def random_draw_sd(self, names: Sequence[str], scatters: Mapping[str, float]) -> Float[Array, "term"]:
-        """Standard deviations of these terms' coefficients that come of the luck of a flight, given by name.
+        """Standard deviations of these terms' coefficients due to the random draws of a flight, given by name.
 
-        Coefficients are linear in the force: what differs by a standard deviation along a column moves them by that
-        much of what they make of the column.
+        Coefficients are linear in the force: one standard deviation along a column moves them by that multiple of
+        their fit to the column.
         """
         patterns = [sd * self.columns[name] for name, sd in scatters.items() if name in self.columns]
         if not patterns:
@@ -161,7 +161,7 @@ def _left(wanted: Array, basis: Sequence[Array]) -> Array:
 
 
 def _worth(wanted: Array, basis: Sequence[Array]) -> float:
-    """How many independent samples the record is worth, by how alike neighbours are that no term explains.
+    """Effective number of independent samples of the record, by the autocorrelation that no term explains.
 
     Sum of the autocorrelation of the full library's residual up to its first zero (Sokal's integrated time).
     """

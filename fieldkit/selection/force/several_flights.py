@@ -2,8 +2,8 @@
 
 Each flight has coefficients of its own, for motors and rockets scatter. A term is taken while the information
 criterion of all flights together falls without the flight that says most for it, and while its mean over the flights
-stands clear of how it differs between them: so one flight alone decides nothing. At the least they differ by the luck
-of single flights in thrust and burn time, or by what a term makes of it.
+is significant given how it differs between them: so one flight alone decides nothing. The flights differ at least by
+the random draws of thrust and burn time of single flights, or by their effect on a term.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,7 +42,7 @@ class Common:
 @dataclass(frozen=True, slots=True)
 class Mean:
     """A coefficient's mean over so many flights, and its standard deviation: `shown` as their spread has it, and
-    `lucky` as it is at the least, the luck of single flights being what it is."""
+    `lucky` its lower bound, from the random draws of single flights."""
 
     value: float
     shown: float
@@ -55,8 +55,8 @@ class Mean:
         return max(self.shown, self.lucky)
 
     def stands_clear(self, candidates: int) -> bool:
-        """Whether it leaves out zero: by Student's distribution as shown, by the normal one of what luck is known to
-        do to the best of so many candidates (Bonferroni)."""
+        """Whether it excludes zero: by Student's distribution as shown, by the normal one for what random draws do to
+        the best of so many candidates (Bonferroni)."""
         from scipy.special import ndtri, stdtrit
 
         unsure = (1 - INTERVAL_LEVEL) / 2
@@ -68,7 +68,7 @@ class Mean:
 
 
 def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tuple[Common, ...]:
-    """The fewest terms that come back in the missing force of several climbs, the most telling first."""
+    """The fewest terms that recur in the missing force of several climbs, the most informative first."""
     if len(climbs) < MIN_CLIMBS:
         return ()
     known = {term.name: term for term in terms}
@@ -105,7 +105,7 @@ def _mean(climbs: Sequence[Regression], scatters: Mapping[str, float], name: str
     """A coefficient over the flights that could show it, in a law of these names.
 
     Flights differ by more than their errors: the spread between them is estimated as in DerSimonian and Laird
-    (Controlled Clinical Trials 7, 1986), and is never less than their luck, for a few may be alike by chance.
+    (Controlled Clinical Trials 7, 1986), and is never less than that of random draws: a few may agree by chance.
     """
     each = []
     for climb in climbs:

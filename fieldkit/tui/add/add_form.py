@@ -48,8 +48,8 @@ class FormStart:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The number a flight was added under, empty where it was there already, and what it lacks to tell of drag; or the
-    question at fault, and why; or why no fit uses it; or what is to be `confirmed` before it is added."""
+    """The number a flight was added under, empty for a duplicate, and what it lacks to constrain Cd; or the question
+    at fault, and why; or why no fit uses it; or what must be `confirmed` before it is added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -106,7 +106,7 @@ def summary(flight: Flight) -> str:
 
 
 def lacks(flight: Flight) -> str:
-    """What a flight says nothing of drag and thrust without, empty where it has all of it: `motor and dry mass`."""
+    """What a flight lacks to constrain drag and thrust, empty if it has everything: `motor and dry mass`."""
     return " and ".join(BY_NAME[name].title.lower() for name in ("motor", "dry_mass") if not getattr(flight, name))
 
 

@@ -1,4 +1,4 @@
-"""The field in hand of the page Add: its number in large digits, what it means, what the figures say together."""
+"""The current field of the page Add: its number in large digits, what it means, what the figures say together."""
 
 from collections.abc import Iterable
 

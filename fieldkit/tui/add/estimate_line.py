@@ -19,7 +19,7 @@ PAUSE = 0.15
 
 
 class EstimateLine(Static):
-    """One line below the field in hand; it is worked out off the keys, and only the newest is shown."""
+    """One line below the current field; it is computed in the background, and only the newest is shown."""
 
     DEFAULT_CSS = """
     EstimateLine { height: 1; padding: 0 2; text-wrap: nowrap; text-overflow: ellipsis; color: $text-muted; }
@@ -35,7 +35,7 @@ class EstimateLine(Static):
         return cast(PageScreen, self.screen)
 
     def forget(self) -> None:
-        """The ledger has changed: what it holds is read anew."""
+        """The ledger has changed: read its flights again."""
         self._beside = self._last = None
 
     def follow(self, typed: Flight) -> None:

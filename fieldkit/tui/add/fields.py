@@ -117,7 +117,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         self._picker = Picker()
 
     def compose(self) -> ComposeResult:
-        """The questions, and what the one in hand means."""
+        """The questions, and what the current one means."""
         with Vertical() as frame:
             frame.border_title = Content(printable(self._title))
             with VerticalScroll(can_focus=False):
@@ -139,7 +139,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             self._picker.sources = self._names.sources()
 
     def on_descendant_focus(self) -> None:
-        """Explain the field in hand, or all of why it cannot be read."""
+        """Explain the current field, or show the full reason why it cannot be read."""
         field = self.focused.parent if self.focused is not None else None
         for one in self.query(Field):
             one.set_class(one is field, "-hand")

@@ -40,16 +40,16 @@ class FlightScreen(PageScreen):
     NAME = "flights"
     TITLE = "Flight"
     ABOUT = Help(
-        "Everything known of one flight. On the left what was read off and weighed; beside it what those say "
-        "of drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Above, "
-        "what was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
+        "Everything known about one flight. On the left are the readouts and weights; beside them what they imply for "
+        "drag and thrust, drawn as densities: the true value is likely where the curve is high. Above is the forecast "
+        "for the flight, as an interval that should hold nine flights of ten, and the result.",
         (
-            ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
+            ("Cd", "Drag of the rocket in this flight. A wide curve means that these readouts constrain it poorly."),
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
             ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the apogee that was flown."),
-            ("± 1 m", "How sure a figure is that was measured in a log: two times of three the truth is that near."),
+            ("± 1 m", "Uncertainty of a figure measured in a log: two times in three the true value is this close."),
             ("Log", "Altitude, speed and acceleration from liftoff (T+0) to landing, an upright line at each event."),
-            ("Also on record", "What the file of the flight said besides, in its own words."),
+            ("Also on record", "What else the file of the flight says, in its own words."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
         ),
         (

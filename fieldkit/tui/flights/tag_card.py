@@ -51,7 +51,7 @@ class Shift:
 
 
 class TagCard(VerticalScroll):
-    """The tag in hand above, what all tags of the flight do below."""
+    """The current tag above, the effect of all tags of the flight below."""
 
     DEFAULT_CSS = """
     TagCard { padding: 0 1; }
@@ -65,7 +65,7 @@ class TagCard(VerticalScroll):
             yield Static(id=f"card-{name}")
 
     def show_tag(self, tag: str, there: bool, bearers: Sequence[str]) -> None:
-        """What a tag means, whether the flight bears it, and which flights of the rocket do."""
+        """What a tag means, whether the flight has it, and which flights of the rocket do."""
         more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
             ("means", meaning(tag)),
@@ -73,8 +73,8 @@ class TagCard(VerticalScroll):
                 "does",
                 "a flight with it is left out of the fit" if tag in TAGS else "the flight is still used in the fit",
             ),
-            ("here", "" if tag == OWN_TAG_ROW else "this flight bears it" if there else "this flight does not bear it"),
-            ("borne by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
+            ("here", "" if tag == OWN_TAG_ROW else "this flight has it" if there else "this flight does not have it"),
+            ("used by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
         ]
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 

@@ -57,7 +57,7 @@ class TagScreen(PageScreen):
         self._bearers: dict[str, list[str]] = {}
 
     def body(self) -> Iterable[Widget]:
-        """The flight, the tags, the effect; beside them, where there is room, the tag in hand."""
+        """The flight, the tags, the effect; beside them, if there is room, the current tag."""
         yield Static(id="which")
         with Horizontal():
             with Vertical(id="left"):

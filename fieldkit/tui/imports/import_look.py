@@ -46,7 +46,7 @@ class Look:
     start: "Start | None" = None
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
-    """Those that it holds and that can be taken, the ones there already among them."""
+    """The flights in it that can be imported, including duplicates."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class ReadOptions:
     """Files that are read together: several logs of one flight."""
 
     def together(self, path: Path) -> tuple[Path, ...]:
-        """The files that are read with one of them in hand."""
+        """The files that are read together with the current one."""
         return self.marked if path in self.marked else (path,)
 
     def defaults(self) -> dict[str, object]:

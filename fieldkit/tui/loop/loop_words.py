@@ -118,7 +118,7 @@ def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
 
 
 def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
-    """What stands behind a row of the ranking: what the effect is, how strong, how sure, and what would tell."""
+    """Details of a row of the ranking: the effect, its strength, its evidence, and what would distinguish it."""
     from fieldkit.physics.effect import effects
 
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
@@ -129,7 +129,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
     parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
-    parts.append(f"\nto tell   {effect.tell_apart}" if effect is not None else "")
+    parts.append(f"\nto check  {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)
 
 

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 DAY = (
     Question("target", "Announced target", "The apogee announced that day, such as 785ft. Empty: the season's own."),
     Question("window", "Announced window", "Seconds announced that day, such as 37-40. Empty: the season's own."),
-    Question("cut", "Cut", "Points that qualify, such as 60: the contest view tells the chance. Empty: none."),
+    Question("cut", "Cut", "Points that qualify, such as 60: the contest view shows the chance. Empty: none."),
     Question("declared", "Declared flights", "The flights whose best are summed, by their ids: 4,5,6."),
     Question("length", "Rocket length", "From nose to fins, in mm or with its unit: for the season's limit."),
 )
 
 
 def questions(site: "Site") -> tuple[Question, ...]:
-    """What is asked of the day; of the site only where it has a name to be kept by."""
+    """The questions about the day; about the site only if it has a name to save it under."""
     return DAY + (site_form.ROOM if site.name else ())
 
 

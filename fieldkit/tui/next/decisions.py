@@ -78,7 +78,7 @@ class Decision:
         return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
     def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
-        """The points to expect of a plan by a season's rule on a share of the parachute's area [1], the chance to
+        """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         from fieldkit.motors import Found
         from fieldkit.planning.contest import allowed, outlook
@@ -153,7 +153,7 @@ class Decision:
 
 
 def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
-    """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
+    """The error of each way of forecasting, and the fraction of flights in the intervals, as a table."""
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
     for way in found.ways:
         mean = measure(cards.APOGEE, way.mae, system)

@@ -108,7 +108,7 @@ class PlanScreen(PageScreen):
         self._said = Answer(())
 
     def body(self) -> Iterable[Widget]:
-        """The names of the answers, and the one in hand with its picture."""
+        """The names of the answers, and the current one with its picture."""
         from fieldkit.tui.widgets.plots import Plot
 
         yield TabLine(VIEWS, "screen.view")
@@ -126,7 +126,7 @@ class PlanScreen(PageScreen):
         self.query_one(VerticalScroll).focus()
 
     def reload(self) -> None:
-        """Work out the answer in hand."""
+        """Compute the current answer."""
         self.query_one(TabLine).front(self._view)
         self._say(Answer(("working it out ...",)))
         self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone=True)

@@ -39,16 +39,16 @@ AT_MOST = 0.02
 
 
 class AddScreen(PageScreen):
-    """The form: set-up above, the field in hand large, the ten readouts, the rest below."""
+    """The form: set-up above, the current field large, the ten readouts, the rest below."""
 
     NAME = "add"
     AUTO_FOCUS = f"#in-{READ[0]}"  # ready to be typed while the ledger is still being read
     TITLE = "Add a flight"
     ABOUT = Help(
         "Type what your altimeter shows, in its order; Enter goes on, the arrow up goes back. A unit may follow the "
-        "number (923ft, 281.3 m, 140mph); without one it is the unit beside the field, and a unit once typed is the "
-        "next one's. A lone - means not recorded. Odd figures are noted with ! and taken as they are. Every key is "
-        "kept: after a dead battery the form is as you left it.",
+        "number (923ft, 281.3 m, 140mph); without one the unit beside the field applies, and a typed unit also applies "
+        "to the next flight. A lone - means not recorded. Implausible figures are marked with ! and accepted. All "
+        "keys are saved: after a dead battery the form is as you left it.",
         tuple((question.title, question.help) for question in QUESTIONS),
         ("fieldkit add", "fieldkit add --rocket R --motor M --apogee 935ft"),
     )
@@ -191,7 +191,7 @@ class AddScreen(PageScreen):
         self._look()
 
     def _in_hand(self) -> None:
-        """The field in hand, large, with what it means and what the figures say together."""
+        """The current field, large, with what it means and what the figures say together."""
         field, hand, system = (
             self._sheet.take_in_hand(self.focused),
             self.query_one(Hand),
@@ -228,7 +228,7 @@ class AddScreen(PageScreen):
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """The field in hand is shown large, once the cursor stands in it."""
+        """The current field is shown large, once the cursor is in it."""
         self.soon(self._in_hand)
         event.widget.scroll_visible(animate=False, immediate=True)
 

@@ -241,7 +241,7 @@ class ImportScreen(PageScreen):
         from fieldkit.importing.tables.headings import QUANTITIES
 
         known = ", ".join(QUANTITIES)
-        about = f"CHANNEL=COLUMN, several apart by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
+        about = f"CHANNEL=COLUMN, separated by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
         self.app.push_screen(AskText("Columns", "; ".join(self._reading.columns), about), self._mapped)
 
     def _mapped(self, text: str | None) -> None:

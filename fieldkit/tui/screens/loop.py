@@ -167,7 +167,7 @@ class LoopScreen(PageScreen):
         self.panels.share(message.text, message.share)
 
     def _looked(self, found: "Findings | str") -> None:
-        """Show what was found, unless another rocket is in hand by now; or say why nothing could be."""
+        """Show what was found, unless another rocket is current by now; or say why nothing could be found."""
         if isinstance(found, str):
             self.panels.forget()
             self.complain(found)

@@ -77,7 +77,7 @@ class CaptureScreen(PageScreen):
 
     @dataclass
     class Happened(Message):
-        """Something that a capture tells."""
+        """An event that a capture reports."""
 
         event: Any
 
@@ -162,7 +162,7 @@ class CaptureScreen(PageScreen):
         self.query_one(Plot).display = False
 
     def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
-        """All events of a capture, each told to the screen; the last one is returned."""
+        """All events of a capture, each reported to the screen; the last one is returned."""
         from fieldkit import capture
         from fieldkit.errors import CaptureTrouble, FieldkitError
         from fieldkit.paths import capture_folder
@@ -210,7 +210,7 @@ class CaptureScreen(PageScreen):
         self.query_one("#happened").scroll_end(animate=False)
 
     def _progress(self, progress: "Progress") -> None:
-        """Counts, the share done, and the altitude where a stream tells it."""
+        """Counts, the fraction done, and the altitude if a stream contains it."""
         from fieldkit.tui.widgets.plots import Plot
 
         parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]

@@ -106,7 +106,7 @@ class SetupScreen(PageScreen):
         self._in_hand: Facts
 
     def body(self) -> Iterable[Widget]:
-        """The names of the lists, a search, the list, and what is known of its row in hand."""
+        """The names of the lists, a search, the list, and what is known about its current row."""
         from fieldkit.tui.setup.setup_card import SetupCard
 
         yield TabLine(KINDS, "screen.kind")

@@ -15,7 +15,7 @@ ROOM = (
     Question("size", "Field size", "The shorter side of the field, for its safety line: 400m. Empty: not known."),
     Question("ceiling", "Ceiling", "Above the pad, by waiver or by who owns the field: 3000ft. Empty: not known."),
 )
-"""What is asked of a site that flights do not tell."""
+"""Questions about a site that flights do not answer."""
 QUESTIONS = (
     Question("site", "Site", "Its name; a new name renames it in every flight there."),
     Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),

@@ -107,7 +107,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.cells: Cells = lambda _: ()
         self.empty = empty
         self.by_hand = False
-        """Whether the flyer has moved the cursor since the table was last told to start over."""
+        """Whether the flyer has moved the cursor since the table was last reset."""
 
     def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
         """Show a row for each key; the cursor stays on its row if that is still there and was chosen by hand."""
