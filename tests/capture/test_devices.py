@@ -251,7 +251,10 @@ def test_a_capture_goes_on_another_day_and_not_with_another_unit(tmp_path: Path)
         end = ended(run(capture(Port(first.name), "altimulti", folder=tmp_path, wishes=wishes, look=list)))
     assert not end.whole
     assert "the port disappeared" in end.why
-    with played(devices.altimulti(FLIGHTS[:1])) as other, pytest.raises(PortTrouble, match="not the unit of the capture"):
+    with (
+        played(devices.altimulti(FLIGHTS[:1])) as other,
+        pytest.raises(PortTrouble, match="not the unit of the capture"),
+    ):
         run(resume(end.file, Port(other.name), wishes=QUICK))
     with played(devices.altimulti(FLIGHTS)) as again:
         end = ended(run(resume(end.file, Port(again.name), wishes=QUICK)))

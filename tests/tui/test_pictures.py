@@ -25,6 +25,7 @@ THEME = "field"
 """The theme of all pictures; the others differ in colors alone, and those are checked without pictures."""
 SIZES = ((80, 24), (160, 50))
 SCENES: dict[str, tuple[str, ...]] = {
+    "home": ("0", "_"),
     "flights": ("down", "slash", *typed("f24"), "enter"),
     "flight": ("end", "up", "enter"),
     "log": ("slash", *typed("comet"), "enter", "enter", "end"),

@@ -51,6 +51,7 @@ class HomeScreen(PageScreen):
     HomeScreen #cards { height: 8; }
     HomeScreen.-narrow #cards { height: 14; layout: vertical; }
     HomeScreen.-tall #cards { height: 10; }
+    HomeScreen.-narrow.-tall #cards { height: 16; }
     HomeScreen #cards.-empty { height: 5; }
     HomeScreen Table { height: 1fr; margin: 0 1; }
     """
