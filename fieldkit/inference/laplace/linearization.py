@@ -106,7 +106,7 @@ def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
 
 def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: Array) -> Tangent:
     with np.errstate(invalid="ignore"):
-        moved = np.nan_to_num(flown - flown[0])
+        moved = _finite(flown - flown[0])
     per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
     for number, (kind, step) in enumerate(BOTH_WAYS.items()):
         there, back = moved[1 + len(STEPS) + 2 * number :][:2]
@@ -116,7 +116,12 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: 
     slope = (
         np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))
     )  # without flights there are no terms
-    return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
+    return Tangent(at, flown[0], slope, _finite(np.stack(scatter, axis=-1)))
+
+
+def _finite(moved: Array) -> Array:
+    """Changes of readouts, 0 if either end has none: a flight that a step keeps on the pad says nothing of a slope."""
+    return np.nan_to_num(moved, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:
