@@ -120,7 +120,7 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: 
 
 
 def _finite(moved: Array) -> Array:
-    """Changes of readouts, 0 if either end has none: a flight that a step keeps on the pad says nothing of a slope."""
+    """Changes of readouts, 0 if either end has none: a step that keeps a flight on the pad has no slope."""
     return np.nan_to_num(moved, nan=0.0, posinf=0.0, neginf=0.0)
 
 
