@@ -1,7 +1,7 @@
 """What the flight being typed says, in a line."""
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import measure, number
+from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.services.typed_flight import Interval, TypedEstimate
 
 APOGEE = BY_NAME["apogee"]
@@ -13,9 +13,14 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
         return f"Cd and next apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return f"Cd and next apogee: {found.odd}"
-    low, middle, high = found.next_apogee
-    apogee = f"{measure(APOGEE, middle, system)} ({number(APOGEE, low, system)} to {number(APOGEE, high, system)})"
+    low, middle, high = (_whole(height, system) for height in found.next_apogee)
+    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low} to {high})"
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
+
+
+def _whole(height: float, system: str) -> str:
+    """A height [m] without decimals, which mean nothing in an estimate made while one types."""
+    return f"{float(number(APOGEE, height, system)):.0f}"
 
 
 def _ratio(interval: Interval) -> str:

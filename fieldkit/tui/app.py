@@ -178,7 +178,9 @@ class FieldkitApp(Choosing):
                 self.unseen = False
 
     def on_unmount(self) -> None:
-        """Let go of the ledger."""
+        """Let go of the ledger, once the last keys are kept: after an error of ours pages are not unmounted first."""
+        for page in self._opened.values():
+            page.finish()
         self.resources.close()
 
     def survive(self, error: Exception) -> None:

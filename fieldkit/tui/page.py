@@ -175,6 +175,9 @@ class PageScreen(Screen[None]):
         """The widgets of the page."""
         return ()
 
+    def finish(self) -> None:
+        """Write down what is still on its way; called before the ledger is let go of."""
+
     def reload(self) -> None:
         """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
 

@@ -96,6 +96,10 @@ class AddScreen(PageScreen):
 
     def on_unmount(self) -> None:
         """The last key is kept as well."""
+        self.finish()
+
+    def finish(self) -> None:
+        """Wait until the draft is written."""
         self._pen.shutdown()
 
     def body(self) -> Iterable[Widget]:
