@@ -64,8 +64,8 @@ class Agreement:
     @property
     def believed(self) -> bool:
         """Whether both recorded the same flight; widely spaced samples constrain the clock less."""
-        alike = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
-        return alike and self.missed >= 0 and self.misfit < _MAX_MISFIT
+        same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
+        return same_scale and self.missed >= 0 and self.misfit < _MAX_MISFIT
 
     @property
     def is_off(self) -> bool:
@@ -110,8 +110,8 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
     misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
     step = median_step(track.time[inside])
-    alike = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
-    return Agreement(scale, late, step, missed, misfit, float(sd * alike))
+    inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
+    return Agreement(scale, late, step, missed, misfit, float(sd * inflation))
 
 
 def _fit(

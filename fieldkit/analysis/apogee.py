@@ -80,7 +80,7 @@ def _spread(values: Float[Array, "_"]) -> float:
 
     With an autocorrelation p^k, of n values the mean has the variance (1 + 2 sum (1 - k/n) p^k) / n of theirs.
     """
-    alike, count = lag_one(values), values.size
+    lag1, count = lag_one(values), values.size
     steps = np.arange(1, count)
-    taken = (1 + 2 * float(((1 - steps / count) * alike**steps).sum())) / count
+    taken = (1 + 2 * float(((1 - steps / count) * lag1**steps).sum())) / count
     return float(values.std() / np.sqrt(1 - min(taken, _MAX_TAKEN)))

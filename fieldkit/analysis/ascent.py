@@ -86,12 +86,12 @@ def ascend(
         return None
     grid = _grid(begin, end, median_step(climb))
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
-    begun = _begun(track, seen, grid, near, push, marks, sighted)
-    slow = near & ~_near_sound(track, grid, begun.guess)
-    disturbed = fallen.any() or track.disturbed or (seen.transonic and not begun.fused)
+    start = _fit_start(track, seen, grid, near, push, marks, sighted)
+    slow = near & ~_near_sound(track, grid, start.guess)
+    disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
-        begun = _begun(track, seen, grid, slow, push, marks, sighted)
-    ascent = _fitted(begun, marks, pressed=track.source in BAROMETRIC)
+        start = _fit_start(track, seen, grid, slow, push, marks, sighted)
+    ascent = _fitted(start, marks, pressed=track.source in BAROMETRIC)
     return replace(ascent, sighted=sighted) if ascent else None
 
 
@@ -120,7 +120,7 @@ def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
 
 
-def _begun(
+def _fit_start(
     track: Heights,
     seen: Outline,
     grid: Grid,
@@ -142,53 +142,53 @@ def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
     return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
-def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
+def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
     """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted again.
 
     Where heights are `pressed`, made of pressures, those in a fast airframe are off, which moves burnout.
     """
-    samples, grid = begun.samples, begun.samples.grid
-    if begun.fused:
-        marks = replace(marks, burnout=fastest(grid, begun.guess, marks.lift, marks.released))
-    found = settled(samples, begun.guess, begun.fused, marks)
-    if begun.fused or marks.lift is None:
-        return _drawn(samples, begun.guess, found, begun.fused, 0.0)
-    burnout, spread = _likeliest(begun, found, marks, marks.lift)
+    samples, grid = start.samples, start.samples.grid
+    if start.fused:
+        marks = replace(marks, burnout=fastest(grid, start.guess, marks.lift, marks.released))
+    found = settled(samples, start.guess, start.fused, marks)
+    if start.fused or marks.lift is None:
+        return _drawn(samples, start.guess, found, start.fused, 0.0)
+    burnout, spread = _likeliest(start, found, marks, marks.lift)
     if pressed:
         low, high = (
-            _likeliest(_corrected(begun, marks, error), found, marks, marks.lift)[0]
+            _likeliest(_corrected(start, marks, error), found, marks, marks.lift)[0]
             for error in (-STATIC_SD, STATIC_SD)
         )
         spread = float(np.hypot(spread, (high - low) / 2))
     marks = replace(marks, burnout=burnout)
-    guess, _ = first_guess(grid, begun.coast, None, marks.lift, burnout, marks.released)
+    guess, _ = first_guess(grid, start.coast, None, marks.lift, burnout, marks.released)
     return _drawn(samples, guess, settled(samples, guess, False, marks), False, spread)
 
 
-def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
+def _likeliest(start: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
     """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
     about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
     evidence = []
     for burnout in every:
-        guess, _ = first_guess(begun.samples.grid, begun.coast, None, lift, burnout, marks.released)
-        evidence.append(found.again(begun.samples, guess, replace(marks, burnout=burnout)).evidence)
+        guess, _ = first_guess(start.samples.grid, start.coast, None, lift, burnout, marks.released)
+        evidence.append(found.again(start.samples, guess, replace(marks, burnout=burnout)).evidence)
     share = np.exp(np.array(evidence) - np.max(evidence))
     share /= share.sum()
     mean = float(share @ every)
     return mean, float(np.sqrt(share @ (every - mean) ** 2))
 
 
-def _corrected(begun: _FitStart, marks: Marks, static: float) -> _FitStart:
+def _corrected(start: _FitStart, marks: Marks, static: float) -> _FitStart:
     """The same heights without an error of the pressure in the airframe, as a part of the dynamic one.
 
     Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g.
     """
-    samples, grid = begun.samples, begun.samples.grid
+    samples, grid = start.samples, start.samples.grid
     flies = samples.is_own & (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
-    speed = np.where(flies, np.interp(samples.time, grid.time, begun.guess.speed), 0.0)
+    speed = np.where(flies, np.interp(samples.time, grid.time, start.guess.speed), 0.0)
     height = samples.height + static * speed**2 / (2 * GRAVITY)
-    return replace(begun, samples=replace(samples, height=height))
+    return replace(start, samples=replace(samples, height=height))
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:

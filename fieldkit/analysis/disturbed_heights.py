@@ -73,8 +73,8 @@ def _takes_back(track: Heights, there: tuple[int, float], back: tuple[int, float
     before, after = there[0], back[0] + 1
     lasts = track.time[after] - track.time[before]
     climbs = track.height[after] - track.height[before] > _FAST * lasts
-    alike = abs(there[1] + back[1]) < _BACK * max(abs(there[1]), abs(back[1]))
-    return bool(lasts < _LASTS and there[1] * back[1] < 0 and alike and not climbs)
+    opposite = abs(there[1] + back[1]) < _BACK * max(abs(there[1]), abs(back[1]))
+    return bool(lasts < _LASTS and there[1] * back[1] < 0 and opposite and not climbs)
 
 
 def _jumps(track: Heights) -> Iterator[tuple[int, float]]:

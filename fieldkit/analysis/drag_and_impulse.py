@@ -162,8 +162,8 @@ def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Flo
             [(_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)], axis=-1
         )
         left = height - at
-        noise, alike = max(mad_sd(left) * freedom, _MIN_SAMPLE_SD), lag_one(left)
-        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - alike) / (1 + alike) / noise**2
+        noise, lag1 = max(mad_sd(left) * freedom, _MIN_SAMPLE_SD), lag_one(left)
+        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
         precision = (slope.T * weight) @ slope + prior
         step = np.linalg.solve(precision, slope.T @ (weight * left) - prior @ values)
         values = values + np.clip(step, -_MAX_STEPS, _MAX_STEPS)

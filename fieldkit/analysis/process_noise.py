@@ -177,8 +177,8 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Fitted
         settings = model.searched(settings, weight, tries)
     left = model.left(settings, weight)
     own = samples.is_own
-    alike = lag_one(left[(weight > 0.5) & ~model.early & own])
-    share = np.where(own, (1 - alike) / (1 + alike), 1.0)
+    lag1 = lag_one(left[(weight > 0.5) & ~model.early & own])
+    share = np.where(own, (1 - lag1) / (1 + lag1), 1.0)
     return FittedCurve(
         model.curve(settings, share * weight),
         max(float(np.exp(settings[2])), mad_sd(left[~model.early & own])),
@@ -275,10 +275,10 @@ def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
     if not samples.lag or marks.lift is None:
         return np.zeros(samples.time.size)
     pushed = (samples.time > marks.lift) & (samples.time < marks.burnout + 3 * samples.lag)
-    alike = np.sqrt(max(1.0, _BOOST_TIME / median_step(samples.time[: samples.own])))
+    inflation = np.sqrt(max(1.0, _BOOST_TIME / median_step(samples.time[: samples.own])))
     blurred = pushed * samples.lag**2 / 2 * float(np.abs(guess.acceleration).max())
     shifted = samples.lag / 2 * np.interp(samples.time, samples.grid.time, guess.speed)
-    return np.asarray(alike * np.hypot(blurred, shifted))
+    return np.asarray(inflation * np.hypot(blurred, shifted))
 
 
 def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:

@@ -16,6 +16,7 @@ app.add_typer(study, name="study")
 Out = Annotated[
     Path | None, typer.Option("--out", metavar="FILE", help="Write the page to this file.", show_default="the screen")
 ]
+Unnamed = Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")]
 
 
 @study.command()
@@ -34,7 +35,7 @@ def rockets(
     context: typer.Context,
     out: Out = None,
     force: Force = False,
-    unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
+    unnamed: Unnamed = False,
 ) -> None:
     """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
     need_studies()
@@ -58,7 +59,7 @@ def shortfall(
     context: typer.Context,
     out: Out = None,
     force: Force = False,
-    unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
+    unnamed: Unnamed = False,
 ) -> None:
     """Trace why flights fall short of their simulation: launch angle, impulse, mass, drag, device, one by one."""
     need_studies()

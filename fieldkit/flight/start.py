@@ -31,10 +31,10 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
     if start is not None and all(flight.config != plan.config for flight in history):
         known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
         plan = plan.with_changes(**known)
-    alike = [flight for flight in history if flight.config == plan.config] or list(history)
+    same_config = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED_FIELDS:
-        value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
+        value = next((v for flight in reversed(same_config) if (v := flight.number(name)) is not None), None)
         if plan.number(name) is None and value is not None:
             missing[name] = value
     return plan.with_changes(**missing)

@@ -109,18 +109,21 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
     at_rest = np.zeros((pull.axes, setup.draws))
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
-    begun: Array | None = None
+    first_pull: Array | None = None
     for first, dt, thrust, mass in _steps(setup):
         if waits := bool(first.min() < latest):
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        _advance(track, setup, pull, dt, thrust, mass, begun)
+        _advance(track, setup, pull, dt, thrust, mass, first_pull)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
             ended = pull(track.position, track.velocity, thrust[2], mass[2])
-            slope, begun = _along(track.velocity, ended), None if waits else ended  # the next step begins as this ends
+            slope, first_pull = (
+                _along(track.velocity, ended),
+                None if waits else ended,
+            )  # the next step begins as this ends
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
             _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
     return track
@@ -195,11 +198,11 @@ def _advance(
     dt: Array,
     thrust: Stages,
     mass: Stages,
-    begun: Array | None,
+    first_pull: Array | None,
 ) -> None:
     """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
 
-    `begun` is the pull at its beginning, if that is known.
+    `first_pull` is the pull at its beginning, if that is known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))
@@ -214,8 +217,8 @@ def _advance(
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), begun)
-        begun = None
+        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), first_pull)
+        first_pull = None
     _put_back(track, moving, rows)
 
 
@@ -235,11 +238,11 @@ def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
 
 
 def _step(
-    track: AscentState, pull: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+    track: AscentState, pull: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, first_pull: Array | None
 ) -> None:
-    """One classical Runge-Kutta step of position and velocity; `begun` as in `_advance`."""
+    """One classical Runge-Kutta step of position and velocity; `first_pull` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
-    a1 = pull(x, v, thrust[0], mass[0]) if begun is None else begun
+    a1 = pull(x, v, thrust[0], mass[0]) if first_pull is None else first_pull
     v2 = v + half * a1
     a2 = pull(x + half * v, v2, thrust[1], mass[1])
     v3 = v + half * a2

@@ -71,8 +71,8 @@ def _edges(time: Array, steps: int) -> Array:
     gap = np.diff(time)
     pieces = np.ceil(gap / ((time[-1] - time[0]) / steps) - 1e-9).astype(int)
     place = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    begun = np.repeat(time[:-1], pieces) + place * np.repeat(gap / pieces, pieces)
-    return np.append(begun, time[-1])
+    starts = np.repeat(time[:-1], pieces) + place * np.repeat(gap / pieces, pieces)
+    return np.append(starts, time[-1])
 
 
 def _impulse(time: Array, thrust: Array, at: Array) -> Array:

@@ -146,8 +146,8 @@ class MotorChoice:
 
 def mount_of(rocket: Rocket, config: str) -> float | None:
     """The mount of a rocket, as wide as the widest motor that its configuration, or else it, has flown on. [m]"""
-    alike = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
-    return max(alike or [found.motor.diameter for found in rocket.motors], default=None)
+    diameters = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
+    return max(diameters or [found.motor.diameter for found in rocket.motors], default=None)
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:

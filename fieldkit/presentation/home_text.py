@@ -42,7 +42,7 @@ def forecast_title(one: SavedForecast) -> str:
 
 
 def forecast_lines(one: SavedForecast, system: str) -> Iterator[str]:
-    """What stands beside the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
+    """What is next to the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
     low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
     yield f"{spelled(unit_of(APOGEE, system))} forecast"
     yield f"90 % {low}-{high}"
@@ -56,7 +56,7 @@ def flown_title(one: ListedFlight) -> str:
 
 
 def flown_lines(one: ListedFlight, system: str) -> Iterator[str]:
-    """What stands beside the apogee flown: its unit, and how it did beside its forecast."""
+    """What is next to the apogee flown: its unit, and how it did beside its forecast."""
     yield f"{spelled(unit_of(APOGEE, system))} flown"
     said = one.forecast
     if said is None or said.miss is None or one.flight.apogee is None:

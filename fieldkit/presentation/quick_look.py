@@ -9,6 +9,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
 from fieldkit.selection.quick_look import QuickLook
+from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
 
 EVALUATION = "amortized"
@@ -104,15 +105,8 @@ def _by_the_network(said: QuickAnswer) -> dict[str, Any]:
 
 
 def _by_the_fit(said: Prediction) -> dict[str, Any]:
-    low, middle, high = said.apogee_quantiles()
     return {
-        "apogee_m": {
-            "mean": float(said.apogee.mean()),
-            "sd": float(said.apogee.std()),
-            "p05": float(low),
-            "p50": float(middle),
-            "p95": float(high),
-        },
+        "apogee_m": apogee_summary(said),
         "ejection_s": said.median_eject,
         "cd": {"median": float(np.median(said.cd)), "log_sd": float(np.log(said.cd).std())},
         "alpha": {"median": float(np.median(said.alpha)), "log_sd": float(np.log(said.alpha).std())},

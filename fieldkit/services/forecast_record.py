@@ -5,21 +5,26 @@ from typing import Any
 from fieldkit.forecast.prediction import Prediction, median
 
 
+def apogee_summary(prediction: Prediction) -> dict[str, float]:
+    """Mean, standard deviation and quantiles of the apogee that will be shown, under the contract's keys. [m]"""
+    p05, p50, p95 = prediction.apogee_quantiles()
+    return {
+        "mean": float(prediction.apogee.mean()),
+        "sd": float(prediction.apogee.std()),
+        "p05": float(p05),
+        "p50": float(p50),
+        "p95": float(p95),
+    }
+
+
 def forecast_record(prediction: Prediction) -> dict[str, Any]:
     """A prediction under the contract's keys, and what it rests on."""
-    p05, p50, p95 = prediction.apogee_quantiles()
     document: dict[str, Any] = {"flight_id": prediction.plan.flight_id} if prediction.plan.flight_id else {}
     document |= {
         "rocket": prediction.plan.rocket,
         "config": prediction.plan.config,
         "motor": prediction.plan.motor,
-        "apogee_m": {
-            "mean": float(prediction.apogee.mean()),
-            "sd": float(prediction.apogee.std()),
-            "p05": float(p05),
-            "p50": float(p50),
-            "p95": float(p95),
-        },
+        "apogee_m": apogee_summary(prediction),
         "true_apogee_m": median(prediction.true_apogee),
         "ejection_s": prediction.median_eject,
         "coast_s": median(prediction.coast),

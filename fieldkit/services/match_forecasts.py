@@ -23,7 +23,7 @@ def made_for(
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
-    alike: dict[tuple[str, str, object], list[StoredPrediction]] = {}
+    unnamed: dict[tuple[str, str, object], list[StoredPrediction]] = {}
     for one in predictions:
         if "apogee_m" not in one.payload:
             continue  # a replay of what would have been said
@@ -31,12 +31,12 @@ def made_for(
             named.setdefault((one.rocket, one.flight_id), []).append(one)
         else:
             key = (one.rocket, one.payload.get("config", ""), motor_of(one.payload.get("motor", "")))
-            alike.setdefault(key, []).append(one)
+            unnamed.setdefault(key, []).append(one)
     found: list[StoredPrediction | None] = []
     for flight in flights:
         said = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
-        if not said and alike:
-            like = alike.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
+        if not said and unnamed:
+            like = unnamed.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
             said = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
             said.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
         found.append(said[-1] if said else None)

@@ -37,15 +37,15 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
     """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
     diameter else of its design, the rail else the flyer's usual one; the site as last, and its elevation. Weather is
     the day's, and nothing is made up for it."""
-    alike = plausible(ledger.flights(plan.rocket), motors)
-    plan = completed(plan, alike, start_of(ledger, plan))
+    history = plausible(ledger.flights(plan.rocket), motors)
+    plan = completed(plan, history, start_of(ledger, plan))
     last = ledger.latest()
     if not plan.site and plan.site_elevation is None and last is not None:
         plan = plan.with_changes(site=last.site)
     known: dict[str, Any] = {"rail_length": settings.rail_length, "rail_angle": settings.rail_angle}
     known["site_elevation"] = site_of(ledger, plan.site).elevation
     plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
-    return _with_recovery(plan, alike)
+    return _with_recovery(plan, history)
 
 
 INHERITED_RECOVERY = ("recovery", "drogue_speed", "main_altitude", "opening_time")

@@ -64,7 +64,7 @@ class Stream:
         at = 0
         while at < len(chunk):
             if self.start < 0:
-                at = self._begun(chunk, at)
+                at = self._take_start(chunk, at)
                 continue
             byte = chunk[at]
             if byte in _HEX:
@@ -80,7 +80,7 @@ class Stream:
         self._last = chunk[-1] if chunk else self._last
         return found
 
-    def _begun(self, chunk: bytes, at: int) -> int:
+    def _take_start(self, chunk: bytes, at: int) -> int:
         """Where to go on: after the next `MP`, with a record started, or at the end."""
         while (letter := chunk.find(b"P", at)) >= 0:
             at = letter + 1

@@ -137,7 +137,7 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
 
 
 def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
-    """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
+    """What is next to a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
     try:
         return beside(words)
     except BadValue:

@@ -65,11 +65,13 @@ class LogTable:
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}
         repeated: list[int] = []
-        anew = restarts(self.values[clock]).tolist()
-        if len(anew) >= MOST_FLIGHTS:
+        restarted = restarts(self.values[clock]).tolist()
+        if len(restarted) >= MOST_FLIGHTS:
             expected = f"expected at most {MOST_FLIGHTS} flights in a log"
-            raise DamagedLog(f"found {clock} restarting {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
-        starts = [0, *anew, len(self)]
+            raise DamagedLog(
+                f"found {clock} restarting {len(restarted)} times, {expected}", row=int(self.rows[restarted[0]])
+            )
+        starts = [0, *restarted, len(self)]
         for start, stop in pairwise(starts):
             part = self.pick(slice(start, stop))
             content = _digest(part)

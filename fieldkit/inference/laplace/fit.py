@@ -119,7 +119,7 @@ def fit_lanes(
                 on_progress((turn - first + (number + 1) / len(moving)) / (rounds - first))
             known = results[i]
             if known is None:
-                results[i] = _begun(parts[i], data, tangent, flight_weight)
+                results[i] = _first_fit(parts[i], data, tangent, flight_weight)
             else:
                 results[i] = _moved(known, tangent)
         best = _best(lanes, results)
@@ -139,7 +139,7 @@ def fit_lanes(
     return [_settled(result) for result in results if result is not None]
 
 
-def _begun(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
+def _first_fit(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
     """The posterior about the first point, the weights of outlier flights updated a few times."""
     found = solve(model, data, tangent, flight_weight)
     for _ in range(FLIGHT_WEIGHT_ROUNDS if flight_weight is not None else 0):

@@ -115,7 +115,7 @@ def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     headers = ("flight", "rocket", "motor", "mass g", "wind m/s", "predicted m", "flown m", "miss m", "")
     rows: list[tuple[str, ...]] = []
     for card in found.cards:
-        flight, said = card.flight, card.foretold
+        flight, said = card.flight, card.forecast
         mark = ", ".join(flight.tags)
         if said and said.kept and said.changes:
             mark = ", ".join(filter(None, ("stale prediction", mark)))

@@ -51,7 +51,7 @@ class Card:
     readouts: Rows
     circumstances: Rows
     learned: Rows
-    foretold: CardForecast | None
+    forecast: CardForecast | None
     trace: HeightTrace | None
     record: Float[Array, "flight"]
     clean: Flags
@@ -60,9 +60,9 @@ class Card:
     @property
     def miss(self) -> float | None:
         """Flown minus forecast. [m]"""
-        if self.foretold is None or self.flight.apogee is None:
+        if self.forecast is None or self.flight.apogee is None:
             return None
-        return self.flight.apogee - self.foretold.interval[1]
+        return self.flight.apogee - self.forecast.interval[1]
 
 
 def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progress: ReportProgress) -> list[Card]:
@@ -76,10 +76,10 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progr
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
             words = f"predicted {when} by model {one.made.payload.get('model', '')}"
-            foretold: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
+            forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
-            foretold = _afterwards(ledger, motors, flight)
-        found.append(_card(ledger, motors, id, flight, foretold))
+            forecast = _afterwards(ledger, motors, flight)
+        found.append(_card(ledger, motors, id, flight, forecast))
     return found
 
 
@@ -94,7 +94,7 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForeca
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
-def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, foretold: CardForecast | None) -> Card:
+def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None) -> Card:
     own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
     names = [one.flight_id for one in own]
     return Card(
@@ -103,7 +103,7 @@ def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, foretold: 
         readouts=_rows(flight, READOUTS),
         circumstances=_rows(flight, (*SETUP, *CONDITIONS)),
         learned=_learned(flight, motors),
-        foretold=foretold,
+        forecast=forecast,
         trace=_trace(ledger, id),
         record=np.array([one.apogee or np.nan for one in own], float),
         clean=np.array([one.clean for one in own], bool),
@@ -155,9 +155,9 @@ def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
 
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
     """Of the cards with a saved prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
-    told = [one for one in cards if one.foretold and one.foretold.kept and one.miss is not None]
+    told = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
     inside = sum(
-        one.foretold.interval[0] <= (one.flight.apogee or 0) <= one.foretold.interval[2] for one in told if one.foretold
+        one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2] for one in told if one.forecast
     )
     miss = float(np.mean([abs(one.miss) for one in told if one.miss is not None])) if told else float("nan")
     return len(told), miss, inside

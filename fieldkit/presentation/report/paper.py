@@ -88,9 +88,9 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
     rows = [(shortened(card.flight.motor, 16) or "?", "motor")]
     if card.flight.apogee is not None:
         rows.append((f"{card.flight.apogee:.1f} m", f"apogee, {card.flight.apogee / 0.3048:.0f} ft"))
-    if card.foretold is not None:
-        low, middle, high = card.foretold.interval
-        what = "predicted" if card.foretold.kept else "afterwards"
+    if card.forecast is not None:
+        low, middle, high = card.forecast.interval
+        what = "predicted" if card.forecast.kept else "afterwards"
         rows.append((f"{middle:.0f} m", f"{what}, {low:.0f} to {high:.0f}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high
@@ -101,9 +101,9 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
 def remarks(card: Card) -> list[str]:
     """What is to be said of a flight in words."""
     lines = []
-    if card.foretold is not None:
-        lines.append(card.foretold.by[:1].upper() + card.foretold.by[1:] + ".")
-        lines += [f"The prediction was stale: {'; '.join(card.foretold.changes)}."] if card.foretold.changes else []
+    if card.forecast is not None:
+        lines.append(card.forecast.by[:1].upper() + card.forecast.by[1:] + ".")
+        lines += [f"The prediction was stale: {'; '.join(card.forecast.changes)}."] if card.forecast.changes else []
     if card.learned:
         lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value, _ in card.learned) + ".")
     if card.flight.tags:

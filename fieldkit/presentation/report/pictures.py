@@ -32,8 +32,8 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
     panel.grid(axis="y", visible=False)
-    if card.foretold is not None:
-        _hill(panel, card.foretold)
+    if card.forecast is not None:
+        _hill(panel, card.forecast)
     if card.flight.apogee is not None:
         panel.axvline(card.flight.apogee, color=BEFORE_COLOR, linewidth=2.2)
         label = f"flown {card.flight.apogee:.1f} m"
@@ -56,9 +56,9 @@ def _metres(height: Any) -> Any:
     return np.asarray(height) * FOOT
 
 
-def _hill(panel: "Axes", foretold: CardForecast) -> None:
+def _hill(panel: "Axes", said: CardForecast) -> None:
     """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
-    draws = foretold.draws[foretold.draws > 0]
+    draws = said.draws[said.draws > 0]
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
     logs = np.log(draws)
@@ -66,7 +66,7 @@ def _hill(panel: "Axes", foretold: CardForecast) -> None:
     grid = np.linspace(logs.min() - 2 * width, logs.max() + 2 * width, 240)
     density = np.exp(-0.5 * ((grid[:, None] - logs) / width) ** 2).sum(axis=1) / np.exp(grid)
     height, place = density / density.max(), np.exp(grid)
-    low, middle, high = foretold.interval
+    low, middle, high = said.interval
     panel.plot(place, height, color=AFTER_COLOR, linewidth=1.6)
     inside = (place >= low) & (place <= high)
     panel.fill_between(place[inside], height[inside], color=AFTER_COLOR, alpha=0.22, linewidth=0)
@@ -142,9 +142,9 @@ def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -
     names = []
     for row, card in enumerate(cards):
         names.append(shortened(f"{card.id}  {card.flight.motor}", 30))
-        if card.foretold is not None:
-            low, middle, high = card.foretold.interval
-            bar = "-" if card.foretold.kept else (0, (2, 1.2))
+        if card.forecast is not None:
+            low, middle, high = card.forecast.interval
+            bar = "-" if card.forecast.kept else (0, (2, 1.2))
             panel.plot([low, high], [row, row], color=AFTER_COLOR, linewidth=4, alpha=0.45, linestyle=bar)
             panel.plot(middle, row, "|", color=AFTER_COLOR, markersize=11, mew=2)
         if card.flight.apogee is not None:

@@ -72,7 +72,7 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
 
 
 def beside(question: Question, said: Answered, unit: str, system: str) -> str:
-    """What stands beside an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
+    """What is next to an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
     if question.name in said.wrong:
         return f"✗ {said.wrong[question.name]}"
     if odd := implausible_answers(said.flight, question.name, said.usual):

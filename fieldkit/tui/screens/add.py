@@ -114,9 +114,9 @@ class AddScreen(PageScreen):
         """Take up a draft, or offer what the last flight suggests."""
         self.query_one(EstimateLine).forget()
         if not self._sheet.touched:
-            self.ask(self._draft.begin, self._begun, "start")
+            self.ask(self._draft.begin, self._take_up, "start")
 
-    def _begun(self, start: FormStart) -> None:
+    def _take_up(self, start: FormStart) -> None:
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
         self._units = dict(start.units) | self._units
         ahead = self.field(READ[0]).typed

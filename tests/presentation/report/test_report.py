@@ -81,14 +81,14 @@ def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Flight
 
 def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport) -> None:
     first, second = day.cards
-    assert first.foretold is not None
-    assert not first.foretold.kept
-    assert second.foretold is not None
-    assert second.foretold.kept
-    assert second.foretold.changes == ("dry mass was 320 g, now 330 g",)
+    assert first.forecast is not None
+    assert not first.forecast.kept
+    assert second.forecast is not None
+    assert second.forecast.kept
+    assert second.forecast.changes == ("dry mass was 320 g, now 330 g",)
     assert ("Apogee", "262.0 m", "860 ft") in second.readouts
     assert ("Dry mass", "330 g", "11.64 oz") in second.circumstances
-    assert second.miss == pytest.approx(262.0 - second.foretold.interval[1])
+    assert second.miss == pytest.approx(262.0 - second.forecast.interval[1])
     assert dict(headline(second))["262.0 m"] == "apogee, 860 ft"
     words = " ".join(remarks(second))
     assert "stale: dry mass was 320 g" in words

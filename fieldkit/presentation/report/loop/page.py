@@ -58,8 +58,8 @@ def content(found: Findings) -> dict[str, Any]:
             if row.p < 0.1
         ],
         "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
-        "climbs": [f"{_begun(line)}." for line in climbs_in_words(found.testimony)],
-        "implausible": [f"{_begun(line)}." for line in found.implausible],
+        "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.testimony)],
+        "implausible": [f"{_capitalized(line)}." for line in found.implausible],
         "errors": [
             row
             for title, compared in (("left out", found.left_out), ("forward in time", found.forward))
@@ -81,15 +81,15 @@ def _verdict(found: Findings) -> dict[str, Any]:
     return {
         "effect": diagnosis.effect,
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
-        "why": _begun(diagnosis.why),
+        "why": _capitalized(diagnosis.why),
         "also": ", ".join(diagnosis.also),
-        "next_flight": _begun(in_next_flight(found.next_flight)),
-        "how_sure": _begun(how_sure(found)),
-        "goes_with": _begun(found.unexplained.in_words) if found.unexplained else "",
+        "next_flight": _capitalized(in_next_flight(found.next_flight)),
+        "how_sure": _capitalized(how_sure(found)),
+        "goes_with": _capitalized(found.unexplained.in_words) if found.unexplained else "",
     }
 
 
-def _begun(sentence: str) -> str:
+def _capitalized(sentence: str) -> str:
     """With a capital at the front; names within stay as they are."""
     return sentence[:1].upper() + sentence[1:]
 
