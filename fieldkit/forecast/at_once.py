@@ -3,12 +3,16 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fieldkit.flight import Flight
+from fieldkit.flight.start import repeated
 from fieldkit.inference.history.features import PreparedHistory, prepared, summarized
 from fieldkit.inference.history.records import History
+from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.history import QuickAnswer, answers, load_history, response_of
 from fieldkit.model.hyperprior import Hyperprior, certified, learned
-from fieldkit.model.rocket_model import groups
+from fieldkit.model.rocket_model import groups, reference_area
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -17,6 +21,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 FlownFlights = Sequence[tuple[Flight, Found]]
+BATCH = 50
+"""Flights by themselves whose response is simulated together: some 5,000 simulated flights. [1]"""
 
 
 def prepare_at_once(
@@ -100,3 +106,34 @@ def forecasts_at_once(
             ready = prepared(history, own, quick_candidates)
             found |= dict(zip(rows, answer_at_once(ready, ready.flown, ensemble), strict=True))
     return [found[row] for row in range(len(plans))]
+
+
+def each_at_once(
+    flown: FlownFlights,
+    shared: Sequence[SharedPrior | None],
+    *,
+    hyperprior: Hyperprior | None = None,
+    ensemble: "Ensemble | None" = None,
+) -> list[QuickAnswer]:
+    """What the network says of each flight by itself, of any rockets, for the plan to fly the same again.
+
+    `shared` is what the other rockets of each one's flyer show. All fly in batches. Flights with an anomaly tag are
+    used like any other. The rest as `forecast_at_once`.
+    """
+    found: list[QuickAnswer] = []
+    for first in range(0, len(flown), BATCH):
+        batch = flown[first : first + BATCH]
+        theirs = shared[first : first + BATCH]
+        pairs = [
+            _history([one], [(repeated(one[0]), one[1])], (True,), own, hyperprior)
+            for one, own in zip(batch, theirs, strict=True)
+        ]
+        response = respond(
+            [pair.flights[row] for row in (0, 1) for pair in pairs],
+            [pair.found[row] for row in (0, 1) for pair in pairs],
+            np.array([reference_area(pair.flights, 1)[row] for row in (0, 1) for pair in pairs]),
+        )
+        for number, pair in enumerate(pairs):
+            ready = prepared(pair, response.part([number, len(pairs) + number]), quick_candidates)
+            found += answer_at_once(ready, ready.flown, ensemble)
+    return found

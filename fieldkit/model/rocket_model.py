@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
-from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.readout_data import OBSERVED_READOUTS, measured_in_samples
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
@@ -192,9 +192,16 @@ def _quantity_terms(
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean."""
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
+    if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
+        logged = measured_in_samples(flights, quantity)
+        if logged.any():
+            yield Term(f"{quantity} in logs", quantity, 0.0, sd, logged)
+        every = every - logged
+        if not every.any():
+            return
     scaled: Literal["", "scatter", "reading"] = "reading" if quantity in READOUTS and quantity != "apogee" else ""
     scaled = scaled if hyperprior.kind == "learned" else ""
-    if sd := hyperprior.sd(quantity, "fleet"):
+    if sd := hyperprior.fleet_sd(quantity):
         yield Term(fleet_term(quantity), quantity, mean, sd, every)
         mean = 0.0
     if sd := hyperprior.sd(quantity, "rocket"):

@@ -6,12 +6,12 @@ with each effect where it is most at home.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.start import repeated
 from fieldkit.inference.history.columns import families
 from fieldkit.inference.history.evidence import Trials, used_readouts
 from fieldkit.inference.history.features import HistorySummary
@@ -73,13 +73,6 @@ class QuickLook:
         """Errors of flights left out with the verdict's likeliest effect, else those before."""
         first = self.effect.split("+")[0]
         return next((one.after for one in self.candidates if one.effect == first), self.before)
-
-
-def repeated(flight: Flight) -> Flight:
-    """The plan to fly the same again a week later."""
-    name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
-    return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
 
 
 def quick_look(
