@@ -12,7 +12,8 @@ from scipy.special import ndtr, ndtri
 
 from fieldkit.inference.laplace.linearization import STEPS, Tangent
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, compared
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, bent, shown
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter
+from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.shapes import Array, Flags, Float
 
 STEP_SIZES = {**STEPS, "opening": 0.1, "delay": 0.02}

@@ -19,8 +19,9 @@ from fieldkit.inference.history.records import Candidates, History
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, bent, shared_names, shown
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.physics.effect import Prior, effects
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float

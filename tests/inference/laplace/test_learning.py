@@ -9,7 +9,8 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior, Scale
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
 ROCKETS, FLIGHTS = 8, 4
