@@ -17,7 +17,8 @@ from fieldkit.model.simulated_readouts import bent
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 from studies.reference_posterior import hamiltonian
-from studies.reference_posterior.target import Readouts, Target, target
+from studies.reference_posterior.readouts import Readouts
+from studies.reference_posterior.target import Target, target
 
 CHAINS = 128
 WARM_UP = 150
