@@ -155,7 +155,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     """The site of a plan, with ceiling and size as given. Raises BadValue."""
     from dataclasses import replace
 
-    from fieldkit.ledger.sites import site_of
+    from fieldkit.services.sites import site_of
 
     known = site_of(ledger, plan.site)
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))

@@ -7,12 +7,12 @@ from fieldkit.flight import Flight
 from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown, start_of
 from fieldkit.services.plausible_flights import implausible_flights, plausible
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 SHORTLIST = "shortlist"

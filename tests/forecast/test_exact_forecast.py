@@ -9,7 +9,8 @@ from fieldkit.forecast.predict import forecast_model
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared, observe
-from fieldkit.model.rocket_model import Model, shown
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array
 from tests.seasons import season
 

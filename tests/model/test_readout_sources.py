@@ -9,7 +9,8 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
 from fieldkit.model.readout_data import measured_in_samples
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
 PLAN = Flight("next", "Law", "A", "F24-4W", dry_mass=0.322, diameter=0.066)

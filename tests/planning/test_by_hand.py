@@ -9,7 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.linearization import coast_times
-from fieldkit.model.rocket_model import COARSE_SETTINGS, shown
+from fieldkit.model.simulated_readouts import COARSE_SETTINGS, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup

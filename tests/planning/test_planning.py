@@ -14,7 +14,6 @@ from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import Site, keep_site, site_of
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.air import air_of
@@ -32,6 +31,7 @@ from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer
 from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.sites import Site, keep_site, site_of
 from fieldkit.settings import Settings
 
 CHECK_SHAPES = False

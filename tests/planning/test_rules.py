@@ -11,12 +11,12 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import keep_site, put_site, site_of
 from fieldkit.motors import catalogue
 from fieldkit.planning import rule_lines
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
 from fieldkit.planning.rule_lines import Governed, governed
 from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
+from fieldkit.services.sites import keep_site, put_site, site_of
 from fieldkit.units import FOOT
 
 pytestmark = pytest.mark.fast

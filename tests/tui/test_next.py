@@ -377,7 +377,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             await press(pilot, "n")
             seen = words(pilot)
             assert "! the cable was pulled" in seen
-            assert "it is back on /dev/ttyUSB1" in seen
+            assert "reconnected on /dev/ttyUSB1" in seen
             assert "2,000 bytes 100 samples 1 damaged" in seen
             assert "highest 123.4 m" in seen
             await press(pilot, "enter", "y")

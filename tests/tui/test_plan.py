@@ -9,7 +9,7 @@ from textual.pilot import Pilot
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import site_of
+from fieldkit.services.sites import site_of
 from fieldkit.tui.widgets.tabs import TabLine
 from tests.pressing import calm, frozen, opened, press, season, told, typed, words
 

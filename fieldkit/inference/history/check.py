@@ -27,7 +27,8 @@ from fieldkit.inference.laplace.posterior import term_sds
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.inference.network.history_parts import LEVELS, STANDARD
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import Model, shown
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400

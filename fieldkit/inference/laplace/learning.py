@@ -13,10 +13,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import fit_robustly, outlier_weights, standardized_squares
+from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import FlownFlights, independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe

@@ -13,8 +13,8 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.quantities import spelled, unit_of
+from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove

@@ -37,7 +37,7 @@ class ForecastFacts:
     by: str
 
 
-def said_by(flight: Flight, motors: "Catalogue") -> DragFacts:
+def drag_facts(flight: Flight, motors: "Catalogue") -> DragFacts:
     """The posterior of a flight. Raises FieldkitError where it can have none."""
     import numpy as np
 
