@@ -121,8 +121,11 @@ class Hyperprior:
 
     def json(self) -> dict[str, Any]:
         """The card, as `learned` reads it."""
+        return {**self.about, **self.model_json()}
+
+    def model_json(self) -> dict[str, Any]:
+        """The same without what it was learned from."""
         return {
-            **self.about,
             "means": dict(self.means),
             "mean_sds": dict(self.mean_sds),
             "sds": dict(self.sds),

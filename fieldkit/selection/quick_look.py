@@ -18,8 +18,8 @@ from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve
-from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, trained_prior, untrained_effects
+from fieldkit.model.hyperprior import certified
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.scoring.score import Score, forecasts_of, score
@@ -89,7 +89,7 @@ def quick_look(
         (*(found for _, found in flown), motor),
         tuple(bool(used) for used in used_in_fit),
         certified(),
-        learned(),
+        trained_prior(network),
     )
     said = quick_answer(history, quick_candidates, network)
     truth, seen = said.summary.data.values[:, 0], said.summary.data.seen[:, 0]
