@@ -100,7 +100,7 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
             for name in servers.COMMANDS:
                 part = partial(servers.crashes, ours, name, trials, SEED, of_the_server=of_the_server)
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
-        commands, beside = min(laptops.HOUR, 40 * trials), folder.with_name
+        commands, beside = min(laptops.HOUR, 80 * trials), folder.with_name
         yield "postgres_laptops", partial(laptops.mixed_work, ours, beside("laptops"), 2, commands, trials, SEED)
         for seed in range(trials // 3):
             yield (
