@@ -30,7 +30,7 @@ def can_be_plain(
         and separator is not None
         and not words
         and not comment
-        and not any(channel.suffix for channel in channels)
+        and all(channel.is_plain for channel in channels)
         and encodings(log[:2])[0] == "utf-8"
         and b"\n" in log[:BLOCK]
     )
