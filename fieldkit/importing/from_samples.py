@@ -15,13 +15,22 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     told: list[Found] = []
     for item in found:
-        if not isinstance(item, Reading) or item.describes != "flight":
+        if isinstance(item, Reading) and item.describes == "simulation":
+            told.append(_simulated(item))
+        elif not isinstance(item, Reading) or item.describes != "flight":
             told.append(item)
         elif item.clocks:
             told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
             told.append(_stated(item, format) if item.part else item)
     return told
+
+
+def _simulated(reading: Reading) -> Reading:
+    """A simulation with what it states of its flight: for a look at it, for it is not stored."""
+    from fieldkit.analysis import simulated
+
+    return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:

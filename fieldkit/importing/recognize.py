@@ -139,7 +139,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
-    log = _table_of(log, source)
+    log = table_of(log, source)
     names = _candidates(log, format, source, choices)
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
@@ -159,7 +159,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     return first
 
 
-def _table_of(log: bytes, source: str) -> bytes:
+def table_of(log: bytes, source: str) -> bytes:
     """A log as it is, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
     if not is_spreadsheet(log):
         return log
@@ -223,7 +223,12 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:
-        columns = dict.fromkeys(column for table in tables for column in table.columns)
+        simulated = any(item.describes == "simulation" for item in readings)
+        columns = dict.fromkeys(
+            replace(column, source="simulation") if simulated and column.source != "clock" else column
+            for table in tables
+            for column in table.columns
+        )
         dropped = max(damaged, sum(table.dropped for table in tables))
         return Recognition(columns=tuple(columns), rows=sum(table.rows for table in tables), dropped=dropped)
     clocks = [series for item in readings for series in item.clocks]

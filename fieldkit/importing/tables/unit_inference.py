@@ -25,9 +25,11 @@ _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.
 """Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
 
 
-_REST_SAMPLES, _LEAST_REST, _BOOST_PART, _REST_SPREAD = 20, 5, 0.4, 0.3
-"""A rest is looked for in pieces of at most and at least so many samples, for some loggers keep no more of the pad; a
-boost is such a part of what was strongest, and nothing but a rest differs by less than the last, to its level. [1]"""
+_REST_SAMPLES, _LEAST_REST = 20, 5
+"""A rest is looked for in pieces of at most and at least so many samples: some loggers keep no more of the pad. [1]"""
+_BOOST_PART, _MAX_REST_PART, _REST_SPREAD = 0.4, 0.7, 0.3
+"""A boost is such a part of what was strongest, a rest no more than the second; nothing but a rest differs by less than
+the third, to its level. [1]"""
 _LIFTS, _MOST_GRAVITIES = 1.5, 400.0
 """What lifts a rocket off is felt as more than the first, and nothing that flies as more than the second. [g]"""
 
@@ -92,10 +94,12 @@ def rest(acceleration: Float[Array, "time"]) -> float:
         pieces = values[: len(values) // length * length].reshape(-1, length)
         if not len(pieces):
             continue
-        away = np.abs(pieces.mean(axis=1) - np.median(values))
-        before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
-        if len(before):
-            return float(before[before.std(axis=1).argmin()].mean())
+        means = pieces.mean(axis=1)
+        for usual in (float(np.median(values)), float(means[0])):
+            away = np.abs(means - usual)
+            before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
+            if len(before) and abs(usual) < _MAX_REST_PART * float(np.abs(means).max()):
+                return float(before[before.std(axis=1).argmin()].mean())
         if np.ptp(values) <= _REST_SPREAD * abs(float(np.median(values))):  # a log of a rest alone
             return float(np.median(values))
     return float("nan")
