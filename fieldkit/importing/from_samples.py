@@ -40,10 +40,15 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     the extra columns say which parser reads the log again, and which of its flights this is.
     """
     from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
+    from fieldkit.analysis.channels import MIN_SAMPLES
+    from fieldkit.analysis.notes import NO_HEIGHT
 
     recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
+    samples = max((series.time.size for series in reading.clocks), default=0)
+    if NO_HEIGHT in recorded.notes and samples < MIN_SAMPLES and not _states_figures(reading):
+        return [DamagedLog(f"found {samples} samples, expected {MIN_SAMPLES} of a flight at least", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
     if not fields.get("flight_id"):
         when = fields.get("date_time")
