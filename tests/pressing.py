@@ -209,7 +209,7 @@ async def _no_wait(*_: float) -> None:
 def typed(text: str) -> list[str]:
     """The keys of a text."""
     names = {" ": "space", "-": "minus", ".": "full_stop", "/": "slash", "=": "equals_sign", ";": "semicolon"}
-    names |= {"_": "underscore"}
+    names |= {"_": "underscore", "[": "left_square_bracket", "]": "right_square_bracket"}
     return [names.get(letter, letter) for letter in text]
 
 
