@@ -36,7 +36,7 @@ def landing(
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
-    from fieldkit.planning.descent import fall_of
+    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.forecasts import forecasts
     from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, rail_choices
     from fieldkit.planning.landing import landing as land
@@ -55,7 +55,7 @@ def landing(
     with planning(context, given) as plan:
         found = plan.motor()
         (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
-        fall = fall_of(plan.rocket.history, said.plan)
+        fall = fall_of(plan.rocket.history, said.plan, found)
         down = land(said, fall)
         rail = rail_choices(plan.rocket, plan.flight, found, MAX_RECOMMENDED_ANGLE)
         lines = plan.safety(said)

@@ -52,10 +52,10 @@ class PlanContext:
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety line of a forecast."""
-        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
+        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
 
 
 @contextmanager
@@ -216,13 +216,13 @@ def safety_of(
     ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
     """Every safety line of each of some forecasts."""
-    from fieldkit.planning.descent import fall_of
+    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.safety import safety_lines
     from fieldkit.services.forecasts import flown
 
     limits = own_limits()
     histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan) for one in said]
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
     sites = [field_of(ledger, one.plan, given) for one in said]
     return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
 

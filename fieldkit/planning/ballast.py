@@ -11,7 +11,8 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
@@ -221,7 +222,7 @@ def _named(
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
     """From lift-off to landing of each mass, with common random numbers. [s]"""
-    fall = fall_of(rocket.history, said[0].plan)
+    fall = fall_of(rocket.history, said[-1].plan, said[-1].found)  # at today's mass
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said

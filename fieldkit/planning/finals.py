@@ -10,7 +10,8 @@ from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, three
 from fieldkit.shapes import Array, Float
@@ -86,7 +87,7 @@ def trials(
     said = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
     if not np.median(said[0].apogee) > 0:
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {low * 1e3:.0f} g")
-    fall, density = fall_of(rocket.history, said[0].plan), air_of(said[0].plan).density
+    fall, density = fall_of(rocket.history, plan, found), air_of(said[0].plan).density
 
     def timed(area: float) -> Float[Array, "mass draw"]:
         speeds = [

@@ -14,7 +14,8 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult, WindProfile
 from fieldkit.planning.air import air_of
-from fieldkit.planning.descent import Fall, descents, fall_of, landing_mass, wind_profile
+from fieldkit.planning.descent import descents, wind_profile
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
@@ -142,7 +143,7 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
     plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
     said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
-    fall = fall_of(rocket.history, plan)
+    fall = fall_of(rocket.history, plan, found)
     choices = [
         RailChoice(name, angle, three(landing(one, fall).away)) for (name, angle), one in zip(ways, said, strict=True)
     ]

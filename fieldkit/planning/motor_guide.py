@@ -18,7 +18,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import tolerance
-from fieldkit.planning.descent import fall_of
+from fieldkit.planning.descent_rate import completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
@@ -183,7 +183,7 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history, plan)
+    known, falls = {id(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     return [
         MotorChoice(
             motor,
@@ -192,7 +192,7 @@ def guide(
             said,
             id(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
-            tuple(safety_lines(said, site, fall, limits)),
+            tuple(safety_lines(said, site, completed_fall(falls, said.plan, said.found), limits)),
         )
         for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]

@@ -22,7 +22,7 @@ from fieldkit.paths import data_folder
 from fieldkit.planning import rule_lines
 from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, length, speed, worst
 from fieldkit.planning.classification import build_of
-from fieldkit.planning.descent import Fall
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.landing import landing
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import three

@@ -6,7 +6,8 @@ from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.planning.check import length, speed
-from fieldkit.planning.descent import Fall, wind_profile
+from fieldkit.planning.descent import wind_profile
+from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
@@ -38,7 +39,7 @@ def landing_in_words(
     yield f"  landing   at {falls}; {_device(recovery.device, recovery.main_altitude)}"
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
         yield f"            {ballistic:.0%} hit the ground before anything opens"
-    yield f"  descent   {_rests_on(fall)}"
+    yield f"  descent   {descent_in_words(fall)}"
     yield f"  based on  {rests_in_words(said)}"
     yield f"  wind      {profile_in_words(wind_profile(plan))}"
     if plan.wind is None:
@@ -55,8 +56,10 @@ def _device(device: str, main_altitude: float | None) -> str:
     return f"drogue at apogee, main at {length(main_altitude)}" if main_altitude else f"one {device}"
 
 
-def _rests_on(fall: Fall) -> str:
-    """What the descent speed rests on."""
-    if not fall.flights:
-        return "no flight with a duration or descent speed; one would narrow the interval most"
-    return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
+def descent_in_words(fall: Fall) -> str:
+    """What the descent speed rests on, and without a flight that shows it how much one would narrow it."""
+    if fall.flights:
+        return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
+    narrower = 1 - fall.relative_sd(1) / fall.relative_sd()
+    basis = "speed or parachute as entered" if fall.typed else f"assumes a usual device, ± {DEFAULT_DESCENT_SD:.0%}"
+    return f"{basis}; one flight with a duration would narrow the descent speed by {narrower:.0%}"

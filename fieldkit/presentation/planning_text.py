@@ -14,7 +14,8 @@ from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
-from fieldkit.quantities import counted, measure
+from fieldkit.presentation.landing_text import descent_in_words
+from fieldkit.quantities import measure
 from fieldkit.units import FOOT
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
@@ -102,7 +103,7 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
-    yield f"  descent   {_descent(ahead.timed)}"
+    yield f"  descent   {descent_in_words(ahead.fall)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
@@ -121,12 +122,6 @@ def _delay(one: Delay) -> str:
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
         f"  {f'{one.speed[1]:.0f} m/s':>6}  {one.too_fast:>8.0%}"
     )
-
-
-def _descent(timed: int) -> str:
-    if not timed:
-        return "no flight with a duration or descent speed: assumes a typical parachute, 5 m/s ± 30 %"
-    return f"fitted to {counted(timed, 'flight')} with a duration or descent speed"
 
 
 def _named(said: Prediction) -> str:

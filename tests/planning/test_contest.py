@@ -30,7 +30,7 @@ from fieldkit.planning.contest import (
 )
 from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration
-from fieldkit.planning.descent import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
+from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
 from fieldkit.planning.finals import finals_table, finals_targets, trials
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.presentation.planning_text import ballast_in_words
@@ -180,7 +180,7 @@ def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_s
     )
     rule, rocket = season(2027), Rocket(history, (), None, 0)
     as_flown = outlook(rule, rocket, plan, found, draws=200)
-    assert as_flown.timed == 4
+    assert as_flown.fall.flights == 4
     assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
     smaller = outlook(rule, rocket, plan, found, as_flown.area, draws=200)
     assert smaller.points.mean() == pytest.approx(as_flown.points_there, rel=0.02)

@@ -22,7 +22,7 @@ from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered, tolerance
-from fieldkit.planning.descent import Fall
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors

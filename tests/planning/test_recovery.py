@@ -18,7 +18,8 @@ from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, WindProfile, descend
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
-from fieldkit.planning.descent import Fall, descents, durations, fall_of, landing_mass, usual
+from fieldkit.planning.descent import descents, durations
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass, usual
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.landing import landing, rail_choices
 from fieldkit.services.planning import completed_plan
@@ -81,12 +82,46 @@ def test_two_devices_are_told_apart_by_the_main_speed_and_the_duration() -> None
 def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_tell_it() -> None:
     plan = PLAN.with_changes(extra={"recovery": "streamer"})
     fall = fall_of([(flown(5.0, 6.0), FOUND)], plan)
-    assert fall == usual("streamer")
+    assert (fall.flights, fall.log_mean) == (0, pytest.approx(usual("streamer").log_mean))
     assert np.exp(fall.log_mean - usual().log_mean) == pytest.approx(2.0)
     with pytest.raises(BadValue, match="parachute, streamer"):
         recovery_of(Flight(extra={"recovery": "hope"}))
     with pytest.raises(BadValue, match="main_altitude"):
         recovery_of(Flight(extra={"drogue_speed_mps": "20"}))
+
+
+@pytest.mark.parametrize("mass", [0.1, 1.5, 12.0])
+def test_a_parachute_of_which_nothing_is_known_suits_the_mass_under_it(mass: float) -> None:
+    """OpenRocket's stored simulations of 0.07 to 12.7 kg all land at 4.4 to 7.2 m/s: a flyer buys one that does."""
+    plan = PLAN.with_changes(dry_mass=mass)
+    fall = fall_of([], plan, FOUND)
+    rng = np.random.default_rng(2)
+    speeds = fall.speeds(rng, (4000, 1), landing_mass(plan, FOUND), 1.225)
+    assert float(np.median(speeds)) == pytest.approx(5.0, rel=0.02)
+
+
+def test_a_typed_speed_or_diameter_of_the_parachute_counts_until_flights_on_it_show_another() -> None:
+    def lands(plan: Flight, *history: Flight) -> float:
+        fall = fall_of([(flight, FOUND) for flight in history], plan, FOUND)
+        rng = np.random.default_rng(3)
+        return float(np.median(fall.speeds(rng, (4000, 1), landing_mass(plan, FOUND), 1.225)))
+
+    typed, other = (PLAN.with_changes(extra={"main_speed_fps": text}) for text in ("26", "13"))
+    assert lands(typed) == pytest.approx(26 * 0.3048, rel=0.02)
+    assert lands(typed, flown(5.0, 6.0)) == pytest.approx(26 * 0.3048, rel=0.02)  # on another parachute
+    same = flown(6.0, 6.0).with_changes(extra=typed.extra)
+    assert lands(typed, same) == pytest.approx(6.0, rel=0.04)
+    assert lands(other, same) == pytest.approx(13 * 0.3048, rel=0.02)
+    wide = PLAN.with_changes(extra={"parachute_diameter_in": "18"})
+    weight, area = landing_mass(PLAN, FOUND) * 9.80665, np.pi / 4 * (18 * 0.0254) ** 2
+    assert lands(wide) == pytest.approx(np.sqrt(2 * weight / (1.225 * 0.75 * area)), rel=0.02)
+    with pytest.raises(BadValue, match="main_speed: found -2"):
+        recovery_of(PLAN.with_changes(extra={"main_speed_mps": "-2"}))
+
+
+def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:
+    narrowed = [usual().relative_sd(more) for more in (0, 1, 4)]
+    assert narrowed == pytest.approx([np.hypot(0.3, 0.1), np.hypot(0.1, 0.1), np.hypot(0.1, 0.05)])
 
 
 def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> None:

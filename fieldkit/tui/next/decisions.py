@@ -144,11 +144,11 @@ class Decision:
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.planning.check import safety_text
-        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
-        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *safety_text([*lines, *more]))
 
 
