@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule, system
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
 from fieldkit.cli.targets import Force, settled
 
@@ -137,7 +137,7 @@ def contest(
     if total is not None:
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
     if ahead is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines, plan.rocket.starts)
+        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.starts)
 
 
 takes_plan(contest)

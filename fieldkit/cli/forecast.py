@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.planning import about_plan, plan_from_options, print_safety, safety_of
+from fieldkit.cli.planning import about_plan, plan_from_options, print_safety, safety_of, system
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -149,7 +149,7 @@ def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Safe
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor
-        say_wrapped(f"{name}: air {air_of(one.plan).words()}", "  ")
+        say_wrapped(f"{name}: air {air_of(one.plan).words(system())}", "  ")
         for line in own:
-            say_wrapped(f"{name}: {line.words()}", "  ")
+            say_wrapped(f"{name}: {line.words(system())}", "  ")
     say_wrapped(ADVICE_NOTE)

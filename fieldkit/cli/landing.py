@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan
+from fieldkit.cli.planning import about_plan, planning, print_plan, system
 from fieldkit.cli.screen import complain, print_json, say
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
@@ -36,6 +36,7 @@ def landing(
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
+    from fieldkit.errors import BadValue
     from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.forecasts import forecasts
     from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, rail_choices
@@ -53,6 +54,8 @@ def landing(
     for file in (kml, card):
         force = settled(file, force) if file is not None else force
     with planning(context, given) as plan:
+        if kml is not None and plan.flight.wind is None:
+            raise BadValue("found --kml without a wind, expected --wind too: where it lands is not known without")
         found = plan.motor()
         (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
         fall = fall_of(plan.rocket.history, said.plan, found)
@@ -67,7 +70,7 @@ def landing(
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.report.range_card import range_card
 
-        told = [*landing_in_words(said, down, fall, rail, plan.site)][1:]
+        told = [*landing_in_words(said, down, fall, rail, plan.site, system())][1:]
         words = [*in_words(said), *told][:CARD_LINES]
         files.write(card, range_card(words, lines, down, plan.site, card.suffix.lower()), force=force)
         complain(f"{card}: the range card")
@@ -77,12 +80,12 @@ def landing(
         document |= {"on_field": _on_field(down, plan.site.size), "rail": [one.json() for one in rail]}
         print_json(document | {"timed_flights": fall.flights} | about_plan(said, lines))
         return
-    print_plan(landing_in_words(said, down, fall, rail, plan.site), said.plan, lines, plan.rocket.starts)
+    print_plan(landing_in_words(said, down, fall, rail, plan.site, system()), said.plan, lines, plan.rocket.starts)
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:
-    """The fraction of landings on a field of a size [m] whose middle the pad is in, None if it is not known."""
-    return None if size is None else float((down.away <= size / 2).mean())
+    """Fraction of landings on a field of a size [m] with the pad in its middle; None if it or the wind is unknown."""
+    return None if size is None or down.wind is None else float((down.away <= size / 2).mean())
 
 
 takes_plan(landing)

@@ -240,11 +240,18 @@ def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, 
     }
 
 
+def system() -> str:
+    """The flyer's system of units."""
+    from fieldkit.settings import read_settings
+
+    return read_settings().units
+
+
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
     """Print the air of a plan, what else of the day acts on it, and the design it starts from."""
     from fieldkit.presentation.planning_text import conditions_in_words
 
-    for text in conditions_in_words(plan, starts):
+    for text in conditions_in_words(plan, starts, system()):
         say_wrapped(text, " " * 10)
 
 
@@ -265,5 +272,5 @@ def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequen
 
     print_conditions(plan, starts)
     say("  safety")
-    for text in safety_text(lines):
+    for text in safety_text(lines, system()):
         say_wrapped(f"    {text}", "  ")

@@ -140,11 +140,19 @@ def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Dril
 
 def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0.0) -> dict[float, bool]:
     """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled, and no
-    less than `least_left` is left. [s]"""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
+    less than `least_left` is left. [s]
+
+    A delay of zero is that of a booster, which lights the next stage and has no charge for a parachute.
+    """
+    sold = sold_delays(motor)
     drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
     possible = [delay for delay in drilled if delay > 0 and delay >= least_left and delay not in sold]
     return dict.fromkeys(sold, True) | dict.fromkeys(possible, False)
+
+
+def sold_delays(motor: Motor) -> list[float]:
+    """The delays on sale after which a charge fires, the shortest first. [s]"""
+    return [delay for delay in sorted(motor.delays) if 0 < delay < PLUGGED_DELAY]
 
 
 def delays(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import MPH, SafetyCheck, Verdict, length, worst
+from fieldkit.planning.check import SafetyCheck, Verdict, figure, length, speed, worst
 from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
@@ -86,7 +86,8 @@ def _line(
 def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | None = None) -> SafetyCheck:
     told = (row or rule).text
     verdict = "caution" if verdict == "unsafe" and told.unverified else verdict
-    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", told.words, told.mark)
+    words = f"{told.words} ({row.stated})" if row is not None and row.stated else told.words
+    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", words, told.mark)
 
 
 def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
@@ -94,10 +95,10 @@ def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
 
     def judge(rule: Rule) -> SafetyCheck:
         limit = rule.rows[0].value
-        most = f"no launch above {limit:.1f} m/s ({limit / MPH:.0f} mph)"
+        most = f"no launch above {speed(limit)}"
         if wind is None:
             return _check("ground wind", "unknown", f"not given; {most}", rule)
-        text = f"{wind:.1f} m/s ({wind / MPH:.0f} mph); {most}"
+        text = f"{speed(wind)}; {most}"
         return _check("ground wind", "ok" if wind <= limit else "unsafe", text, rule)
 
     return _line("ground wind", held.rules("ground wind"), judge)
@@ -120,21 +121,19 @@ def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
 def mass_line(held: Governed) -> SafetyCheck:
     """Mass at lift-off, propellant and total impulse against what the codes allow for a rocket of its kind."""
     build = held.build
-    found = {"mass": (build.mass, 1e3, "g"), "propellant": (build.propellant, 1e3, "g of propellant")}
-    found["impulse"] = (build.impulse, 1.0, "N s")
+    found = {"mass": (build.mass, "g", ""), "propellant": (build.propellant, "g", " of propellant")}
+    found["impulse"] = (build.impulse, "N s", "")
     lines = []
-    for name, (value, scale, unit) in found.items():
+    for name, (value, unit, what) in found.items():
         for rule in held.rules(name):
             limit = rule.rows[0].value
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
-            shown = "unknown" if math.isnan(value) else f"{value * scale:.0f}"
-            lines.append(
-                _check("mass and impulse", verdict, f"{shown} {unit}, at most {limit * scale:,.0f} {unit}", rule)
-            )
+            shown = f"{name} unknown" if math.isnan(value) else f"{figure(value, unit)}{what}"
+            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {figure(limit, unit)}{what}", rule))
     if not lines:
         return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
     last = worst(lines)
-    texts = "; ".join(one.text for one in lines)
+    texts = "; ".join(one.finding for one in lines)
     return SafetyCheck(last.name, last.verdict, texts, last.source, last.rule, last.mark)
 
 
@@ -193,7 +192,7 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
             return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
         text = f"people at least {length(needed)} away"
         if build.complex and row.complex is not None:
-            text += "because the rocket is complex"
+            text += " because the rocket is complex"
         if row.cleared is not None:
             text += f", {length(row.cleared)} across cleared around the pad"
         if people is None:
@@ -228,8 +227,8 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
 def class_line(held: Governed) -> SafetyCheck:
     """Model or high power, and the class of the law."""
     build = held.build
-    mass = "unknown mass" if math.isnan(build.mass) else f"{build.mass * 1e3:.0f} g on the pad"
-    text = f"{build.propellant * 1e3:.0f} g of propellant, {mass}, {build.impulse:.0f} N s"
+    mass = "unknown mass" if math.isnan(build.mass) else f"{figure(build.mass, 'g')} on the pad"
+    text = f"{figure(build.propellant, 'g')} of propellant, {mass}, {build.impulse:.0f} N s"
     law = held.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""

@@ -1,6 +1,7 @@
 """Recovery as flown: the descent is fitted on what flights showed, and used in durations and landings."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,17 +12,22 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_of
+from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Found, catalogue
+from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, WindProfile, descend
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass, usual
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.landing import landing, rail_choices
+from fieldkit.planning.landing import RailChoice, landing, rail_choices
+from fieldkit.planning.limits import limits
+from fieldkit.planning.safety import safety_lines
+from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.services.planning import completed_plan
 from fieldkit.settings import Settings
 
@@ -142,6 +148,54 @@ def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
     assert with_drogue < 0.45 * alone
 
 
+def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_metre_a_second_is_not(said: Prediction) -> None:
+    """Under a parachute that opens at apogee the drift is the descent time times the mean wind on the way."""
+    calm = replace(said, plan=PLAN.with_changes(wind=None))
+    fall = fall_of([], calm.plan, FOUND)
+    found = landing(calm, fall)
+    shown = found.json()
+    assert (shown["away_m"], shown["downwind_m"], shown["ellipse"]) == (None, None, None)
+    height, time = np.median(calm.true_apogee), np.median(found.duration - calm.rise_time)
+    profile = WindProfile(1.0).components(np.linspace(0.0, height, 200))[0].mean()
+    assert np.median(found.drift) == pytest.approx(time * profile, rel=0.05)
+    words = " ".join(landing_in_words(calm, found, fall, [], Site(size=300.0)))
+    assert "unknown without the wind" in words
+    assert " 0 m from the pad" not in words
+    assert rail_choices(NEW, calm.plan, FOUND, 0.1) == []
+    held = landing(replace(said, plan=PLAN.with_changes(wind=found.wind_that_holds(300.0))), fall)
+    assert np.mean(held.down.along < 150.0) == pytest.approx(0.95, abs=0.02)
+    line = next(one for one in safety_lines(calm, Site(size=400.0), fall, limits()) if one.name == "field size")
+    assert line.verdict == "unknown"
+    assert "wind not given; drifts" in line.text
+
+
+def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(said: Prediction) -> None:
+    def line(**changes: object) -> SafetyCheck:
+        one = replace(said, plan=said.plan.with_changes(**changes))
+        lines = safety_lines(one, Site(), fall_of([], one.plan, FOUND), limits())
+        return next(check for check in lines if check.name == "ejection speed")
+
+    dual = line(extra={"main_altitude_m": "150"}, delay=PLUGGED_DELAY)
+    assert dual.verdict == "ok"
+    assert "altimeter opens the drogue at apogee" in dual.text
+    assert line(delay=PLUGGED_DELAY).verdict == "caution"
+    assert "plugged" in line(delay=PLUGGED_DELAY).text
+    assert line(delay=0.0).verdict == "unsafe"  # a booster has no charge
+
+
+def test_figures_are_in_the_units_of_the_flyer_alone(said: Prediction) -> None:
+    lines = safety_lines(said, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
+    metric, american = (
+        [one.words(system).partition(". The rule")[0].partition(" [")[0] for one in lines[:-1]]
+        for system in ("SI", "US")
+    )
+    assert not [line for line in metric if re.search(r"\d (ft|mph|°F|oz)\b", line)]
+    assert not [line for line in american if re.search(r"\d (m|m/s|°C|g)\b", line)]
+    down = landing(said, usual())
+    words = [*landing_in_words(said, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0))], Site(size=300.0), "US")]
+    assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
+
+
 def test_the_ellipse_holds_nine_landings_in_ten(said: Prediction) -> None:
     found = landing(said, usual())
     inside = found.ellipse().inside(found.along, found.across).mean()
@@ -193,7 +247,7 @@ def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     assert document["rail"][0]["away_m"]["p50"] <= document["rail"][-1]["away_m"]["p50"]
     assert main([*ledger, *plan]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "9.0 at 300 m" in out
+    assert "9.0 m/s at 300 m" in out
     assert "recommended rail" in out
 
 

@@ -44,7 +44,10 @@ def _plain(text: str) -> str:
 
 
 def _map(figure: Figure, found: Landing, site: Site) -> None:
-    """Pad, landings, ellipse and field, the wind blowing up the page."""
+    """Pad, landings, ellipse and field, the wind blowing up the page; nothing where the wind is not known."""
+    if found.wind is None:
+        figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")
+        return
     axes = figure.add_axes((0.63, 0.66, 0.32, 0.24))
     axes.scatter(found.across[:SHOWN_LANDINGS], found.along[:SHOWN_LANDINGS], s=3, color="0.5", linewidths=0)
     outline = found.ellipse().outline()
