@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.planning import about_plan, plan_from_options, print_safety, safety_of, system
+from fieldkit.cli.planning import about_plan, plan_from_options, planned_table, print_safety, safety_of, system
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -51,7 +51,7 @@ def predict(
     with open_ledger(context) as ledger:
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("use --flights or --motor, not both")
-        plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
+        plans = planned_table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         if quick:
             _print_quick(ledger, check, plans, json=json)
             return
@@ -86,13 +86,6 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
         return
     for one in found:
         say(forecast_line(one))
-
-
-def _table(file: Path, check: MotorCheck) -> "list[Flight]":
-    from fieldkit.importing.read import read_plans
-    from fieldkit.services.imports import read_file
-
-    return read_plans(read_file(file), str(file), check)
 
 
 def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":

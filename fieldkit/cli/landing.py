@@ -37,10 +37,7 @@ def landing(
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
     from fieldkit.errors import BadValue
-    from fieldkit.planning.descent_rate import fall_of
-    from fieldkit.planning.forecasts import forecasts
-    from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, rail_choices
-    from fieldkit.planning.landing import landing as land
+    from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.kml import landing_kml, read_place
     from fieldkit.presentation.landing_text import landing_in_words
 
@@ -56,12 +53,9 @@ def landing(
     with planning(context, given) as plan:
         if kml is not None and plan.flight.wind is None:
             raise BadValue("found --kml without a wind, expected --wind too: where it lands is not known without")
-        found = plan.motor()
-        (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
-        fall = fall_of(plan.rocket.history, said.plan, found)
-        down = land(said, fall)
-        rail = rail_choices(plan.rocket, plan.flight, found, MAX_RECOMMENDED_ANGLE)
-        lines = plan.safety(said)
+        one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
+    said, found, down, lines = one.said, one.said.found, one.down, one.lines
+    words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system()))
     if kml is not None and place is not None:
         name = f"{said.plan.rocket} on {found.motor.designation}"
         files.write(kml, landing_kml(name, down, place, wind_from), force=force)
@@ -70,17 +64,14 @@ def landing(
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.report.range_card import range_card
 
-        told = [*landing_in_words(said, down, fall, rail, plan.site, system())][1:]
-        words = [*in_words(said), *told][:CARD_LINES]
-        files.write(card, range_card(words, lines, down, plan.site, card.suffix.lower()), force=force)
+        told = [*in_words(said), *words[1:]][:CARD_LINES]
+        files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=force)
         complain(f"{card}: the range card")
     if json:
-        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation}
-        document["landing"] = down.json()
-        document |= {"on_field": _on_field(down, plan.site.size), "rail": [one.json() for one in rail]}
-        print_json(document | {"timed_flights": fall.flights} | about_plan(said, lines))
+        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation} | one.json()
+        print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(said, lines))
         return
-    print_plan(landing_in_words(said, down, fall, rail, plan.site, system()), said.plan, lines, plan.rocket.starts)
+    print_plan(words, said.plan, lines, plan.rocket.starts)
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:

@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from fieldkit.cli.options import FIELD
 from fieldkit.cli.screen import progress, say, say_wrapped
-from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -75,6 +76,14 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
         kit = _kit(given)
         site = field_of(ledger, flight, given)
         yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
+
+
+def planned_table(file: Path, check: MotorCheck) -> "list[Flight]":
+    """The planned flights of a table. Raises DamagedLog for the first bad row."""
+    from fieldkit.importing.read import read_plans
+    from fieldkit.services.imports import read_file
+
+    return read_plans(read_file(file), str(file), check)
 
 
 NEW_ROCKET = "new rocket"

@@ -43,13 +43,13 @@ class SafetyCheck:
         """What was found and what would be right, in SI."""
         return in_units(self.finding, "SI")
 
-    def words(self, system: str = "SI") -> str:
-        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and source if it is not well."""
+    def words(self, system: str = "SI", *, source: bool = True) -> str:
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and `source` if it is not well."""
         rule = f". The rule: {self.rule}" if self.rule and self.failed else ""
-        source = f" [{self.source}]" if self.failed and self.source else ""
+        origin = f" [{self.source}]" if source and self.failed and self.source else ""
         doubt = " (unverified)" if self.mark == "U" else ""
         found = in_units(self.finding, system)
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{doubt}{rule}{source}"
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{doubt}{rule}{origin}"
 
     def json(self) -> dict[str, str]:
         """Ready for JSON."""
@@ -89,6 +89,12 @@ def in_units(finding: str, system: str) -> str:
 def length(metres: float) -> str:
     """A length within a finding: `284 m` or `932 ft`."""
     return figure(metres, "m")
+
+
+def lengths(*metres: float) -> list[str]:
+    """Lengths within one finding that are compared: with a tenth where they look the same without."""
+    digits = int(len({round(one) for one in metres}) < len(set(metres)))
+    return [figure(one, "m", digits) for one in metres]
 
 
 def speed(value: float, digits: int = 1) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import SafetyCheck, Verdict, figure, length, speed, worst
+from fieldkit.planning.check import SafetyCheck, Verdict, figure, length, lengths, speed, worst
 from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
@@ -158,14 +158,16 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
         row = rule.row(held.build.impulse, held.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
-        text = f"the code requires {length(needed)} across"
         if size is None:
-            return _check("field size", "unknown", f"{text}; field size not given", rule, row)
+            text = f"the code requires {length(needed)} across; field size not given"
+            return _check("field size", "unknown", text, rule, row)
+        wanted, own = lengths(needed, size)
+        text = f"the code requires {wanted} across"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(held)) and size >= small.rows[0].value - 1e-6:
-            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {length(size)}"
+            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
             return _check("field size", "caution", told, small)
-        return _check("field size", verdict, f"{text}; this field is {length(size)}", rule, row)
+        return _check("field size", verdict, f"{text}; this field is {own}", rule, row)
 
     wanted = held.rules("field size")
     wanted.sort(key=lambda rule: -(rule.least(held.build.impulse, held.altitude) or math.inf))
@@ -190,7 +192,8 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
         needed = rule.least(build.impulse, held.altitude, complex_rocket=build.complex)
         if row is None or needed is None:
             return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
-        text = f"people at least {length(needed)} away"
+        wanted, *own = lengths(needed) if people is None else lengths(needed, people)
+        text = f"people at least {wanted} away"
         if build.complex and row.complex is not None:
             text += " because the rocket is complex"
         if row.cleared is not None:
@@ -198,7 +201,7 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
         if people is None:
             return _check(name, "unknown", f"{text}; distance not given", rule, row)
         verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; they are {length(people)} away", rule, row)
+        return _check(name, verdict, f"{text}; they are {own[0]} away", rule, row)
 
     rules = held.rules(name)
     rules.sort(key=lambda rule: -(rule.least(build.impulse, held.altitude, complex_rocket=build.complex) or math.inf))
@@ -211,11 +214,12 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
 
     def judge(rule: Rule) -> SafetyCheck:
         needed = rule.least(held.build.impulse, held.altitude) or 0.0
-        text = f"uninvolved people and property at least {length(needed)} away"
+        wanted, *own = lengths(needed) if away is None else lengths(needed, away)
+        text = f"uninvolved people and property at least {wanted} away"
         if away is None:
             return _check(name, "unknown", f"{text}; distance not given", rule)
         verdict: Verdict = "ok" if away >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; they are {length(away)} away", rule)
+        return _check(name, verdict, f"{text}; they are {own[0]} away", rule)
 
     rules = held.rules(name)
     if not rules and held.legal == 1:

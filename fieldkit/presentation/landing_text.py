@@ -34,12 +34,17 @@ def landing_in_words(
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
         return
     yield f"  wind      {profile_in_words(wind_profile(plan), shown)}"
-    best = rail[0]
-    advice = f"{best.angle / DEGREE:.1f}° {best.direction} the wind, lands {shown.length(best.away[1])} away"
-    yield (
-        f"  recommended rail: {advice}; "
-        + ", ".join(f"{one.angle / DEGREE:.1f}° {one.direction}: {shown.length(one.away[1])}" for one in rail[1:4])
-    )
+    others = ", ".join(f"{_rail(one)}: {shown.length(one.away[1])}" for one in rail[1:4])
+    yield f"  recommended rail: {rail_in_words(rail[0], shown)}; {others}"
+
+
+def rail_in_words(choice: RailChoice, shown: ShownUnits) -> str:
+    """`7.5° into the wind, lands 87 m away`."""
+    return f"{_rail(choice)} the wind, lands {shown.length(choice.away[1])} away"
+
+
+def _rail(choice: RailChoice) -> str:
+    return f"{choice.angle / DEGREE:.1f}° {choice.direction}"
 
 
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:

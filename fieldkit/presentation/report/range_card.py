@@ -18,14 +18,16 @@ SHOWN_LANDINGS = 200
 """Points on the map. [1]"""
 
 
-def range_card(words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str) -> bytes:
-    """The card as a picture of a page."""
+def range_card(
+    words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str = "SI"
+) -> bytes:
+    """The card as a picture of a page, in the units of a system."""
     figure = Figure(figsize=(8.27, 11.69))
     figure.text(0.06, 0.965, _plain(words[0]), fontsize=14, fontweight="bold", va="top")
     figure.text(
         0.06, 0.935, "\n".join(_wrapped(line, 60) for line in words[1:]), fontsize=7.5, va="top", family="monospace"
     )
-    safety = "\n".join(_wrapped(line.words(), LINE) for line in lines)
+    safety = "\n".join(_wrapped(line.words(system), LINE) for line in lines)
     figure.text(0.06, 0.62, "Safety lines", fontsize=11, fontweight="bold", va="top")
     figure.text(0.06, 0.60, f"{safety}\n\n{ADVICE_NOTE}", fontsize=7, va="top", family="monospace")
     _map(figure, found, site)
