@@ -48,7 +48,14 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
     return _with_recovery(plan, history)
 
 
-INHERITED_RECOVERY = ("recovery", "drogue_speed", "main_altitude", "opening_time")
+INHERITED_RECOVERY = (
+    "recovery",
+    "drogue_speed",
+    "main_altitude",
+    "main_speed",
+    "parachute_diameter",
+    "opening_time",
+)
 """What of its recovery a plan takes from the last flight of its configuration that says it."""
 
 

@@ -15,7 +15,8 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
-from fieldkit.planning.descent import durations, usual
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import usual
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
