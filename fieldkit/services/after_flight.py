@@ -23,7 +23,8 @@ Interval = tuple[float, float, float]
 class Outcome:
     """What a flight was forecast to do and what the next one like it will do, and Cd before and after it. [m, 1]
 
-    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now.
+    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now. The fraction by
+    which one more such flight narrows the next interval is `narrows`. [1]
     """
 
     flight: Flight
@@ -31,6 +32,7 @@ class Outcome:
     kept: bool
     next_flight: Interval
     cd: tuple[float, float]
+    narrows: float = 0.0
 
     @property
     def miss(self) -> float | None:
@@ -69,6 +71,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
         kept=kept is not None,
         next_flight=_interval(after),
         cd=(float(before.cd.mean()), float(after.cd.mean())),
+        narrows=1 - after.narrowed(1),
     )
 
 
