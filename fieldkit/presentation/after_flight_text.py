@@ -52,9 +52,8 @@ def suggestion_line(found: Suggestion, system: str) -> str:
         )
     if found.kind == "motor" and found.apogee is not None:
         target = measure(APOGEE, found.target, system)
-        return (
-            f"Nearest to the target of {target}: {found.motor}, {_interval(found.apogee, system)}. f chooses a motor."
-        )
+        said = _interval(found.apogee, system)
+        return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f chooses a motor."
     return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f saves its forecast."
 
 

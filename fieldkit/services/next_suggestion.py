@@ -32,7 +32,7 @@ COMPARED_DRAWS = 200
 @dataclass(frozen=True, slots=True)
 class Suggestion:
     """What to do next. `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`:
-    the safe `motor` whose `apogee` comes nearest to the `target` [m]. `repeat`: one more flight narrows the interval by
+    the safe `motor` whose `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight narrows the interval by
     the fraction `narrows` [1].
     """
 
@@ -60,8 +60,9 @@ def suggestion(
             nearest = None
         if nearest is not None:
             low, middle, high = nearest.prediction.apogee_quantiles().tolist()
-            motor = f"{nearest.motor.maker} {nearest.motor.designation}"
-            return Suggestion("motor", motor=motor, apogee=(low, middle, high), target=settings.target)
+            if low <= settings.target <= high:
+                motor = f"{nearest.motor.maker} {nearest.motor.designation}"
+                return Suggestion("motor", motor=motor, apogee=(low, middle, high), target=settings.target)
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
 

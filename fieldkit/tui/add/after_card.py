@@ -1,8 +1,9 @@
 """A flight that was just saved: forecast against flown, Cd before and after, the next forecast, what to do next."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from fieldkit.services.saved_forecasts import SavedForecast
     from fieldkit.tui.resources import Resources
 
+Draw = Callable[[Any, Any], None]
 MAX_EARLIER = 24
 """Earlier forecasts that are drawn, the newest. [1]"""
 WORKING = "comparing it with its forecast ..."
@@ -61,27 +63,35 @@ class AfterCard(VerticalScroll, can_focus=True):
     AfterCard Static { height: auto; }
     AfterCard Horizontal { height: auto; }
     AfterCard Big { margin: 0 2 0 0; }
-    AfterCard Horizontal > Static { width: 1fr; }
-    AfterCard > .bars { margin-top: 1; }
+    AfterCard .facts { width: 1fr; }
+    AfterCard > .bars, AfterCard > .next { margin-top: 1; }
+    AfterCard > .hill { height: 14; margin-top: 1; display: none; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
     AfterCard > .earlier { margin-top: 1; display: none; }
-    .-tall AfterCard > .earlier { display: block; }
+    .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
     """
     enter = "Next"
     """What Enter does, for the key bar."""
     text = ""
 
     def compose(self) -> ComposeResult:
-        """From the figure to the suggestion."""
+        """From the figure to the suggestion, and below it the next flight and earlier ones."""
+        from fieldkit.tui.widgets.plots import Plot
+
         yield Static("", classes="heading")
         with Horizontal():
             yield Big()
             yield Static("", classes="facts")
         yield Static("", classes="bars")
         yield Static("", classes="next")
+        yield Plot(classes="hill")
         yield Static("", classes="earlier")
 
     def on_mount(self) -> None:
         """How to go on."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, middle and 95 %"
         self.border_subtitle = "Enter types the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
@@ -93,17 +103,20 @@ class AfterCard(VerticalScroll, can_focus=True):
         for place in (".bars", ".next", ".earlier"):
             self._put(place, "")
         self._put(".facts", WORKING)
+        self._hill(None)
         self.text = heading
         self.scroll_home(animate=False, immediate=True)
 
     def show(self, found: AfterFlight | None, system: str) -> None:
         """How it did, once that is known."""
         from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
+        from fieldkit.tui.widgets.plots import draw_density
 
         if found is None:
             self._put(".facts", NO_FORECAST)
             return
         outcome = found.outcome
+        low, middle, high = outcome.next_flight
         facts = [("Flown", measure(cards.APOGEE, outcome.flight.apogee, system)), *outcome_facts(outcome, system)]
         advice = suggestion_line(found.next, system)
         self._put(".facts", cards.lines("", facts))
@@ -113,9 +126,18 @@ class AfterCard(VerticalScroll, can_focus=True):
         ]
         self._put(".bars", _drawn(rows, system, "90 % of flights end in the line, ● its middle, ◆ flown"))
         self._put(".next", hanging([f"Suggested  {advice}"]))
+        marks = [(x, "") for x in (middle, low, high)]
+        self._hill(draw_density(outcome.after.apogee, marks, partial(_height, system)))
         if found.earlier:
             self._put(".earlier", _drawn(_rows(found.earlier), system, "Earlier forecasts of this rocket"))
         self.text = "\n".join([self.text, cards.as_text("", facts), advice])
+
+    def _hill(self, draw: Draw | None) -> None:
+        from fieldkit.tui.widgets.plots import Plot
+
+        plot = self.query_one(Plot)
+        plot.show(draw)
+        plot.visible = draw is not None
 
     def _put(self, place: str, content: object) -> None:
         self.query_one(place, Static).update(content)  # type: ignore[arg-type]  # text or what draws itself
@@ -134,4 +156,8 @@ def _rows(earlier: Sequence["SavedForecast"]) -> list[Interval]:
 
 
 def _drawn(rows: Sequence[Interval], system: str, title: str) -> Intervals:
-    return Intervals(tuple(rows), lambda height: measure(cards.APOGEE, height, system), {}, title)
+    return Intervals(tuple(rows), partial(_height, system), {}, title)
+
+
+def _height(system: str, height: float) -> str:
+    return measure(cards.APOGEE, height, system)
