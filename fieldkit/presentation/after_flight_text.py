@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, number
 from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.services.next_suggestion import Suggestion
 
 APOGEE = BY_NAME["apogee"]
 VISIBLE_CD_CHANGE = 0.005
@@ -26,6 +27,34 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
     if abs(after - before) >= VISIBLE_CD_CHANGE:
         yield f"Cd {before:.2f} is now {after:.2f}."
     yield f"Next on {found.flight.motor}: {_interval(found.next_flight, system)}."
+
+
+def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
+    """The same as name and value, a line each."""
+    source = "Forecast" if found.kept else "Earlier flights"
+    yield source, _interval(found.forecast, system)
+    if found.miss is not None:
+        way = "high" if found.miss >= 0 else "low"
+        where = "inside" if found.inside else "OUTSIDE"
+        yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval"
+    before, after = found.cd
+    changed = abs(after - before) >= VISIBLE_CD_CHANGE
+    yield "Cd", f"{before:.2f} is now {after:.2f}" if changed else f"{after:.2f}, unchanged"
+    yield "Next", f"{_interval(found.next_flight, system)} on {found.flight.motor}"
+
+
+def suggestion_line(found: Suggestion, system: str) -> str:
+    """What to do next, in a sentence with the key that leads there."""
+    if found.kind == "loop":
+        return (
+            f"{found.outside} of the last {found.forecasts} flights ended outside their interval: "
+            "5 looks for the effect that is missing."
+        )
+    if found.kind == "motor" and found.apogee is not None:
+        target = measure(APOGEE, found.target, system)
+        said = _interval(found.apogee, system)
+        return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f chooses a motor."
+    return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f saves its forecast."
 
 
 def question(expected: Interval, apogee: float, system: str) -> str:

@@ -23,14 +23,25 @@ Interval = tuple[float, float, float]
 class Outcome:
     """What a flight was forecast to do and what the next one like it will do, and Cd before and after it. [m, 1]
 
-    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now.
+    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now. `after` is the
+    forecast of the next flight like it.
     """
 
     flight: Flight
     forecast: Interval
     kept: bool
-    next_flight: Interval
+    after: Prediction
     cd: tuple[float, float]
+
+    @property
+    def next_flight(self) -> Interval:
+        """What the next flight like it will show. [m]"""
+        return _interval(self.after)
+
+    @property
+    def narrows(self) -> float:
+        """The fraction by which one more such flight narrows the next interval. [1]"""
+        return 1 - self.after.narrowed(1)
 
     @property
     def miss(self) -> float | None:
@@ -67,7 +78,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
         flight=flight,
         forecast=_interval(before) if kept is None else kept.interval,
         kept=kept is not None,
-        next_flight=_interval(after),
+        after=after,
         cd=(float(before.cd.mean()), float(after.cd.mean())),
     )
 

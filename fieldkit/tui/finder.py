@@ -11,7 +11,8 @@ from textual.command import Hit, Provider
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
-from fieldkit.tui.page import Host, PageScreen, pages
+from fieldkit.tui.host import Host
+from fieldkit.tui.page import PageScreen, pages
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor

@@ -8,8 +8,9 @@ from textual.app import App
 from textual.dom import DOMNode
 from textual.message_pump import MessagePump
 
+from fieldkit.tui.asking import WAIT
 from fieldkit.tui.keys import pressed
-from fieldkit.tui.page import WAIT, PageScreen
+from fieldkit.tui.page import PageScreen
 
 MAX_ANSWER = 1.0
 """How long the next key waits for widgets to hear of the one before. [s]"""

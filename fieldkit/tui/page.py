@@ -1,37 +1,24 @@
 """What every page is: a screen between the bars, with help, a copy of its figure, and work that blocks no key."""
 
-import asyncio
-from collections import defaultdict
 from collections.abc import Callable, Iterable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
+from typing import Any, ClassVar
 
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Container
 from textual.reactive import Reactive
-from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
-from textual.worker import get_current_worker
 
-from fieldkit.errors import FieldkitError
+from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
-from fieldkit.tui.memory import give_back
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
-if TYPE_CHECKING:
-    from fieldkit.tui.resources import Resources
-    from fieldkit.tui.widgets.bars import Notice
-
-T = TypeVar("T")
-WAIT = 0.005
-"""How often it is asked whether something is there that keys wait for. [s]"""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
@@ -43,65 +30,6 @@ class Page:
     number: int
     title: str
     screen: type["PageScreen"]
-
-
-class Dropped(Exception):
-    """Nobody waits for an answer any more."""
-
-
-def go_on() -> None:
-    """Called within a question's work. Raises Dropped if nobody waits for its answer any more."""
-    if get_current_worker().is_cancelled:
-        raise Dropped
-
-
-class Host(Protocol):
-    """What pages ask of the app that shows them."""
-
-    resources: "Resources"
-    notices: "list[Notice]"
-    revision: int
-    look: int
-    unseen: bool
-
-    def settled(self) -> None:
-        """The flights have been read."""
-
-    def changed(self) -> None:
-        """The ledger has changed: pages are to fill themselves again."""
-
-    def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Say something."""
-
-    def withdraw(self, text: str) -> None:
-        """Remove a notice that no longer holds."""
-
-    def survive(self, error: Exception) -> None:
-        """Write down an error that nobody foresaw, and say so."""
-
-    def choose(self, said: str = "", **changes: Any) -> None:
-        """Change settings, show what they change, and keep them."""
-
-    def ask_target(self) -> None:
-        """Ask for the height to hit."""
-
-    def action_next_units(self) -> None:
-        """The next system of units."""
-
-    def action_next_theme(self) -> None:
-        """The next colors."""
-
-    async def open_flight(self, id: str) -> None:
-        """Open a flight over the page Flights."""
-
-    async def show_flights(self, words: str) -> None:
-        """The flights that hold all of some words."""
-
-    def action_read(self) -> None:
-        """The notice in front was read."""
-
-    async def action_page(self, name: str) -> None:
-        """Bring a page to the front."""
 
 
 @cache
@@ -117,7 +45,7 @@ def pages() -> dict[str, Page]:
     return dict(sorted(found.items(), key=lambda item: item[1].number))
 
 
-class PageScreen(Screen[None]):
+class PageScreen(AskingScreen):
     """A screen between the bars. `body` composes it, `reload` fills it when the ledger has changed, `redraw` shows
     what it holds in other units or against another target."""
 
@@ -144,24 +72,12 @@ class PageScreen(Screen[None]):
         super().__init__()
         self._seen = (-1, -1)
         self._theme = ""
-        self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
-        self._threads: dict[str, asyncio.Future[Any]] = {}
         self._due: list[Callable[[], None]] = []
 
     @property
     def ready(self) -> bool:
         """Whether the page has been in front, mounted and painted, and keys go where they should."""
         return self._seen != (-1, -1)
-
-    @property
-    def resources(self) -> "Resources":
-        """The ledger, the motors, the settings."""
-        return self.field_app.resources
-
-    @property
-    def field_app(self) -> "Host":
-        """The app, as pages know it: by what they ask of it, for its module imports theirs."""
-        return cast(Host, self.app)
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
@@ -232,72 +148,6 @@ class PageScreen(Screen[None]):
         """This page has changed the ledger in a way that only other pages have to show."""
         self.field_app.revision += 1
         self._seen = (self.field_app.revision, self.field_app.look)
-
-    def ask(
-        self,
-        question: Callable[[], T],
-        answer: Callable[[T], None],
-        group: str = "ask",
-        *,
-        in_turn: bool = False,
-        alone: bool = False,
-        ledger_alone: bool = False,
-    ) -> None:
-        """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
-        one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
-
-        A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
-        `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
-        One that reads the `ledger_alone` does not wait for the rest of the engine.
-        """
-
-        def with_engine() -> T:
-            self.resources.import_engine(ledger_alone=ledger_alone)
-            return question()
-
-        async def work() -> None:
-            async with self._turns[group] if in_turn else nullcontext():
-                try:
-                    answer(await (self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine)))
-                except FieldkitError as error:
-                    self.complain(str(error))
-                except Exception as error:
-                    self.field_app.survive(error)
-
-        self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
-
-    async def _alone(self, group: str, question: Callable[[], T]) -> T:
-        """Work a question out when the one before it is over, also where that was dropped."""
-        while (before := self._threads.get(group)) is not None and not before.done():
-            await asyncio.wait([before])
-
-        def work() -> T:
-            try:
-                return question()
-            finally:
-                give_back()
-
-        running = asyncio.ensure_future(asyncio.to_thread(work))
-        running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
-        self._threads[group] = running
-        return await asyncio.shield(running)
-
-    async def settled(self, *groups: str) -> None:
-        """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
-        while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
-            await asyncio.sleep(WAIT)
-
-    def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
-        """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
-        self.ask(question, answer, "change", in_turn=True)
-
-    def show_notice(self, text: str) -> None:
-        """Say something good."""
-        self.field_app.show_notice(text)
-
-    def complain(self, text: str) -> None:
-        """Say something that has to be read."""
-        self.field_app.show_notice(text, error=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """A line is left where one is being typed in."""

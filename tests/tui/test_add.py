@@ -239,8 +239,12 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         await press(pilot, *typed("830ft"), "ctrl+s", "_")
         said = words(pilot)
         assert "Saved flight 13, u to undo." in said
-        assert "flown 253.0 m" in said
-        assert "Next on AeroTech F24W-" in said
+        for text in ("Flown 253.0 m", "the 90 % interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
+            assert text in said
+        await press(pilot, "y", "_")
+        assert "copied: Astra A" in words(pilot)
+        await press(pilot, "enter")
+        assert pilot.app.focused is screen.field("apogee").line
 
 
 async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:

@@ -218,14 +218,6 @@ class Draft:
             doubts.append("Save it as it is?")
         return "\n".join(doubts)
 
-    def outcome(self, flight: Flight) -> str:
-        """How a flight that was saved did beside its forecast, and the next one; empty where nothing can be said."""
-        from fieldkit.presentation.after_flight_text import outcome_lines
-        from fieldkit.services.after_flight import outcome
-
-        found = outcome(self._resources.ledger, self._resources.motors, flight)
-        return " ".join(outcome_lines(found, self._resources.settings.units)) if found else ""
-
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty where it is or none is named."""
         from fieldkit.motors import is_cluster

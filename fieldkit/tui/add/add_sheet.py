@@ -42,6 +42,10 @@ class Sheet:
                     yield Field(BY_NAME[name])
         yield self.picker
 
+    def widgets(self) -> Iterable[Widget]:
+        """The form's own parts of the page, from top to bottom."""
+        return (self._page.query_one(place) for place in ("#setup", Hand, EstimateLine, "#fields"))
+
     def field(self, name: str) -> Field:
         """The field of a question."""
         return self._page.query_one(f"#field-{name}", Field)

@@ -9,7 +9,8 @@ from textual.widgets import Static
 
 from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
-from fieldkit.tui.page import PageScreen, go_on
+from fieldkit.tui.asking import go_on
+from fieldkit.tui.page import PageScreen
 
 if TYPE_CHECKING:
     from fieldkit.services.typed_flight import TypedEstimate, TypedFlight

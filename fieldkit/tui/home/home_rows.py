@@ -76,8 +76,8 @@ def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[s
     """The profile of each flight that has a log, by its number."""
     from fieldkit.presentation.home_text import sparkline
     from fieldkit.services.flight_facts import or_why
+    from fieldkit.tui.asking import go_on
     from fieldkit.tui.flights.log_plot import Drawn, drawn
-    from fieldkit.tui.page import go_on
 
     found: dict[str, str] = {}
     for one in flights:

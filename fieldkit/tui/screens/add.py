@@ -1,8 +1,7 @@
 """Add: the ten readouts as the altimeter shows them; every key is kept, odd figures are noted and never refused."""
 
-from asyncio import wrap_future
 from collections.abc import Iterable
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future, wait
 from functools import partial
 from typing import ClassVar
 
@@ -11,7 +10,6 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
-from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import QUESTIONS, Question
 from fieldkit.quantities import unit_of
@@ -22,14 +20,16 @@ from fieldkit.tui.add.add_form import (
     Answered,
     Draft,
     FormStart,
-    Saved,
     answered,
     beside,
 )
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.add_sheet import Sheet, field_of
+from fieldkit.tui.add.after_card import AfterCard
+from fieldkit.tui.add.draft_pen import DraftPen
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
+from fieldkit.tui.add.saving import Saving
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
@@ -85,14 +85,12 @@ class AddScreen(PageScreen):
         self._units: dict[str, str] = {}
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
-        self._unkept = ""
-        self._objections: list[str] = []
-        self._pen = ThreadPoolExecutor(1, "draft")
-        """Writes keys down at once, whatever other workers are busy with."""
+        self._pen = DraftPen(self)
 
     def on_mount(self) -> None:
         """The flight that is typed here."""
         self._draft = Draft(self.resources)
+        self._saving = Saving(self, self._sheet, self._draft)
 
     def on_unmount(self) -> None:
         """The last key is kept as well."""
@@ -100,11 +98,12 @@ class AddScreen(PageScreen):
 
     def finish(self) -> None:
         """Wait until the draft is written."""
-        self._pen.shutdown()
+        self._pen.finish()
 
     def body(self) -> Iterable[Widget]:
-        """The form."""
-        return self._sheet.body()
+        """The form, and what is shown in its place once a flight is saved."""
+        yield from self._sheet.body()
+        yield AfterCard()
 
     def field(self, name: str) -> Field:
         """The field of a question."""
@@ -127,6 +126,9 @@ class AddScreen(PageScreen):
         if start.draft and not self._draft.shown:
             self.show_notice("You were typing a flight: go on here, or ^N to start over")
         self._draft.shown = True
+        if start.draft and isinstance(self.focused, AfterCard):  # its flight was undone
+            self._saving.leave_card()
+            self.set_focus(self._sheet.button)
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
             self._to_first()
@@ -144,6 +146,7 @@ class AddScreen(PageScreen):
         return bool(self._sheet.touched)
 
     def _to_first(self) -> None:
+        self._saving.leave_card()
         self.set_focus(self._sheet.first_empty())
 
     def unit(self, question: Question) -> str:
@@ -161,7 +164,7 @@ class AddScreen(PageScreen):
         field = field_of(event.input)
         if field is not None:
             self._sheet.touched.add(field.question.name)
-            kept = self._keep()
+            kept: Future[None] = self._pen.keep(self._draft, self._answers(), dict(self._units))
             self._look()
             self._sheet.picker.follow(event.input, field.question.name)
             wait([kept], AT_MOST)
@@ -207,23 +210,6 @@ class AddScreen(PageScreen):
             hand.rest(self._said, system)
             self.query_one(KeyBar).follow()  # what Enter does depends on what is typed
 
-    def _keep(self) -> Future[None]:
-        """Keep the draft; one that still waits to be written makes room for it."""
-        kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
-        self.run_worker(partial(self._report_unsaved, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
-
-        return kept
-
-    async def _report_unsaved(self, writing: Future[None]) -> None:
-        """Say once why keys cannot be kept, where they cannot."""
-        before, self._unkept = self._unkept, ""
-        try:
-            await wrap_future(writing)
-        except FieldkitError as error:
-            self._unkept = str(error)
-            if self._unkept != before:
-                self.complain(f"What you type cannot be saved: {error}")
-
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
         from fieldkit.services.manual_entry import with_unit
@@ -237,8 +223,10 @@ class AddScreen(PageScreen):
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """On the button, with nothing typed, Enter leads to the next flight and there is none to save."""
-        if action == "save" and isinstance(self.focused, Button) and not self.typed:
+        """With nothing typed, Enter leads to the next flight and there is none to save; arrows scroll the card."""
+        if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
+            return False
+        if action in ("step", "start_again") and isinstance(self.focused, AfterCard):
             return False
         return super().check_action(action, parameters)
 
@@ -246,8 +234,10 @@ class AddScreen(PageScreen):
         """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight. An
         answer that was chosen from the list is taken first."""
         self._sheet.picker.take()
-        if isinstance(self.focused, Button):
-            self.action_save() if self.typed else self._to_first()
+        if isinstance(self.focused, AfterCard) or (isinstance(self.focused, Button) and not self.typed):
+            self._to_first()
+        elif isinstance(self.focused, Button):
+            self.action_save()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
         else:
@@ -291,8 +281,7 @@ class AddScreen(PageScreen):
 
     def _say_motor(self, trouble: str) -> None:
         if trouble:
-            self._objections.append(trouble)
-            self.complain(trouble)
+            self._saving.object_to(trouble)
 
     def _offer_again(self) -> None:
         """Another rocket or configuration suggests other answers where nothing was typed."""
@@ -306,47 +295,7 @@ class AddScreen(PageScreen):
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
         """Put the flight in the ledger."""
-        self._save(confirmed=False)
-
-    def _save(self, *, confirmed: bool) -> None:
-        self.ask(partial(self._draft.save, self._read(), confirmed=confirmed), self._saved, "save")
-
-    def _confirmed(self, yes: bool | None) -> None:
-        """Save what was questioned, or go back to it."""
-        if yes:
-            self._save(confirmed=True)
-        else:
-            self.set_focus(self.field(READ[0]).line)
-
-    def _saved(self, saved: Saved) -> None:
-        from fieldkit.tui.widgets.dialogs import AskYes
-
-        if saved.confirm:
-            self.app.push_screen(AskYes(saved.confirm), self._confirmed)
-            return
-        if saved.wrong:
-            self._objections.append(saved.trouble)
-            self.complain(saved.trouble)
-            self.set_focus(self.field(saved.wrong).line)
-            return
-        for mended in self._objections:
-            self.field_app.withdraw(mended)
-        self._objections = []
-        silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
-        said = f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else "It is in the ledger already."
-        self.show_notice(said)
-        if saved.trouble:
-            self.complain(saved.trouble)
-        self._sheet.clear()
-        self.set_focus(self._sheet.button)  # from it u takes back, and a digit is a page
-        self.field_app.changed()
-        if saved.id and saved.flight is not None:
-            self.ask(partial(self._draft.outcome, saved.flight), partial(self._show_outcome, said), "outcome")
-
-    def _show_outcome(self, said: str, outcome: str) -> None:
-        """Forecast against flown, and the next one, as soon as they are known."""
-        if outcome:
-            self.show_notice(f"{said} {outcome}")
+        self._saving.save(self._read())
 
     def action_start_again(self) -> None:
         """Put away what was typed; undo brings it back."""
@@ -360,11 +309,13 @@ class AddScreen(PageScreen):
         self.reload()
 
     def resting_place(self) -> Widget | None:
-        """The button: from it the keys of the app work."""
-        return self._sheet.button
+        """The button, or the card of the flight that was saved: from them the keys of the app work."""
+        return self._saving.card if self._saving.card.display else self._sheet.button
 
     def copied(self) -> str:
-        """The form as text."""
+        """The form as text, or the card of the flight that was saved."""
+        if self._saving.card.display:
+            return self._saving.card.text
         return "\n".join(f"{BY_NAME[n].title}  {t}" for n, t in self._answers().items() if t)
 
 

@@ -14,9 +14,10 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import or_why
+from fieldkit.tui.asking import go_on
 from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
-from fieldkit.tui.page import Page, PageScreen, go_on
+from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine

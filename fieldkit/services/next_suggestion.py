@@ -1,0 +1,96 @@
+"""What a flyer may do after a flight: look for a missing effect, fly the motor nearest to the target, or repeat it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import comb
+from typing import Literal
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import site_of
+from fieldkit.motors import Catalogue
+from fieldkit.paths import data_folder
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, mount_of, suitable_motors
+from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.quick_look import MIN_FLIGHTS
+from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
+from fieldkit.settings import Settings
+
+RECENT_FORECASTS = 10
+"""Forecasts of a rocket, the newest, whose outcomes are counted. [1]"""
+OUTSIDE_PROBABILITY = 0.1
+"""Of a flight outside its 90 % interval, where forecasts are calibrated. [1]"""
+SIGNIFICANCE = 0.05
+"""Probability of as many flights outside by chance, below which the model is questioned. [1]"""
+COMPARED_DRAWS = 200
+"""Flights flown for each motor that is compared with a target. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Suggestion:
+    """What to do next. `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`:
+    the safe `motor` whose `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight narrows the interval by
+    the fraction `narrows` [1].
+    """
+
+    kind: Literal["loop", "motor", "repeat"]
+    outside: int = 0
+    forecasts: int = 0
+    motor: str = ""
+    apogee: Interval | None = None
+    target: float = 0.0
+    narrows: float = 0.0
+
+
+def suggestion(
+    ledger: Ledger, motors: Catalogue, settings: Settings, found: Outcome, said: Sequence[SavedForecast] | None = None
+) -> Suggestion:
+    """What to do after a flight; `said` are the forecasts of its rocket, by default read from the ledger."""
+    flight = found.flight
+    recent = said if said is not None else list_forecasts(ledger, motors, flight.rocket)
+    if questioned := _model_questioned(recent, ledger.flights(flight.rocket)):
+        return questioned
+    if settings.target is not None:
+        try:
+            nearest = _nearest_motor(ledger, motors, settings, flight, settings.target)
+        except FieldkitError:
+            nearest = None
+        if nearest is not None:
+            low, middle, high = nearest.prediction.apogee_quantiles().tolist()
+            if low <= settings.target <= high:
+                motor = f"{nearest.motor.maker} {nearest.motor.designation}"
+                return Suggestion("motor", motor=motor, apogee=(low, middle, high), target=settings.target)
+    return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
+
+
+def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
+    """Where more of the last flights ended outside their intervals than chance would have it, and the loop has enough
+    flights to look for the reason."""
+    flown = [one for one in said if one.flown is not None][-RECENT_FORECASTS:]
+    outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)
+    usable = sum(flight.clean and flight.apogee is not None for flight in flights)
+    if usable < MIN_FLIGHTS or not outside or chance_of(outside, len(flown)) >= SIGNIFICANCE:
+        return None
+    return Suggestion("loop", outside=outside, forecasts=len(flown))
+
+
+def chance_of(outside: int, forecasts: int) -> float:
+    """Probability that at least so many calibrated forecasts miss, each independently: a binomial tail. [1]"""
+    p = OUTSIDE_PROBABILITY
+    return sum(comb(forecasts, k) * p**k * (1 - p) ** (forecasts - k) for k in range(outside, forecasts + 1))
+
+
+def _nearest_motor(
+    ledger: Ledger, motors: Catalogue, settings: Settings, flight: Flight, target: float
+) -> MotorChoice | None:
+    """The safe motor nearest to a target [m] for the same configuration in the same conditions."""
+    rocket = rocket_of(ledger, motors, flight.rocket)
+    again = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", date_time=None)
+    plan = completed_plan(ledger, motors, again, settings)
+    wanted = Wanted(mount_of(rocket, plan.config), adapter=True, dry_mass=plan.dry_mass)
+    rules, site = limits(data_folder() / "limits.toml"), site_of(ledger, plan.site)
+    choices = guide(rocket, plan, suitable_motors(motors, wanted), rules, site, COMPARED_DRAWS)
+    return next((one for one in by_closeness(choices, target) if one.fits), None)

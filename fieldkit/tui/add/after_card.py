@@ -1,0 +1,163 @@
+"""A flight that was just saved: forecast against flown, Cd before and after, the next forecast, what to do next."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
+from textual.widgets import Static
+
+from fieldkit.flight import Flight
+from fieldkit.quantities import measure, number
+from fieldkit.safe_text import printable
+from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import hanging
+
+if TYPE_CHECKING:
+    from fieldkit.services.after_flight import Outcome
+    from fieldkit.services.next_suggestion import Suggestion
+    from fieldkit.services.saved_forecasts import SavedForecast
+    from fieldkit.tui.resources import Resources
+
+Draw = Callable[[Any, Any], None]
+MAX_EARLIER = 24
+"""Earlier forecasts that are drawn, the newest. [1]"""
+WORKING = "comparing it with its forecast ..."
+NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight says nothing of drag."
+
+
+@dataclass(frozen=True, slots=True)
+class AfterFlight:
+    """How a flight did, what to do next, and the forecasts of its rocket that have flown, oldest first."""
+
+    outcome: "Outcome"
+    next: "Suggestion"
+    earlier: tuple["SavedForecast", ...]
+
+
+def after_flight(resources: "Resources", flight: Flight) -> AfterFlight | None:
+    """All that is shown of a flight that was saved; None if it can be compared with nothing."""
+    from fieldkit.services.after_flight import outcome
+    from fieldkit.services.next_suggestion import suggestion
+    from fieldkit.services.saved_forecasts import list_forecasts
+
+    ledger, motors = resources.ledger, resources.motors
+    found = outcome(ledger, motors, flight)
+    if found is None:
+        return None
+    said = list_forecasts(ledger, motors, flight.rocket)
+    flown = tuple(one for one in said if one.flown is not None and one.flight != flight)
+    return AfterFlight(found, suggestion(ledger, motors, resources.settings, found, said), flown)
+
+
+class AfterCard(VerticalScroll, can_focus=True):
+    """In place of the form until Enter asks for the next flight; `text` is what it says, to be copied."""
+
+    DEFAULT_CSS = """
+    AfterCard { height: 1fr; border: round $border; padding: 0 1; display: none; }
+    AfterCard Static { height: auto; }
+    AfterCard Horizontal { height: auto; }
+    AfterCard Big { margin: 0 2 0 0; }
+    AfterCard .facts { width: 1fr; }
+    AfterCard > .bars, AfterCard > .next { margin-top: 1; }
+    AfterCard > .hill { height: 14; margin-top: 1; display: none; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
+    AfterCard > .earlier { margin-top: 1; display: none; }
+    .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
+    """
+    enter = "Next"
+    """What Enter does, for the key bar."""
+    text = ""
+
+    def compose(self) -> ComposeResult:
+        """From the figure to the suggestion, and below it the next flight and earlier ones."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        yield Static("", classes="heading")
+        with Horizontal():
+            yield Big()
+            yield Static("", classes="facts")
+        yield Static("", classes="bars")
+        yield Static("", classes="next")
+        yield Plot(classes="hill")
+        yield Static("", classes="earlier")
+
+    def on_mount(self) -> None:
+        """How to go on."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, middle and 95 %"
+        self.border_subtitle = "Enter types the next flight"
+
+    def saved(self, id: str, flight: Flight, system: str) -> None:
+        """The flight itself, as soon as it is in the ledger."""
+        self.border_title = Content(printable(f"Saved flight {id}"))
+        heading = cards.heading(flight.with_changes(date_time=None), "")
+        self._put(".heading", Content(heading).stylize("bold"))
+        self.query_one(Big).show(number(cards.APOGEE, flight.apogee, system) if flight.apogee is not None else "")
+        for place in (".bars", ".next", ".earlier"):
+            self._put(place, "")
+        self._put(".facts", WORKING)
+        self._hill(None)
+        self.text = heading
+        self.scroll_home(animate=False, immediate=True)
+
+    def show(self, found: AfterFlight | None, system: str) -> None:
+        """How it did, once that is known."""
+        from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
+        from fieldkit.tui.widgets.plots import draw_density
+
+        if found is None:
+            self._put(".facts", NO_FORECAST)
+            return
+        outcome = found.outcome
+        low, middle, high = outcome.next_flight
+        facts = [("Flown", measure(cards.APOGEE, outcome.flight.apogee, system)), *outcome_facts(outcome, system)]
+        advice = suggestion_line(found.next, system)
+        self._put(".facts", cards.lines("", facts))
+        rows = [
+            Interval("forecast", *outcome.forecast, outcome.flight.apogee),
+            Interval("next", *outcome.next_flight),
+        ]
+        self._put(".bars", _drawn(rows, system, "90 % of flights end in the line, ● its middle, ◆ flown"))
+        self._put(".next", hanging([f"Suggested  {advice}"]))
+        marks = [(x, "") for x in (middle, low, high)]
+        self._hill(draw_density(outcome.after.apogee, marks, partial(_height, system)))
+        if found.earlier:
+            self._put(".earlier", _drawn(_rows(found.earlier), system, "Earlier forecasts of this rocket"))
+        self.text = "\n".join([self.text, cards.as_text("", facts), advice])
+
+    def _hill(self, draw: Draw | None) -> None:
+        from fieldkit.tui.widgets.plots import Plot
+
+        plot = self.query_one(Plot)
+        plot.show(draw)
+        plot.visible = draw is not None
+
+    def _put(self, place: str, content: object) -> None:
+        self.query_one(place, Static).update(content)  # type: ignore[arg-type]  # text or what draws itself
+
+
+def _rows(earlier: Sequence["SavedForecast"]) -> list[Interval]:
+    """The newest first."""
+    return [
+        Interval(
+            f"{one.flight.flight_id if one.flight else ''} {one.made.payload.get('motor', '')}",
+            *one.interval,
+            one.flown,
+        )
+        for one in reversed(earlier[-MAX_EARLIER:])
+    ]
+
+
+def _drawn(rows: Sequence[Interval], system: str, title: str) -> Intervals:
+    return Intervals(tuple(rows), partial(_height, system), {}, title)
+
+
+def _height(system: str, height: float) -> str:
+    return measure(cards.APOGEE, height, system)

@@ -1,0 +1,84 @@
+"""Saving the flight that is typed on the page Add: questioned where it may be a slip, and what came of it shown."""
+
+from functools import partial
+
+from fieldkit.flight import Flight
+from fieldkit.tui.add.add_form import READ, Answered, Draft, Saved
+from fieldkit.tui.add.add_sheet import Sheet
+from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
+from fieldkit.tui.page import PageScreen
+
+DUPLICATE = "It is in the ledger already."
+
+
+class Saving:
+    """From the answers to the ledger, and the card that is shown in place of the form afterwards."""
+
+    def __init__(self, page: PageScreen, sheet: Sheet, draft: Draft) -> None:
+        self._page, self._sheet, self._draft = page, sheet, draft
+        self._objections: list[str] = []
+
+    @property
+    def card(self) -> AfterCard:
+        """What is shown of a flight that was saved."""
+        return self._page.query_one(AfterCard)
+
+    def object_to(self, trouble: str) -> None:
+        """Say what is wrong with an answer until the flight is saved."""
+        self._objections.append(trouble)
+        self._page.complain(trouble)
+
+    def save(self, said: Answered, *, confirmed: bool = False) -> None:
+        """Put the flight in the ledger."""
+        self._page.ask(partial(self._draft.save, said, confirmed=confirmed), partial(self._saved, said), "save")
+
+    def leave_card(self) -> None:
+        """Back to the form."""
+        self._front(card=False)
+
+    def _saved(self, said: Answered, saved: Saved) -> None:
+        from fieldkit.tui.widgets.dialogs import AskYes
+
+        if saved.confirm:
+            self._page.app.push_screen(AskYes(saved.confirm), partial(self._confirmed, said))
+            return
+        if saved.wrong:
+            self.object_to(saved.trouble)
+            self._page.set_focus(self._sheet.field(saved.wrong).line)
+            return
+        for mended in self._objections:
+            self._page.field_app.withdraw(mended)
+        self._objections = []
+        silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
+        self._page.show_notice(f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else DUPLICATE)
+        if saved.trouble:
+            self._page.complain(saved.trouble)
+        self._sheet.clear()
+        if saved.id and saved.flight is not None:
+            self._compare(saved.id, saved.flight)
+        else:
+            self._page.set_focus(self._sheet.button)  # from it a digit is a page
+        self._page.field_app.changed()
+
+    def _confirmed(self, said: Answered, yes: bool | None) -> None:
+        """Save what was questioned, or go back to it."""
+        if yes:
+            self.save(said, confirmed=True)
+        else:
+            self._page.set_focus(self._sheet.field(READ[0]).line)
+
+    def _compare(self, id: str, flight: Flight) -> None:
+        """Forecast against flown, and the next one, as soon as they are known."""
+        resources = self._page.resources
+        self.card.saved(id, flight, resources.settings.units)
+        self._front(card=True)
+        self._page.set_focus(self.card)
+        self._page.ask(partial(after_flight, resources, flight), self._show, "outcome")
+
+    def _show(self, found: AfterFlight | None) -> None:
+        self.card.show(found, self._page.resources.settings.units)
+
+    def _front(self, *, card: bool) -> None:
+        for widget in self._sheet.widgets():
+            widget.display = not card
+        self.card.display = card

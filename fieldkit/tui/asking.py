@@ -1,0 +1,116 @@
+"""A screen that asks questions of the engine: off the keys, in order, and dropped where nobody waits any more."""
+
+import asyncio
+from collections import defaultdict
+from collections.abc import Callable
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from textual.screen import Screen
+from textual.worker import get_current_worker
+
+from fieldkit.errors import FieldkitError
+from fieldkit.tui.host import Host
+from fieldkit.tui.memory import give_back
+
+if TYPE_CHECKING:
+    from fieldkit.tui.resources import Resources
+
+T = TypeVar("T")
+WAIT = 0.005
+"""How often it is asked whether something is there that keys wait for. [s]"""
+
+
+class Dropped(Exception):
+    """Nobody waits for an answer any more."""
+
+
+def go_on() -> None:
+    """Called within a question's work. Raises Dropped if nobody waits for its answer any more."""
+    if get_current_worker().is_cancelled:
+        raise Dropped
+
+
+class AskingScreen(Screen[None]):
+    """A screen whose work blocks no key, over the resources of the app that shows it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._threads: dict[str, asyncio.Future[Any]] = {}
+
+    @property
+    def resources(self) -> "Resources":
+        """The ledger, the motors, the settings."""
+        return self.field_app.resources
+
+    @property
+    def field_app(self) -> "Host":
+        """The app, as pages know it: by what they ask of it, for its module imports theirs."""
+        return cast(Host, self.app)
+
+    def ask(
+        self,
+        question: Callable[[], T],
+        answer: Callable[[T], None],
+        group: str = "ask",
+        *,
+        in_turn: bool = False,
+        alone: bool = False,
+        ledger_alone: bool = False,
+    ) -> None:
+        """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
+        one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
+
+        A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
+        `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
+        One that reads the `ledger_alone` does not wait for the rest of the engine.
+        """
+
+        def with_engine() -> T:
+            self.resources.import_engine(ledger_alone=ledger_alone)
+            return question()
+
+        async def work() -> None:
+            async with self._turns[group] if in_turn else nullcontext():
+                try:
+                    answer(await (self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine)))
+                except FieldkitError as error:
+                    self.complain(str(error))
+                except Exception as error:
+                    self.field_app.survive(error)
+
+        self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _alone(self, group: str, question: Callable[[], T]) -> T:
+        """Work a question out when the one before it is over, also where that was dropped."""
+        while (before := self._threads.get(group)) is not None and not before.done():
+            await asyncio.wait([before])
+
+        def work() -> T:
+            try:
+                return question()
+            finally:
+                give_back()
+
+        running = asyncio.ensure_future(asyncio.to_thread(work))
+        running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
+        self._threads[group] = running
+        return await asyncio.shield(running)
+
+    async def settled(self, *groups: str) -> None:
+        """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
+        while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
+            await asyncio.sleep(WAIT)
+
+    def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
+        """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
+        self.ask(question, answer, "change", in_turn=True)
+
+    def show_notice(self, text: str) -> None:
+        """Say something good."""
+        self.field_app.show_notice(text)
+
+    def complain(self, text: str) -> None:
+        """Say something that has to be read."""
+        self.field_app.show_notice(text, error=True)
