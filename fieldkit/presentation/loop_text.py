@@ -120,7 +120,7 @@ def beside_verdict(found: Findings) -> Iterator[str]:
 
 
 def in_next_flight(one: NextFlight) -> str:
-    """`next F24 in the same conditions: 5 m (18 ft, 1.7 %) lower than the plain model, 317 m`, and its 90 % interval."""
+    """`next F24 in the same conditions: 5 m (18 ft, 1.7 %) lower than the plain model`, and what it will be."""
     change = one.after - one.before
     span = f"{one.after:.0f} m, 90 % interval {one.interval[0]:.0f} to {one.interval[1]:.0f} m"
     name = f"next {one.flight.motor} in the same conditions"
