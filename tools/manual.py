@@ -110,8 +110,8 @@ def _effect_row(name: str, effect: Effect) -> str:
         f"`{name}`",
         f"{effect.title}{f', a form of `{effect.form_of}`' if effect.form_of else ''}",
         strength,
-        _prior(effect.prior),
-        one_for if effect.per else "all flights",
+        _prior(effect.prior) + (f"; every rocket: {_prior(effect.background)}" if effect.background else ""),
+        (one_for if effect.per else "all flights") + ("" if effect.from_first else ", from some flight on"),
         " and ".join(what for what, does in bends.items() if does is not None),
         effect.source,
     )

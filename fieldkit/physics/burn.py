@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.physics.forces import TURN_LENGTH, EquationsOfMotion, length_of
+from fieldkit.physics.forces import EquationsOfMotion, length_of
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
@@ -186,7 +186,7 @@ def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
     """Into how many parts a step must be cut where a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
     path, speed = _speed(track.position), _speed(track.velocity)
     ahead = (speed + 0.5 * push * dt) * dt
-    turning = (path < setup.rail_length + TURN_LENGTH) & (path + ahead > setup.rail_length)
+    turning = (path < setup.rail_length + setup.turn_length) & (path + ahead > setup.rail_length)
     gains = np.where(path < setup.rail_length, 0.0, push * dt / np.maximum(speed, 1e-9))
     return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN) / setup.stride
 

@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "aging", "device"]
 """What an effect is about: the path through wind, leaving the rail, the delay and parachute, the air, the mass, the
@@ -38,13 +38,16 @@ class Prior:
 class ClimbForces:
     """A climb as a log shows it, sample by sample, beside the model's forces per mass there. SI.
 
-    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3].
+    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3], `drag` deceleration by drag
+    [m/s^2], `coasting` whether the motor is out.
     """
 
     time_from_liftoff: Float[Array, "time"]
     height: Float[Array, "time"]
     thrust: Float[Array, "time"]
     steepness: Float[Array, "time"]
+    drag: Float[Array, "time"]
+    coasting: Flags
     rail_length: float
 
 
@@ -72,8 +75,10 @@ class Effect:
     `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one
     that a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
     may come about: verdicts speak of the other. One that `grows` acts with its strength times the flights flown before;
-    one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter.
-    `starts` are strengths from which a fit is started, several if the effect is far from linear.
+    one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter;
+    where it is not there `from_first`, that is the only way. `background` is the prior of what every rocket has of
+    it: a nuisance in every model, not something to be named. `starts` are strengths from which a fit is started,
+    several if the effect is far from linear.
     `explains` describes it to a flyer, `tell_apart`
     what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
     ground gives the fitted value, 0 if it cannot. One that `needs_delay` acts on motors that have a delay alone.
@@ -99,6 +104,8 @@ class Effect:
     form_of: str = ""
     grows: bool = False
     starts_anywhere: bool = False
+    from_first: bool = True
+    background: Prior | None = None
     starts: tuple[float, ...] = ()
     squared: bool = False
     measured: float = 0.0

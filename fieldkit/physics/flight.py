@@ -56,14 +56,14 @@ def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apog
     """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
     track = burn(setup, highlights=highlights)
     fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
-    return track, coast(setup, track, fires, timed=highlights), fires
+    return track, coast(setup.after_burnout(), track, fires, timed=highlights), fires
 
 
 def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> FlightResult:
     lifted = np.isfinite(track.time)
     start = np.where(lifted, track.time - track.flying, 0.0)
     early = np.isfinite(top.eject_height)
-    height, speed, landed = _fall(setup, top, np.where(early, np.nan, fires - top.time))
+    height, speed, landed = _fall(setup.after_burnout(), top, np.where(early, np.nan, fires - top.time))
     eject_height = np.where(early, top.eject_height, height)
     burn_time = track.top_speed_time - start
     values = {

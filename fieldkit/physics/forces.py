@@ -6,10 +6,6 @@ from fieldkit.physics.atmosphere import wind_at
 from fieldkit.physics.state import Setup, State
 from fieldkit.shapes import Array, Flags
 
-TURN_LENGTH = 4.0
-"""Path off the rail over which a rocket turns into the relative wind: about a quarter of the pitching
-wavelength of a stable model (Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry, 1973). [m]"""
-
 
 def planar(setup: Setup) -> Flags:
     """Which draws need more than the vertical: wind, a launch angle or rail friction. One flag if all are the same."""
@@ -32,7 +28,7 @@ class EquationsOfMotion:
         self.axes = 1 + int(self.planar) + int(bool((setup.rail_across != 0).any()))
         if self.planar:
             self.rail = rail_axis(setup)[: self.axes]
-            self.turned = setup.rail_length + TURN_LENGTH
+            self.turned = setup.rail_length + setup.turn_length
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
         """Deceleration along the path through the air. [m/s^2]"""
@@ -67,7 +63,7 @@ class EquationsOfMotion:
         path = self._path(position)
         if (path >= self.turned).all():
             return self._turned(height, velocity, thrust, mass)
-        free = smooth_step((path - self.setup.rail_length) / TURN_LENGTH)
+        free = smooth_step((path - self.setup.rail_length) / self.setup.turn_length)
         through_air = velocity.copy()
         through_air[1] -= free * wind_at(height, self.setup.wind)
         speed = np.maximum(length_of(through_air), 1e-9)

@@ -16,6 +16,7 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
     With effects that act in flight it is what b s(h) v² has to be to slow as much, by least squares over the coast, at
     the heights of one that brakes evenly.
     """
+    setup = setup.after_burnout()
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
     plain = 0.5 * setup.drag_area * setup.air.density / mass
     if not setup.forces:

@@ -6,6 +6,7 @@ effect alone, whose strength says how strongly this rocket turns into it.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,7 +15,7 @@ from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import rail_direction
 from fieldkit.motors import Found, Motor
-from fieldkit.physics.atmosphere import altimeter_gain, pad_air
+from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import STEPS, Burns, burns
 from fieldkit.shapes import Array, Float
@@ -23,6 +24,13 @@ RAIL_LENGTH = 1.0
 """Of a rod if none was recorded. [m]"""
 DESCENT_SPEED = 5.0
 """Under a parachute if none was recorded. [m/s]"""
+STABILITY = "stability_cal"
+"""The column of a rocket's static margin, as a design program states it. [body diameters]"""
+USUAL_STABILITY = 2.0
+"""Static margin if none was recorded. [body diameters]"""
+TURN_FACTOR = 1.39
+"""Path over which a rocket of usual stability turns into the wind, over the root of its mass per diameter.
+[m^1.5/kg^0.5]"""
 
 
 def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
@@ -67,6 +75,7 @@ def field_setup(
         rail_length=np.nan_to_num(recorded(flights, "rail_length"), nan=RAIL_LENGTH),
         rail_angle=along,
         rail_across=across,
+        turn_length=turn_lengths(flights),
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
@@ -87,6 +96,57 @@ def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Floa
     direction[turned] = [rail_direction(flights[row]) for row in turned]
     across = np.round(np.sin(direction), 12) * angle
     return 0.0 - angle * np.round(np.cos(direction), 12), across if across.any() else np.zeros(1)
+
+
+def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence[Flight]) -> Setup:
+    """The air of pads this much higher than recorded [m]: less pressure, and colder where no temperature is known.
+
+    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; where
+    the temperature was written down it is true, and heights are shown the lower.
+    """
+    coolness = standard_temperature(higher) / standard_temperature(np.zeros(()))
+    thinness = _standard_density(higher) / _standard_density(np.zeros(()))
+    known = np.isfinite(recorded(flights, "temperature")) if flights else np.asarray(False)
+    density = setup.air.density * thinness * np.where(known, coolness, 1.0)
+    air = replace(setup.air, density=density, temperature=setup.air.temperature * np.where(known, 1.0, coolness))
+    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * np.where(known, coolness, 1.0))
+
+
+def _standard_density(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+    """Of the standard air at a height above sea level. [kg/m^3]"""
+    unknown = np.full((), np.nan)
+    return pad_air(elevation, unknown, unknown, unknown).density
+
+
+def turn_lengths(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """Path off the rail over which each rocket turns into the wind it feels. [m]
+
+    A quarter of its pitching wavelength, 2 pi sqrt(2 I / (rho A C s)) (Mandell, Caporaso and Bengen, Topics in Advanced
+    Model Rocketry, 1973, dynamic stability), with the moment of inertia I = m L^2 / 12 of a slender body of L = 12
+    diameters, the slope of normal force C = 16 of a nose with fins, and the static margin s. So a heavy rocket turns
+    later, a stable one sooner. A quarter is what brings landings nearest to those of six degrees of freedom, within a
+    tenth (`tests/physics/test_descent.py`).
+    """
+    size = dry_masses(flights) / diameters(flights)
+    return np.asarray(TURN_FACTOR * np.sqrt(size * USUAL_STABILITY / np.array([_stability(one) for one in flights])))
+
+
+def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """Body diameter of every flight; if it was not recorded, that of a rocket of its dry mass as they are built. [m]
+
+    The law of thumb is that of `fieldkit.model.rocket_model.reference_area`.
+    """
+    known = recorded(flights, "diameter")
+    return np.where(np.isnan(known), 0.060 * (dry_masses(flights) / 0.4) ** 0.2, known)
+
+
+def _stability(flight: Flight) -> float:
+    """Static margin in body diameters, the usual one if none is recorded that is positive."""
+    try:
+        margin = float(flight.extra.get(STABILITY, "").replace(",", "."))
+    except ValueError:
+        return USUAL_STABILITY
+    return margin if 0 < margin < np.inf else USUAL_STABILITY
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:

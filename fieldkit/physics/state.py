@@ -43,8 +43,10 @@ class Setup:
     `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies thrust
     [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns the rocket, measured at the
     pad [m/s]; `rail_angle` is from vertical, positive away from the wind, and `rail_across` at right angles to it,
-    positive to its right [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
-    charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it [m/s].
+    positive to its right [rad]. `turn_length` is the path off the rail over which the rocket turns into the relative
+    wind [m], `power_off_drag` the drag of the coast over that of the burn [1]. `delay` is from burnout to ejection, nan
+    for none [s]; `opening_time` from the charge to an open parachute (half a second is an assumption) [s];
+    `descent_speed` under it [m/s].
     `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight. `stride` is how much
     longer the steps of a slanted path are than they have to be [1].
     """
@@ -61,6 +63,8 @@ class Setup:
     rail_across: Float[Array, "*#draw"] = _for_all(0.0)
     rail_friction: Float[Array, "*#draw"] = _for_all(0.0)
     wind: Float[Array, "*#draw"] = _for_all(0.0)
+    turn_length: Float[Array, "*#draw"] = _for_all(4.0)
+    power_off_drag: Float[Array, "*#draw"] = _for_all(1.0)
     delay: Float[Array, "*#draw"] = _for_all(np.nan)
     opening_time: Float[Array, "*#draw"] = _for_all(0.5)
     descent_speed: Float[Array, "*#draw"] = _for_all(5.0)
@@ -80,6 +84,13 @@ class Setup:
     def with_changes(self, **changes: Any) -> "Setup":
         """The same set-up with some entries changed."""
         return replace(self, **changes)
+
+    def after_burnout(self) -> "Setup":
+        """The same with the drag of the coast."""
+        if np.all(self.power_off_drag == 1.0):
+            return self
+        drag = np.asarray(self.drag_area * self.power_off_drag)
+        return replace(self, drag_area=drag, power_off_drag=np.ones(1))
 
     def flat(self, shape: tuple[int, ...]) -> "Setup":
         """Every entry on one axis of draws, in the order of `shape`; one for all stays one, [1]."""

@@ -9,6 +9,7 @@ import numpy as np
 from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage
 from fieldkit.forecast.prediction import LEVELS, quantiles
+from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_changes
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.diagnose import Ranked
 from fieldkit.selection.force.log_evidence import document as testimony_document
@@ -54,6 +55,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             for trial, row in found.fingerprints
         ],
         "implausible": list(found.implausible),
+        "misses": misses(found),
         "missing_force": finite(testimony_document(found.testimony)),
     }
 
@@ -71,12 +73,14 @@ def _candidate(item: Ranked) -> dict[str, Any]:
 
 
 def _verdict(found: Findings) -> dict[str, Any]:
-    diagnosis = found.diagnosis
+    diagnosis, change = found.diagnosis, found.next_flight.after - found.next_flight.before
     return {
         "effect": diagnosis.effect,
         "confidence": diagnosis.confidence,
         "why": diagnosis.why,
+        "odds": in_odds(diagnosis.confidence),
         "also": list(diagnosis.also),
+        "accepting": list(what_accepting_changes(found)),
         "tell_apart": [_test(test) for test in found.tests],
         "goes_with": found.unexplained.in_words if found.unexplained else None,
         "next_flight": {
@@ -84,6 +88,8 @@ def _verdict(found: Findings) -> dict[str, Any]:
             "config": found.next_flight.flight.config,
             "before_m": found.next_flight.before,
             "after_m": found.next_flight.after,
+            "change_m": change,
+            "change_percent": 100 * change / found.next_flight.before,
             "interval90_m": list(found.next_flight.interval),
         },
     }

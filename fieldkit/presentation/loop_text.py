@@ -2,12 +2,19 @@
 
 from collections.abc import Iterator
 from math import isfinite
+from typing import Any
+
+import numpy as np
 
 from fieldkit.physics.effect import spoken
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 from fieldkit.units import FOOT
 
+BARS = "▁▂▃▄▅▆▇█"
+"""Bars of misses, from none to the largest."""
+MAX_DRAWN = 60
+"""Flights whose misses are drawn, the last ones. [1]"""
 MAX_P_SHOWN = 0.1
 """Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
@@ -33,7 +40,37 @@ def report(found: Findings) -> Iterator[str]:
     for line in found.implausible:
         yield f"  {line}"
     yield ""
+    yield from misses_drawn(found)
     yield from _errors(found)
+
+
+def misses_drawn(found: Findings) -> Iterator[str]:
+    """Why to believe it, in one picture: how far each of the last flights was missed, before and after; nothing where
+    forecasts stay as they were."""
+    if all(not places for _, places in found.diagnosis.averaged):
+        return
+    rows = [row for row in misses(found) if row["before_m"] is not None][-MAX_DRAWN:]
+    most = max(abs(row[when]) for row in rows for when in ("before_m", "after_m"))
+    yield f"  misses, flight by flight (highest bar {most:.0f} m):"
+    for when in ("before", "after"):
+        heights = [abs(row[f"{when}_m"]) / most for row in rows]
+        yield f"    {when:6} {''.join(BARS[min(int(height * len(BARS)), len(BARS) - 1)] for height in heights)}"
+    yield ""
+
+
+def misses(found: Findings) -> list[dict[str, Any]]:
+    """Flown less forecast apogee of each flight left out, before and after; None for one that is not used. [m]"""
+    diagnosis = found.diagnosis
+    truth, seen = np.exp(diagnosis.data.values[:, 0]), diagnosis.data.seen[:, 0]
+    before, after = diagnosis.forecasts_before.apogee, diagnosis.forecasts_after.apogee
+    return [
+        {
+            "flight_id": flight.flight_id,
+            "before_m": float(truth[row] - before[row]) if seen[row] else None,
+            "after_m": float(truth[row] - after[row]) if seen[row] else None,
+        }
+        for row, flight in enumerate(diagnosis.model.flights)
+    ]
 
 
 def _residual(found: Findings) -> Iterator[str]:
@@ -78,19 +115,20 @@ def beside_verdict(found: Findings) -> Iterator[str]:
         yield f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"
     for number, test in enumerate(found.tests):
         yield f"  {'to decide: ' if not number else 'or '}{test.in_words}"
-    yield from _what_now(found)
+    yield from what_accepting_changes(found)
     yield from climbs_in_words(found.testimony)
 
 
 def in_next_flight(one: NextFlight) -> str:
-    """`the next F24 goes 5 m (18 ft) lower than the plain model says: 317 m, and 300 to 334 m in nine of ten`."""
+    """`next F24 in the same conditions: 5 m (18 ft, 1.7 %) lower than the plain model`, and what it will be."""
     change = one.after - one.before
     span = f"{one.after:.0f} m, 90 % interval {one.interval[0]:.0f} to {one.interval[1]:.0f} m"
     name = f"next {one.flight.motor} in the same conditions"
     if abs(change) < 0.5:
         return f"{name}: same as the plain model, {span}"
     way = "higher" if change > 0 else "lower"
-    return f"{name}: {abs(change):.0f} m ({abs(change) / FOOT:.0f} ft) {way} than the plain model, {span}"
+    much = f"{abs(change):.0f} m ({abs(change) / FOOT:.0f} ft, {abs(change) / one.before:.1%})".replace("%", " %")
+    return f"{name}: {much} {way} than the plain model, {span}"
 
 
 def how_sure(found: Findings) -> str:
@@ -116,7 +154,7 @@ def in_odds(chance: float) -> str:
     return f"{said} to 1 {'on' if chance >= 0.5 else 'against'}"
 
 
-def _what_now(found: Findings) -> Iterator[str]:
+def what_accepting_changes(found: Findings) -> Iterator[str]:
     """What accepting changes, and how to say otherwise."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):

@@ -76,6 +76,17 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     )
 
 
+def background_terms(model: Model) -> list[Term]:
+    """What every rocket has of the effects, on all its flights."""
+    every = np.ones(len(model.flights))
+    usual = {name: (effect, effect.background) for name, effect in effects().items()}
+    return [
+        Term(f"usual {name}", effect, own.mean, own.sd, every, own.low, own.high)
+        for name, (effect, own) in usual.items()
+        if own is not None
+    ]
+
+
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, everywhere and in each group it may differ in.
 
@@ -83,12 +94,13 @@ def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
     places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
-    forms = Counter(spoken(name) for name in acting if places[name])
+    beginnings = {name: list(_beginnings(name, effect, model, used_in_fit)) for name, effect in acting.items()}
+    forms = Counter(spoken(name) for name in acting if places[name] or beginnings[name])
     for name, effect in acting.items():
         prior = effect.prior
         starts = effect.starts or ((prior.mean, 0.02 * prior.sd) if np.isfinite(prior.low) else (prior.mean,))
-        since = list(_beginnings(name, effect, model, used_in_fit))
-        share, form = SINCE_SHARE if since else 0.0, forms[spoken(name)]
+        since = beginnings[name]
+        share, form = (SINCE_SHARE if places[name] else 1.0) if since else 0.0, forms[spoken(name)]
         for place in places[name]:
             yield Candidate(place, effect_terms(place, model), starts, np.log((1 - share) / len(places[name]) / form))
         for place in since:
@@ -108,6 +120,8 @@ def _can_act(effect: Effect, model: Model) -> bool:
 
 def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
     """Groups of flights an effect may be confined to."""
+    if not effect.from_first:
+        return
     if effect.everywhere:
         yield Place(name)
     if effect.per:
@@ -115,7 +129,8 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
         if effect.each and len(set(group)) > 1:
             yield Place(name, EACH_GROUP)
         elif len(set(group)) > 1:
-            yield from (Place(name, kind) for kind in dict.fromkeys(group) if kind)
+            acts = np.isnan(recorded(model.flights, effect.lacks)) if effect.lacks else np.ones(len(group), bool)
+            yield from (Place(name, kind) for kind in dict.fromkeys(np.array(group)[acts].tolist()) if kind)
 
 
 def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> Iterator[Place]:

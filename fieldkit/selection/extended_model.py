@@ -8,7 +8,7 @@ from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
-from fieldkit.selection.candidates import Place, effect_terms
+from fieldkit.selection.candidates import Place, background_terms, effect_terms
 from fieldkit.selection.patterns import pattern_terms
 
 
@@ -23,9 +23,12 @@ def rocket_model(
 ) -> Model:
     """The model of a rocket with the effects and patterns that were accepted into it; the rest as in `base_model`.
 
-    Patterns are those of the first `flown` flights, by default of all.
+    Patterns are those of the first `flown` flights, by default of all. Where motors and masses are believed, what every
+    rocket has of an effect is part of the model; the learned hyperprior has it in its random effects.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
+    if hyperprior.kind == "certified":
+        model = model.with_terms(*background_terms(model))
     known = [place for place in accepted if place.effect in effects()]
     odd = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown

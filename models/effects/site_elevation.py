@@ -2,36 +2,17 @@
 with it."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-
-import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.physics.atmosphere import pad_air, standard_temperature
 from fieldkit.physics.effect import Effect, Prior
-from fieldkit.physics.setups import recorded
+from fieldkit.physics.setups import at_elevation
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The air of a pad this much higher [m]: less pressure, and colder where no temperature was written down.
-
-    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; where
-    the temperature was written down it is true, and heights are shown the lower.
-    """
-    coolness = standard_temperature(strength) / standard_temperature(np.zeros(()))
-    thinness = _density(strength) / _density(np.zeros(()))
-    known = np.isfinite(recorded(flights, "temperature")) if flights else np.asarray(False)
-    density = setup.air.density * thinness * np.where(known, coolness, 1.0)
-    air = replace(setup.air, density=density, temperature=setup.air.temperature * np.where(known, 1.0, coolness))
-    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * np.where(known, coolness, 1.0))
-
-
-def _density(elevation: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
-    """Of the standard air at a height above sea level. [kg/m^3]"""
-    unknown = np.full((), np.nan)
-    return pad_air(elevation, unknown, unknown, unknown).density
+    """The air of a pad this much higher, and what an altimeter makes of it. [m]"""
+    return at_elevation(setup, strength, flights)
 
 
 EFFECT = Effect(

@@ -10,10 +10,11 @@ import pytest
 
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.motors import catalogue
+from fieldkit.physics.burn import burn
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.flight import fly
 from fieldkit.physics.rail import rail_exit_speed
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.setups import field_setup, turn_lengths
 from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import plugin_folder
 
@@ -36,8 +37,8 @@ FASTER = {"mach_drag": 0.15, "flutter": 0.15}
 """Dry mass where an effect asks for speed. [kg]"""
 
 LOWER = (
-    *("base_drag", "early_ejection", "early_ejection_seconds", "flutter", "launch_angle", "mach_drag", "mass_offset"),
-    *("rail_friction", "tip_off", "wear", "wind"),
+    *("base_drag", "early_ejection", "early_ejection_seconds", "flutter", "heavier_recovery", "launch_angle"),
+    *("mach_drag", "mass_offset", "rail_friction", "tip_off", "wear", "wind"),
 )
 HIGHER = ("motor_thrust",)
 """Which way a positive strength bends the apogee, where it must: mass beyond the optimum mass only."""
@@ -142,11 +143,14 @@ def test_denser_air_lowers_and_a_longer_burn_keeps_the_impulse() -> None:
     assert np.all(long["peak_accel"] < short["peak_accel"])
 
 
+@pytest.mark.parametrize("name", ["site_elevation", "blank_elevation"])
 @pytest.mark.parametrize("temperature", [None, 290.0])
-def test_a_site_taken_for_sea_level_is_one_that_lies_as_high_as_the_effect_says(temperature: float | None) -> None:
+def test_a_site_taken_for_sea_level_is_one_that_lies_as_high_as_the_effect_says(
+    name: str, temperature: float | None
+) -> None:
     unknown = tuple(flight.with_changes(site_elevation=None, temperature=temperature) for flight in FLIGHTS)
     known = tuple(flight.with_changes(site_elevation=1500.0) for flight in unknown)
-    bent, declared = flown("site_elevation", 1500.0, unknown), flown("site_elevation", 0.0, known)
+    bent, declared = flown(name, 1500.0, unknown), flown(name, 0.0, known)
     for figure in ("apogee", "top_speed", "coast_to_apogee"):
         np.testing.assert_allclose(bent[figure], declared[figure], rtol=2e-4, err_msg=figure)
 
@@ -188,6 +192,37 @@ def test_tip_off_falls_with_the_square_of_the_speed_off_the_rail() -> None:
     np.testing.assert_allclose(speed, fly(setup).rail_speed, rtol=0.03)
     angle = EFFECTS["tip_off"].bend_setup(setup, np.asarray(3.0), FLIGHTS).rail_angle
     np.testing.assert_allclose(np.degrees(angle) * speed**2, 3.0 * 15.0**2, rtol=1e-9)
+
+
+def test_base_drag_leaves_the_burn_alone_and_a_coast_without_drag_gains_what_it_does_in_vacuum() -> None:
+    without, with_it = flown("base_drag", 0.0), flown("base_drag", 0.3)
+    for figure in ("top_speed", "burn_time", "peak_accel", "rail_speed"):
+        np.testing.assert_allclose(with_it[figure], without[figure], rtol=1e-9, err_msg=figure)
+    found = [catalogue().resolve(flight.motor) for flight in FLIGHTS]
+    setup = field_setup(FLIGHTS, found, np.full(3, 0.002))
+    free = setup.with_changes(power_off_drag=np.asarray(0.0), delay=np.asarray(np.nan))
+    track = burn(free.flat(free.draw_shape))
+    gained = fly(free).apogee - track.position[0]
+    np.testing.assert_allclose(gained, track.velocity[0] ** 2 / (2 * free.gravity), rtol=1e-4)
+
+
+def test_a_heavy_rocket_turns_into_the_wind_later_and_a_stable_one_sooner() -> None:
+    light, wide = FLIGHTS[0], FLIGHTS[0].with_changes(diameter=4 * 0.066)
+    heavy, stable = light.with_changes(dry_mass=4 * 0.322), light.with_changes(extra={"stability_cal": "8"})
+    lengths = turn_lengths([light, heavy, wide, stable])
+    np.testing.assert_allclose(lengths / lengths[0], [1.0, 2.0, 0.5, 0.5])
+    assert 2.0 < lengths[0] < 5.0, "a quarter of the pitching wavelength of an ordinary model"
+    unknown = light.with_changes(extra={"stability_cal": "about two"})
+    assert turn_lengths([unknown])[0] == lengths[0]
+    low, high = (flown("wind", 1.0, (one.with_changes(wind=8.0),))["apogee"][0] for one in (stable, light))
+    assert low < high
+
+
+def test_what_begins_at_some_flight_bends_what_its_kin_bends() -> None:
+    for late, kin in (("heavier_recovery", "mass_offset"), ("slow_lot", "thrust_curve")):
+        np.testing.assert_allclose(flown(late, 0.1)["apogee"], flown(kin, 0.1)["apogee"])
+        assert EFFECTS[late].form_of == kin
+        assert not EFFECTS[late].from_first
 
 
 def test_flutter_leaves_slow_flights_alone_and_costs_fast_ones_more() -> None:

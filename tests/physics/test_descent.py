@@ -96,7 +96,11 @@ def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
     assert calm_below == pytest.approx([4.0])
 
 
-def _flown(case: dict[str, Any]) -> dict[str, float]:
+STABILITY = {0.066: "3.1", 0.079: "4.9", 0.102: "4.2"}
+"""Static margin of the reference's rockets on the pad by their diameter, after Barrowman. [body diameters]"""
+
+
+def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     """A case of the reference in fieldkit's own physics."""
     found = catalogue().resolve(case["motor"])
     area = np.pi / 4 * case["diameter"] ** 2
@@ -106,7 +110,7 @@ def _flown(case: dict[str, Any]) -> dict[str, float]:
         diameter=case["diameter"],
         rail_length=case["rail_length"],
         rail_angle=float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE,
-        extra={"rail_direction": f"{np.degrees(direction):.6f}"},
+        extra={"rail_direction": f"{np.degrees(direction):.6f}", "stability_cal": stability},
     )
     setup = field_setup([flight], [found], np.array([case["cd"] * area])).with_changes(wind=np.array([case["wind"]]))
     up = fly(setup)
@@ -134,6 +138,13 @@ def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> Non
     assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
     apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
     assert apart < 0.15 * np.hypot(reference["along"], reference["across"])
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_a_rocket_of_known_stability_turns_into_the_wind_as_rocketpy_has_it(case: dict[str, Any]) -> None:
+    own, reference = _flown(case, STABILITY[case["diameter"]]), case["flown"]
+    apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
+    assert apart < 0.06 * np.hypot(reference["along"], reference["across"])
 
 
 def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:

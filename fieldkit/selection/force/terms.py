@@ -62,7 +62,15 @@ def _seen(logged: LoggedForce) -> Column:
     def column(at: Missing) -> Float[Array, "time"]:
         track = at.track
         return logged.per_mass(
-            ClimbForces(track.time_from_liftoff, track.height, at.thrust, at.steepness, at.rocket.rail_length)
+            ClimbForces(
+                track.time_from_liftoff,
+                track.height,
+                at.thrust,
+                at.steepness,
+                at.drag,
+                ~at.burning,
+                at.rocket.rail_length,
+            )
         )
 
     return column

@@ -17,7 +17,8 @@ from fieldkit.forecast.predict import predict
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
-from fieldkit.presentation.loop_text import report
+from fieldkit.presentation.json_documents import loop_document
+from fieldkit.presentation.loop_text import BARS, misses, misses_drawn, report
 from fieldkit.presentation.report.book import FlightReport
 from fieldkit.presentation.report.loop.page import check_page, page, write_page
 from fieldkit.presentation.report.paper import pages
@@ -142,6 +143,43 @@ def test_the_effect_is_found_on_the_way_and_helps(found: Findings) -> None:
     assert found.diagnosis.effect == "wind"
     assert found.ahead.chosen[-1] == "wind"
     assert found.forward.after.score.mae < found.forward.before.score.mae
+
+
+# The verdict in a flyer's words
+
+
+def test_a_verdict_says_what_why_how_sure_what_would_settle_it_and_what_accepting_changes(found: Findings) -> None:
+    document, text, written = loop_document(found), "\n".join(report(found)), page(found)
+    verdict = document["verdict"]
+    one = verdict["next_flight"]
+    assert one["change_m"] == pytest.approx(one["after_m"] - one["before_m"])
+    assert one["change_percent"] == pytest.approx(100 * one["change_m"] / one["before_m"])
+    assert f"{abs(one['change_m']) / 0.3048:.0f} ft, {abs(one['change_percent']):.1f} %)" in text
+    for words in (verdict["odds"], *verdict["accepting"]):
+        assert words in text
+        assert words.split(":")[0][1:] in written
+    assert verdict["accepting"][0].startswith("forecasts average over: ")
+    assert "--decline wind" in verdict["accepting"][-1]
+    assert len(verdict["tell_apart"]) == len(found.tests)
+    assert all(test.in_words in text for test in found.tests)
+
+
+def test_misses_before_and_after_are_drawn_and_fall(found: Findings) -> None:
+    rows = misses(found)
+    before, after = ([abs(row[f"{when}_m"]) for row in rows] for when in ("before", "after"))
+    assert np.mean(before) == pytest.approx(found.left_out.before.score.mae)
+    assert np.mean(after) == pytest.approx(found.left_out.after.score.mae)
+    title, one, other, _ = misses_drawn(found)
+    assert f"{max(before + after):.0f} m" in title
+    drawn = [[BARS.index(bar) for bar in line.split()[1]] for line in (one, other)]
+    assert len(drawn[0]) == len(drawn[1]) == len(rows)
+    assert sum(drawn[1]) < sum(drawn[0])
+
+
+def test_nothing_is_drawn_where_forecasts_stay(found: Findings) -> None:
+    plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
+    assert list(misses_drawn(plain)) == []
+    assert loop_document(plain)["verdict"]["accepting"] == ["forecasts stay with the plain model"]
 
 
 # The fingerprint

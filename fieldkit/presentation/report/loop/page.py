@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import BY_NAME
 from fieldkit.physics.effect import effects
-from fieldkit.presentation.loop_text import how_sure, in_next_flight
+from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
 from fieldkit.scoring.bootstrap import Interval
@@ -84,6 +84,7 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "why": _capitalized(diagnosis.why),
         "also": ", ".join(diagnosis.also),
         "next_flight": _capitalized(in_next_flight(found.next_flight)),
+        "accepting": [_capitalized(line) for line in what_accepting_changes(found)],
         "how_sure": _capitalized(how_sure(found)),
         "goes_with": _capitalized(found.unexplained.in_words) if found.unexplained else "",
     }
