@@ -8,7 +8,6 @@ from typing import Literal
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.paths import data_folder
 from fieldkit.planning.limits import limits
@@ -17,6 +16,7 @@ from fieldkit.services.after_flight import Interval, Outcome
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 RECENT_FORECASTS = 10
@@ -32,8 +32,8 @@ COMPARED_DRAWS = 200
 @dataclass(frozen=True, slots=True)
 class Suggestion:
     """What to do next. `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`:
-    the safe `motor` whose `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight narrows the interval by
-    the fraction `narrows` [1].
+    the safe `motor` whose `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight
+    narrows the interval by the fraction `narrows` [1].
     """
 
     kind: Literal["loop", "motor", "repeat"]

@@ -16,7 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
-from fieldkit.tui.flights.flight_facts import or_why
+from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.help import Help
 from fieldkit.tui.imports.import_look import (
     UP,
