@@ -1,0 +1,77 @@
+"""`python -m bench.infer SETS`: how near `fieldkit infer` comes to the true Cd of flights by another simulator.
+
+Each set's history goes into a ledger of its own, and each flight is judged by itself. The bench's devices show what
+happened, with noise. Nothing of the product is imported.
+"""
+
+import argparse
+import json
+import math
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from statistics import NormalDist, median
+from typing import Any
+
+MODELS = ("history", "field")
+"""What is asked: the model that forecasts are made with, and the ensemble that sees nothing but a flight."""
+FLIGHTS = 3
+"""Flights of each set, the first ones: more of one rocket have one true Cd. [1]"""
+NORMAL_95 = NormalDist().inv_cdf(0.95)
+
+
+def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
+    """What `fieldkit infer` says of the first flights of a table. Raises SystemExit where a command fails."""
+    with tempfile.TemporaryDirectory() as home:
+        fieldkit = [*command, "--ledger", str(Path(home) / "ledger.db")]
+        for arguments in (["import", str(table)], ["infer", "--model", model, *map(str, range(1, FLIGHTS + 1))]):
+            done = subprocess.run([*fieldkit, *arguments, "--json"], capture_output=True, text=True, env=os.environ)
+            if done.returncode:
+                raise SystemExit(f"{table.name}: {done.stderr.strip()}")
+    flights: list[dict[str, Any]] = json.loads(done.stdout)["flights"]
+    return flights
+
+
+def misses(flights: Sequence[dict[str, Any]], truth: float) -> Iterator[tuple[float, float, float]]:
+    """Error of log Cd, its standard deviation as said, and alpha, of each flight with a Cd. [1]"""
+    for one in flights:
+        if one["cd"] and math.isfinite(one["cd"]):
+            sd = math.sqrt(math.log1p((one["cd_sd"] / one["cd"]) ** 2))
+            yield math.log(one["cd"] / truth) - sd**2 / 2, sd, one["alpha"]
+
+
+def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
+    """A row of the table: medians, the share inside 90 % intervals, and the mean log density of the truth."""
+    errors = [error for error, _, _ in found]
+    inside = sum(abs(error) < NORMAL_95 * sd for error, sd, _ in found) / len(found)
+    size, bias = median(map(abs, errors)), median(errors)
+    score = sum(-0.5 * (error / sd) ** 2 - math.log(sd) for error, sd, _ in found) / len(found)
+    alpha = median(one for *_, one in found)
+    return f"{name:24} {len(found):7} {bias:+7.1%} {size:7.1%} {inside:7.0%} {score:7.2f} {alpha:7.3f}"
+
+
+def main() -> int:
+    """Judge every set of a folder, and print a line for each model and kind of readouts."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("sets", type=Path)
+    parser.add_argument("--command", default=f"{sys.executable} -m fieldkit.cli.main")
+    parser.add_argument("--limit", type=int, default=None, help="only so many of the sets")
+    options = parser.parse_args()
+    found: dict[str, list[tuple[float, float, float]]] = {}
+    for label in json.loads((options.sets / "labels.json").read_text())[: options.limit]:
+        for model in MODELS:
+            flights = inferred(shlex.split(options.command), options.sets / f"{label['set']}.csv", model)
+            kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
+            found.setdefault(f"{model}, {kind}", []).extend(misses(flights, label["true"]["cd"]))
+    columns = ("flights", "bias", "|error|", "in 90 %", "score", "alpha")
+    sys.stdout.write(f"{'log Cd':24} " + " ".join(f"{name:>7}" for name in columns) + "\n")
+    sys.stdout.writelines(line(name, rows) + "\n" for name, rows in sorted(found.items()))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
