@@ -5,6 +5,7 @@ happened, with noise. Nothing of the product is imported.
 """
 
 import argparse
+import csv
 import json
 import math
 import os
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from statistics import NormalDist, median
 from typing import Any
@@ -26,9 +28,11 @@ NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
     """What `fieldkit infer` says of the first flights of a table. Raises SystemExit where a command fails."""
+    with table.open(encoding="utf-8", newline="") as rows:
+        first = [row["flight_id"] for row in islice(csv.DictReader(rows), FLIGHTS)]
     with tempfile.TemporaryDirectory() as home:
         fieldkit = [*command, "--ledger", str(Path(home) / "ledger.db")]
-        for arguments in (["import", str(table)], ["infer", "--model", model, *map(str, range(1, FLIGHTS + 1))]):
+        for arguments in (["import", str(table)], ["infer", "--model", model, *first]):
             done = subprocess.run([*fieldkit, *arguments, "--json"], capture_output=True, text=True, env=os.environ)
             if done.returncode:
                 raise SystemExit(f"{table.name}: {done.stderr.strip()}")
