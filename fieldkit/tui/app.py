@@ -18,7 +18,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import gone, terminal
-from fieldkit.tui.memory import PassedBy
+from fieldkit.tui.memory import PassedBy, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
@@ -74,6 +74,8 @@ class FieldkitApp(Surviving):
         self._back = back
         self._stays = stays
         self._passed_by = PassedBy()
+        if stays:
+            share_arenas()
         self._opened: dict[str, PageScreen] = {}
         self._length: int | None = None
         self._hides = True
