@@ -114,7 +114,7 @@ def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
 def _write(file: Path, content: bytes, force: bool) -> None:
     target = file.resolve()
     if _is_stream(file) or (target.exists() and not target.is_file()):
-        with file.open("wb") as stream:
+        with os.fdopen(_into_stream(file), "wb") as stream:
             stream.write(content)
         return
     mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
@@ -128,6 +128,19 @@ def _write(file: Path, content: bytes, force: bool) -> None:
             _name(new, target)
     finally:
         new.unlink(missing_ok=True)
+
+
+def _into_stream(file: Path) -> int:
+    """A device or a pipe, to be written to. Raises OSError for a pipe that nobody reads, which would wait for ever."""
+    if not file.is_fifo():
+        return os.open(file, os.O_WRONLY | _BINARY)
+    try:
+        pipe = os.open(file, os.O_WRONLY | os.O_NONBLOCK)
+    except OSError as error:
+        nobody = "nobody reads this pipe" if error.errno == errno.ENXIO else error.strerror
+        raise OSError(error.errno, nobody) from error
+    os.set_blocking(pipe, True)
+    return pipe
 
 
 def _name(new: Path, target: Path) -> None:

@@ -20,7 +20,6 @@ from bench.faults.ledgers import ROOT, fieldkit
 from fieldkit.cli.main import app
 
 SESSION = ROOT / "docs" / "examples.sh"
-LONG = ROOT / "docs" / "examples-long.sh"
 DESK = Path(__file__).with_name("desk")
 """Files of a flyer's own that calls name, beside those of the checkout."""
 MORE = (
@@ -37,9 +36,14 @@ MORE = (
     "motors --fit Astra --target 800ft --class F --shortlist-for Astra",
     "landing --rocket Astra --motor F24-4W --wind 4m/s --pad 47.5,8.7 --kml landing.kml --card landing.png",
     "ork skylark.ork",
+    "import sample_logs/altos_csv__with_satellites.csv",
+    "track flight-4f3b53f6c1 --out tracker.kml",
     "backups restore 1 --yes",
+    "demo",
 )
 """Calls of commands that write by an option, or of which the session shows another part. `PORT` is a logger."""
+FIRST = ("demo",)
+"""Commands that want a ledger in which there is nothing yet."""
 LEFT_OUT = {
     "tui": "stays open; the ledger beneath it is that of the commands",
     "serve": "stays open",
@@ -98,8 +102,8 @@ def _lines(file: Path) -> list[tuple[str, ...]]:
 
 
 def lines() -> list[tuple[str, ...]]:
-    """The lines of the session, and of what the manual shows beside it."""
-    return [*_lines(SESSION), *(words for words in _lines(LONG) if named(words) not in LEFT_OUT)]
+    """The lines of the session."""
+    return _lines(SESSION)
 
 
 def more() -> list[tuple[str, ...]]:
@@ -110,17 +114,16 @@ def more() -> list[tuple[str, ...]]:
 def calls(folder: Path) -> list[Call]:
     """The lines of the session, each with a copy of what it finds; those that stay open or compute for long are not
     among them. The copies lie in this folder. Raises ValueError for a line that is refused with nothing wrong."""
-    desk = furnished(folder / "desk")
+    desk, empty = furnished(folder / "desk"), furnished(folder / "empty")
     made: list[Call] = []
-    with chdir(desk):
-        for number, words in enumerate((*lines(), *more())):
-            found = folder / "found" / str(number)
-            shutil.copytree(desk, found, symlinks=True)
-            made.append(Call(words, found))
-            with unit(words) as arguments:
-                status, _, said = fieldkit(desk / "ledger.db", *arguments)
-            if status:
-                raise ValueError(f"{shlex.join(words)}: {said.strip()}")
+    for number, words in enumerate((*lines(), *more())):
+        found, place = folder / "found" / str(number), empty if named(words) in FIRST else desk
+        shutil.copytree(place, found, symlinks=True)
+        made.append(Call(words, found))
+        with unit(words) as arguments, chdir(place):
+            status, _, said = fieldkit(place / "ledger.db", *arguments)
+        if status:
+            raise ValueError(f"{shlex.join(words)}: {said.strip()}")
     return made
 
 

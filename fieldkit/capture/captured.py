@@ -9,6 +9,7 @@ from pathlib import Path
 
 from fieldkit.capture.tape import BYTES, JOURNAL
 from fieldkit.errors import CaptureTrouble
+from fieldkit.files import read
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,8 +117,8 @@ def is_capture(file: Path) -> bool:
 def read_capture(file: Path) -> Captured:
     """A capture by either of its files. Raises CaptureTrouble; a torn journal is read as far as it goes."""
     try:
-        raw = file.with_suffix(BYTES).read_bytes()
-        journal = file.with_suffix(JOURNAL).read_bytes()
+        raw = read(file.with_suffix(BYTES), plain=True)
+        journal = read(file.with_suffix(JOURNAL), plain=True)
     except OSError as error:
         raise CaptureTrouble(f"{file}: cannot be read ({error.strerror})") from error
     marks = tuple(mark for line in journal.splitlines() if (mark := _mark(line)))

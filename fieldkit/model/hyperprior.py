@@ -21,6 +21,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.errors import DamagedModel
+from fieldkit.files import read_own
 from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
@@ -270,7 +271,10 @@ def learned() -> Hyperprior:
     """
     own = hyperprior_file()
     if own.exists():
-        return read_card(own.read_text("utf-8"), str(own))
+        try:
+            return read_card(read_own(own), str(own))
+        except (OSError, UnicodeDecodeError) as error:
+            raise DamagedModel(f"{own}: cannot be read ({error}), expected a hyperprior card") from error
     return read_card(files("fieldkit.data").joinpath(CARD).read_text("utf-8"), CARD)
 
 

@@ -3,9 +3,11 @@
 import csv
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass
+from io import StringIO
 from pathlib import Path
 
 from fieldkit.errors import BadValue
+from fieldkit.files import read_own
 
 DATA = Path(__file__).parents[1] / "data" / "motor_corrections.csv"
 """Which figures of ThrustCurve.org are corrected, each with its source and how sure it is."""
@@ -68,14 +70,13 @@ class Correction:
 def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction]]:
     """The corrections of a table by maker and designation. Raises BadValue that names the row."""
     found: dict[tuple[str, str], list[Correction]] = {}
-    with path.open(encoding="utf-8", newline="") as file:
-        for number, row in enumerate(csv.DictReader(file), start=2):
-            one = Correction(row["field"], row["was"], row["value"], row["confidence"], row["source"])
-            if one.field not in (*QUANTITIES, *TEXTS):
-                raise BadValue(f"{path.name}, row {number}: found the field {one.field!r}, expected a known one")
-            if one.confidence not in CONFIDENCES or not one.source:
-                raise BadValue(f"{path.name}, row {number}: expected one of {', '.join(CONFIDENCES)} and a source")
-            found.setdefault((row["maker"], row["designation"]), []).append(one)
+    for number, row in enumerate(csv.DictReader(StringIO(read_own(path), newline="")), start=2):
+        one = Correction(row["field"], row["was"], row["value"], row["confidence"], row["source"])
+        if one.field not in (*QUANTITIES, *TEXTS):
+            raise BadValue(f"{path.name}, row {number}: found the field {one.field!r}, expected a known one")
+        if one.confidence not in CONFIDENCES or not one.source:
+            raise BadValue(f"{path.name}, row {number}: expected one of {', '.join(CONFIDENCES)} and a source")
+        found.setdefault((row["maker"], row["designation"]), []).append(one)
     return found
 
 

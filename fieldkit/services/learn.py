@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fieldkit import __version__
 from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.files import read
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
 from fieldkit.model.hyperprior import START, Hyperprior, learned
@@ -70,7 +71,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
     if not usable:
         raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
     dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
-    digests = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in paths}
+    digests = {file.name: hashlib.sha256(read(file)).hexdigest() for file in paths}
     return Flyer(path.stem, dated, digests)
 
 

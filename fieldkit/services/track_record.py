@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.files import read_own
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.forecast.evaluation.forward_in_time import (
     Forecast,
@@ -46,7 +47,7 @@ def replayed(
 def read_hyperprior(path: Path) -> Hyperprior:
     """A hyperprior from its card in a file. Raises DamagedModel, BadValue."""
     try:
-        return read_card(path.read_text("utf-8"), path.name)
+        return read_card(read_own(path), path.name)
     except (OSError, UnicodeDecodeError) as error:
         raise BadValue(f"{path.name}: cannot be read ({error}), expected a hyperprior card") from error
 

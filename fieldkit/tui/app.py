@@ -1,16 +1,12 @@
 """The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
 
 import asyncio
-import sys
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-from rich.console import Console
-from textual import events
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette
@@ -20,15 +16,14 @@ from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
-from fieldkit.tui.choosing import Choosing
-from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import gone, terminal
-from fieldkit.tui.memory import PassedBy
+from fieldkit.tui.memory import PassedBy, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.screens.flights import FlightsScreen
+from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
 
 PAUSE = 0.05
@@ -41,16 +36,7 @@ MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
 
 
-@dataclass(frozen=True, slots=True)
-class Whereabouts:
-    """Where a flyer was: the page, the row of its first table, and what went wrong there."""
-
-    page: str
-    row: Any
-    crash: Crash
-
-
-class FieldkitApp(Choosing):
+class FieldkitApp(Surviving):
     """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
 
     One that `stays` has its process to itself, and makes ready in it what keys would else have to wait for.
@@ -85,15 +71,11 @@ class FieldkitApp(Choosing):
         back: Whereabouts | None = None,
     ) -> None:
         super().__init__(Resources(where, settings_file))
-        self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
         self._back = back
-        self.place: Whereabouts | None = None
-        """Where the flyer was when an error ended the app."""
-        self.errors: list[Exception] = []
-        """What nobody foresaw and was survived."""
-        self._crashes: dict[str, Crash] = {}
         self._stays = stays
         self._passed_by = PassedBy()
+        if stays:
+            share_arenas()
         self._opened: dict[str, PageScreen] = {}
         self._length: int | None = None
         self._hides = True
@@ -112,13 +94,6 @@ class FieldkitApp(Choosing):
             self.show_notice(self._back.crash.line(), error=True)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(TERMINAL_CHECK_INTERVAL, partial(self._leave_if_gone, held))
-
-    async def on_event(self, event: events.Event) -> None:
-        """Handle an event; a key that fails leaves everything where it is."""
-        try:
-            await super().on_event(event)
-        except Exception as error:
-            self.survive(error)
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave where the terminal was closed: whatever was typed is kept already."""
@@ -183,28 +158,6 @@ class FieldkitApp(Choosing):
         for page in self._opened.values():
             page.finish()
         self.resources.close()
-
-    def survive(self, error: Exception) -> None:
-        """Write down an error that nobody foresaw, once for each place that it comes from, and say so."""
-        self.errors.append(error)
-        self.show_notice(self._crash(error).line(), error=True)
-
-    def _crash(self, error: BaseException) -> Crash:
-        crash = record(error) if (known := self._crashes.get(place_of(error))) is None else known
-        return self._crashes.setdefault(crash.where, crash)
-
-    def bell(self) -> None:
-        """Textual rings it where an error has reached it, which ends the app; nothing else rings it."""
-        error = sys.exception()
-        if error is not None and self.place is None:
-            self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
-        super().bell()
-
-    def _row(self) -> Any:
-        try:
-            return page.row() if isinstance(page := self.screen_stack[0], PageScreen) else None
-        except Exception:  # an app that is failing may have no screen left
-            return None
 
     def action_command_palette(self) -> None:
         """Find anything by its name."""

@@ -226,3 +226,63 @@ def test_every_file_is_written_past_the_guard() -> None:
                 opens = name == "open" and any(isinstance(one, str) and set(one) & set("wax+") for one in texts)
                 found = opens or name in ("write_text", "write_bytes", "FileIO")
                 assert not found, f"{file}:{node.lineno}"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
+def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_what_is_written(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(FieldkitError, match="nobody reads"):
+        files.write(pipe, b"flights")
+    with os.fdopen(os.open(pipe, os.O_RDONLY | os.O_NONBLOCK), "rb") as reading:
+        files.write(pipe, b"flights")
+        assert reading.read() == b"flights"
+
+
+READERS = {
+    "files.py": "the bounded reader itself",
+    "__init__.py": "a file of the checkout",
+    "plugins.py": "cards that come along",
+    "cli/docs.py": "pages that come along",
+    "cli/demo.py": "a ledger",
+    "cli/completing.py": "a ledger",
+    "cli/session.py": "a ledger",
+    "tui/resources.py": "a ledger",
+    "model/hyperprior.py": "the card that comes along",
+    "motors/catalogue.py": "the catalog that comes along",
+    "planning/contest.py": "rules that come along",
+    "importing/tables/flight_headings.py": "a table that comes along",
+    "presentation/report/html.py": "a page that comes along",
+    "inference/network/ensemble.py": "reads so many bytes and no more",
+    "openrocket/archive.py": "a member of an archive, so many bytes and no more",
+    "inference/training/unfinished.py": "results of this program",
+    "parallel.py": "results of this program",
+    "ledger/backups.py": "copies of a ledger",
+    "capture/tape.py": "the names in a folder",
+}
+"""The modules that open files past `files.read`, and what they read."""
+
+
+def test_every_file_from_elsewhere_is_read_within_bounds() -> None:
+    for file in sorted((ROOT / "fieldkit").rglob("*.py")):
+        if file.relative_to(ROOT / "fieldkit").as_posix() in READERS:
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            called = node.func if isinstance(node, ast.Call) else None
+            name = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
+            assert name not in ("read_text", "read_bytes", "open"), f"{file}:{getattr(node, 'lineno', 0)}"
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no file without an end")
+@pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
+def test_a_file_without_an_end_is_refused_in_a_line(
+    home: Path, names: tuple[str, ...], parameter: Any, command: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if parameter.name in WRITTEN or names == ("export",):
+        pytest.skip("it is written")
+    assert main(line(names, parameter, command, Path("/dev/zero"))) == 1
+    assert "cannot be read" in capsys.readouterr().err
+
+
+WRITTEN = ("out", "page", "card", "kml")
+"""Parameters that name a file to write."""

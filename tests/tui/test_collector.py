@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from fieldkit.tui.memory import PassedBy
 from tests.pressing import frozen, opened, season
 
 
@@ -20,3 +21,35 @@ async def test_what_an_app_that_stays_has_read_is_passed_by(tmp_path: Path, monk
     season(tmp_path / "ledger.db")
     async with opened(tmp_path / "ledger.db", stays=True):
         assert gc.get_freeze_count() > len(gc.get_objects())
+
+
+class Ring:
+    """Garbage that only the collector sees."""
+
+    def __init__(self) -> None:
+        self.itself = self
+
+
+def rings() -> int:
+    gc.unfreeze()
+    return sum(isinstance(one, Ring) for one in gc.get_objects())
+
+
+def test_garbage_is_not_kept_by_what_is_passed_by() -> None:
+    passed_by = PassedBy()
+    passed_by.extend()
+    for _ in range(100):
+        Ring()
+    gc.collect(1)  # what is left of them is old
+    passed_by.extend()
+    assert rings() == 0
+
+
+def test_what_became_garbage_later_goes_when_there_is_much_more() -> None:
+    passed_by, held = PassedBy(), [Ring() for _ in range(100)]
+    passed_by.extend()
+    held.clear()
+    more: list[list[int]] = [[] for _ in range(gc.get_freeze_count())]
+    passed_by.extend()
+    assert more
+    assert rings() == 0

@@ -1,0 +1,64 @@
+"""What the app does about errors that nobody foresaw: it goes on where it can, and else remembers where it was."""
+
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+from rich.console import Console
+from textual import events
+
+from fieldkit.tui.choosing import Choosing
+from fieldkit.tui.crash import Crash, place_of, record
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.resources import Resources
+
+
+@dataclass(frozen=True, slots=True)
+class Whereabouts:
+    """Where a flyer was: the page, the row of its first table, and what went wrong there."""
+
+    page: str
+    row: Any
+    crash: Crash
+
+
+class Surviving(Choosing):
+    """An app that one failing key does not end."""
+
+    def __init__(self, resources: Resources) -> None:
+        super().__init__(resources)
+        self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
+        self.place: Whereabouts | None = None
+        """Where the flyer was when an error ended the app."""
+        self.errors: list[Exception] = []
+        """What nobody foresaw and was survived."""
+        self._crashes: dict[str, Crash] = {}
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; a key that fails leaves everything where it is."""
+        try:
+            await super().on_event(event)
+        except Exception as error:
+            self.survive(error)
+
+    def survive(self, error: Exception) -> None:
+        """Write down an error that nobody foresaw, once for each place that it comes from, and say so."""
+        self.errors.append(error)
+        self.show_notice(self._crash(error).line(), error=True)
+
+    def _crash(self, error: BaseException) -> Crash:
+        crash = record(error) if (known := self._crashes.get(place_of(error))) is None else known
+        return self._crashes.setdefault(crash.where, crash)
+
+    def bell(self) -> None:
+        """Textual rings it where an error has reached it, which ends the app; nothing else rings it."""
+        error = sys.exception()
+        if error is not None and self.place is None:
+            self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
+        super().bell()
+
+    def _row(self) -> Any:
+        try:
+            return page.row() if isinstance(page := self.screen_stack[0], PageScreen) else None
+        except Exception:  # an app that is failing may have no screen left
+            return None
