@@ -23,6 +23,7 @@ from fieldkit.tui.widgets.plots import Plot
 
 if TYPE_CHECKING:
     from fieldkit.analysis.whole_flight import FlightCurve
+    from fieldkit.ledger import Ledger
     from fieldkit.services.imports import FileView, FlightView
 
 CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_accel"}
@@ -54,6 +55,18 @@ def looks_at(file: "FileView", system: str) -> list[LogLook]:
         for one in file.shown
     ]
     return shown or [LogLook(file.file, stacked(whole), None)]
+
+
+def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
+    """A look at the log of a flight of the ledger, or in words why there is none."""
+    from fieldkit.services.imports.view import flight_view
+    from fieldkit.services.replay import recording_of
+
+    found = recording_of(ledger, id)
+    if found is None or found.reading is None:
+        return "no log with samples is kept with this flight"
+    one = flight_view(ledger.flight(id), found.recorded)
+    return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
 def _file_facts(file: "FileView") -> list[Hanging]:
