@@ -4,7 +4,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, SENSORS, Flight
 from fieldkit.flight.plausibility import beyond_motor
 
-_BESIDE = ("sd", "source")
+_READOUT_DETAILS = ("sd", "source")
 """Fields of a flight that describe its readouts."""
 
 
@@ -24,6 +24,6 @@ def within_motor(flight: Flight) -> tuple[Flight, list[str]]:
     found = {name: why for name, why in beyond_motor(flight, motor).items() if flight.source.get(name) in SENSORS}
     if not found:
         return flight, []
-    left = {part: {n: v for n, v in getattr(flight, part).items() if n not in found} for part in _BESIDE}
+    left = {part: {n: v for n, v in getattr(flight, part).items() if n not in found} for part in _READOUT_DETAILS}
     kept = flight.with_changes(**dict.fromkeys(found), **left)
     return kept, [f"not measured: {BY_NAME[name].title.lower()}, for {why}" for name, why in found.items()]

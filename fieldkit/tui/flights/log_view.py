@@ -30,7 +30,7 @@ CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_acce
 """What is drawn, from top to bottom, and the readout whose unit it has."""
 STEPS = 120
 """Steps of the cursor from one end to the other. [1]"""
-NEAR = 0.6
+STEPS_TO_EVENT = 0.6
 """An event so many steps from the cursor is named beside it. [1]"""
 
 
@@ -199,7 +199,7 @@ class LogView(ModalScreen[None]):
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
             said.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
-        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < NEAR * step]
+        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < STEPS_TO_EVENT * step]
         self.query_one("#cursor", Static).update(Content(printable("  ".join(said))).stylize("bold"))
 
     def action_step(self, by: int) -> None:
