@@ -41,7 +41,7 @@ def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
 def _file(one: FileView) -> dict[str, Any]:
     """One file; the readouts and events of its first flight stand above, those of all under `flights`."""
     flights, simulations = ([_flight(flight) for flight in part] for part in (one.flights, one.simulations))
-    first = next(iter([*flights, *simulations]), {"readouts": {}, "events": []})
+    first: dict[str, Any] = next(iter([*flights, *simulations]), {"readouts": {}, "events": []})
     return {
         "file": one.file,
         "format": one.format,
