@@ -25,6 +25,9 @@ from fieldkit.importing.tables.flight_headings import (
     ColumnRole,
     beside_a_motor,
     headings_of,
+    is_mass,
+    iso_date,
+    mass_column,
     mass_names,
     plain,
     renamed,
@@ -205,7 +208,7 @@ def _reading(
         liftoff, motor = (_mass(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
     except BadValue as error:
         return DamagedLog(str(error), row=row)
-    columns |= {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := _mass_column(headings, name))}
+    columns |= {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
     if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
         stated["dry_mass"], liftoff = liftoff - motor, None
     return Reading(stated, extra, columns, row, liftoff_mass=liftoff)
@@ -215,21 +218,10 @@ def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collectio
     """A mass that is no field of a flight, from the column that one of these words and a unit name. Raises BadValue.
     [kg]"""
     for heading, cell in zip(headings, cells, strict=False):
-        if _is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
+        if is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
             unit = plain(heading.spelled).rpartition("_")[2]
             return _number(cell.strip(), ColumnRole(heading.spelled, "dry_mass", unit), mark)
     return None
-
-
-def _mass_column(headings: Sequence[ColumnRole], name: str) -> str:
-    """The column of a mass that is no field of a flight, or ""."""
-    return next((heading.spelled for heading in headings if _is_mass(heading, mass_names(name))), "")
-
-
-def _is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
-    """Whether a column that is no field of a flight is a mass of one of these names, with its unit."""
-    name, _, unit = plain(heading.spelled).rpartition("_")
-    return not heading.field and name in words and unit in units.UNITS["mass"]
 
 
 def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
@@ -255,25 +247,12 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":
-        return read_date(_iso(cell.strip()) if heading.loose else cell.strip())
+        return read_date(iso_date(cell.strip()) if heading.loose else cell.strip())
     if heading.field == "tags":
         return read_tags(cell)
     if heading.field in BY_NAME:
         return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
     return cell.strip()
-
-
-def _iso(text: str) -> str:
-    """A date by its day and month, where there is no doubt which is which, as ISO 8601; else as it is."""
-    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
-    if not match:
-        return text
-    day, month = int(match[1]), int(match[3])
-    if match[2] == "/" and day <= 12:
-        if month <= 12 and day != month:
-            return text
-        day, month = month, day
-    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]}" if match[5] else "")
 
 
 def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:

@@ -64,6 +64,8 @@ MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
 """Largest impulse or thrust of a motor, relative to its certified curve. [1]"""
 READ_TOO_HIGH = 1.2
 """No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
+MIN_BURN_FRACTION = 0.5
+"""The least part of a motor's burn in which a rocket gains speed. [1]"""
 MAX_LAUNCH_ANGLE = math.radians(45)
 """A rail is closer to vertical: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes
 up. [rad]"""
@@ -86,6 +88,8 @@ class Burning(Protocol):
     def casing_mass(self) -> float: ...
     @property
     def peak_thrust(self) -> float: ...
+    @property
+    def burning(self) -> tuple[float, float]: ...
 
 
 def check(column: Column, value: float) -> float:
@@ -107,6 +111,30 @@ def implausible(flight: Flight, motor: Burning) -> str | None:
     """
     found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
     return next((reason for reason in found if reason), None)
+
+
+def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
+    """The readouts of a boost that no rocket of this mass can have had on its motor, each with why.
+
+    A readout is one only where it is so by more than two of its standard deviations. A burn ends, to an altimeter,
+    when the thrust falls below drag and weight: it may be a good deal shorter than the motor's, but not by half.
+    """
+    if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
+        return {}
+    mass = f"{_figure(BY_NAME['dry_mass'], flight.dry_mass)} on {motor.designation}"
+    hardest = MAX_THRUST_RATIO * motor.peak_thrust / (flight.dry_mass + motor.casing_mass)
+    bounds = {"top_speed": best_speed(flight.dry_mass, motor), "peak_accel": hardest, "avg_accel": hardest}
+    found = {}
+    for name, bound in bounds.items():
+        value, sd = flight.number(name), flight.sd.get(name, 0.0)
+        if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
+            column = BY_NAME[name]
+            found[name] = f"{_figure(column, value)} is more than {_figure(column, READ_TOO_HIGH * bound)}, {mass}"
+    burn, (first, last) = flight.number("burn_time"), motor.burning
+    if burn is not None and burn + 2 * flight.sd.get("burn_time", 0.0) < MIN_BURN_FRACTION * (last - first):
+        column = BY_NAME["burn_time"]
+        found["burn_time"] = f"{_figure(column, burn)} is less than half of {_figure(column, last - first)}, {mass}"
+    return found
 
 
 def best_speed(dry_mass: float, motor: Burning) -> float:

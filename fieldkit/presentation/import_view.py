@@ -40,8 +40,8 @@ def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
 
 def _file(one: FileView) -> dict[str, Any]:
     """One file; the readouts and events of its first flight stand above, those of all under `flights`."""
-    flights = [_flight(flight) for flight in one.shown]
-    first = flights[0] if flights else {"readouts": {}, "events": []}
+    flights, simulations = ([_flight(flight) for flight in part] for part in (one.flights, one.simulations))
+    first: dict[str, Any] = next(iter([*flights, *simulations]), {"readouts": {}, "events": []})
     return {
         "file": one.file,
         "format": one.format,
@@ -56,6 +56,7 @@ def _file(one: FileView) -> dict[str, Any]:
         "readouts": first["readouts"],
         "events": first["events"],
         "flights": flights,
+        "simulations": simulations,
         "notes": list(one.notes),
         "would_store": len(one.flights),
     }
@@ -64,7 +65,6 @@ def _file(one: FileView) -> dict[str, Any]:
 def _flight(one: FlightView) -> dict[str, Any]:
     return {
         "flight_id": one.flight.flight_id,
-        "simulated": one.simulated,
         "readouts": {name: _readout(name, readout) for name, readout in one.readouts.items()},
         "events": [_event(event) for event in one.events],
         "curve": _curve(one.curve),
@@ -109,7 +109,7 @@ def in_a_line(one: FileView) -> str:
 
 def _apogees(one: FileView) -> str:
     """The apogee of a file's flight, or of several the lowest and the highest."""
-    found, count = one.apogees, len(one.shown)
+    found, count = tuple(f.readouts["apogee"].value for f in one.shown if "apogee" in f.readouts), len(one.shown)
     flights = (
         ", simulation"
         if one.simulations and not one.flights

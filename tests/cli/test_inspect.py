@@ -150,3 +150,30 @@ def test_a_folder_of_logs_is_imported_by_several_processes(run: Run, tmp_path: P
     alone = [run("inspect", path, "--json") for path in sorted(folder.glob("*.pf2"))]
     assert several[0] == 0
     assert json.loads(several[1])["files"] == [file for one in alone for file in json.loads(one[1])["files"]]
+
+
+def test_a_simulation_is_looked_at_with_its_own_events_and_not_stored(run: Run) -> None:
+    (found,) = inspected(run, FOLDER / "openrocket__as_it_comes.csv")
+    assert found["would_store"] == 0
+    assert not found["flights"]
+    assert found["simulations"][0]["curve"]["height_m"]
+    assert found["readouts"]["top_speed"]["sensor"] == "simulation"
+    assert {one["sensor"] for one in found["events"]} == {"simulation"}
+    assert {one["source"] for one in found["columns"]} == {"clock", "simulation"}
+    status, out, _ = run("inspect", FOLDER / "openrocket__as_it_comes.csv")
+    assert status == 0
+    assert "states    simulation 1" in out
+
+
+def test_the_whole_flight_is_in_the_json_as_it_is_drawn(run: Run) -> None:
+    (found,) = inspected(run, PNUT)
+    curve = found["flights"][0]["curve"]
+    assert len({len(values) for values in curve.values()}) == 1
+    assert curve["time_s"][0] < 0.5 < curve["time_s"][-1]
+    assert max(curve["height_m"]) == pytest.approx(found["readouts"]["apogee"]["value"], rel=0.02)
+    events = {one["name"]: one["time_s"] for one in found["events"]}
+    assert curve["time_s"][-1] > events["apogee"] + 5
+    status, out, _ = run("inspect", PNUT)
+    assert status == 0
+    for what in ("height", "speed", "accel", "events", "from lift-off"):
+        assert what in out

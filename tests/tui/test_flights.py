@@ -148,6 +148,12 @@ async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
         assert "PerfectFlite" in seen
         for what in ("altitude [m]", "speed [m/s]", "acceleration [g]", "burnout", "apogee"):
             assert what in seen
+        await press(pilot, "l", "end")
+        assert "T+" in told(pilot, "#cursor")
+        assert "speed" in told(pilot, "#cursor")
+        assert "device: 161.5" in told(pilot, "#facts")
+        await press(pilot, "escape")
+        assert "PerfectFlite" in words(pilot)
 
 
 async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Path) -> None:

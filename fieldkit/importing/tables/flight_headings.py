@@ -202,3 +202,27 @@ def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
         seen[role.key] = role.spelled
         headings.append(role)
     return headings
+
+
+def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
+    """The column of a mass that is no field of a flight, or ""."""
+    return next((heading.spelled for heading in headings if is_mass(heading, mass_names(name))), "")
+
+
+def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
+    """Whether a column that is no field of a flight is a mass of one of these names, with its unit."""
+    name, _, unit = plain(heading.spelled).rpartition("_")
+    return not heading.field and name in words and unit in units.UNITS["mass"]
+
+
+def iso_date(text: str) -> str:
+    """A date by its day and month, where there is no doubt which is which, as ISO 8601; else as it is."""
+    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
+    if not match:
+        return text
+    day, month = int(match[1]), int(match[3])
+    if match[2] == "/" and day <= 12:
+        if month <= 12 and day != month:
+            return text
+        day, month = month, day
+    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]}" if match[5] else "")

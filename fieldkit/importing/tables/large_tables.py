@@ -92,9 +92,9 @@ def plain_numbers(
         return None
     if len(table) != lines or any(kind.kind not in "if" for kind in table.dtypes):
         return None
-    whole: Float[Array, "row place"] = table.to_numpy(float)
+    whole: Array = table.to_numpy(float)
     order = [places.index(channel.place) for channel in channels]
-    numbers = whole if order == list(range(whole.shape[1])) else whole[:, order]
+    numbers: Array = whole if order == list(range(whole.shape[1])) else whole[:, order]
     if np.isnan(numbers[:, needed]).any() or np.nanmax(np.abs(numbers), initial=0.0) > MAX_CELL_VALUE:
         return None
     return numbers

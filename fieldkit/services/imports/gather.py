@@ -16,6 +16,7 @@ from fieldkit.importing.read import OpenedFile, intakes, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports.view import FileView, file_view
+from fieldkit.services.imports.within_motor import within_motor
 
 READOUT_FIELDS = ("sd", "source")
 """Fields of a flight that describe its readouts."""
@@ -103,7 +104,9 @@ def gather(
             except BadValue as error:
                 rejected.append(Rejected(name, row, "log", str(error)))
             else:
-                arrivals.append(arrival)
+                kept, beyond = within_motor(arrival.flight)
+                arrivals.append(replace(arrival, flight=kept))
+                remarks = [*remarks, *beyond]
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
         views.append(file_view(intake, [one.flight for one in arrivals[first:]], notes[first_note:]))
     mapped = tuple(one for intake in read_files for one in intake.mapped)

@@ -54,7 +54,7 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
 
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
-    """The columns of a table of samples. Raises DamagedLog where it is none, as far as that can be told."""
+    """The columns of a table of samples. Raises DamagedLog where it is none, as far as that can be decided."""
     from fieldkit.importing.tables.column_choice import guessed
     from fieldkit.importing.tables.layout import layout_of
 

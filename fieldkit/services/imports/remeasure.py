@@ -11,6 +11,7 @@ from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.read import read_recordings, read_stored
 from fieldkit.importing.recognize import parsers
+from fieldkit.services.imports.within_motor import within_motor
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -63,10 +64,16 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) 
         return None
     fresh = read_stored([log, *ledger.other_logs(id)], id, format_of(flight), choices)
     entered = ledger.entered(id)
-    read = as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, ""))
+    read = _within(as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, "")), flight)
     kept = tuple(c.name for c in MEASURED if _stays(c, flight, entered, read))
     again = None if entered is None else renewed(entered, None, read)
     return Remeasured(id, flight, entered, renewed(flight, entered, read), again, kept)
+
+
+def _within(fresh: Flight, flight: Flight) -> Flight:
+    """A flight as read again, without what the mass and the motor that the ledger knows do not allow."""
+    known = fresh.with_changes(motor=flight.motor, dry_mass=flight.dry_mass)
+    return within_motor(known)[0].with_changes(motor=fresh.motor, dry_mass=fresh.dry_mass)
 
 
 def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:

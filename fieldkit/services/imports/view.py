@@ -82,7 +82,7 @@ class FileView:
     @property
     def apogees(self) -> tuple[float, ...]:
         """The apogees of its flights, where they have one. [m]"""
-        return tuple(one.readouts["apogee"].value for one in self.shown if "apogee" in one.readouts)
+        return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
 
 
 def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:

@@ -26,6 +26,7 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
+    from fieldkit.tui.flights.log_view import LogLook
     from fieldkit.tui.resources import Resources
 
 
@@ -48,7 +49,10 @@ class FlightScreen(PageScreen):
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
             ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the apogee that was flown."),
             ("± 1 m", "Uncertainty of a figure measured in a log: two times in three the true value is this close."),
-            ("Log", "Altitude, speed and acceleration from liftoff (T+0) to landing, an upright line at each event."),
+            (
+                "Log",
+                "Altitude, speed and acceleration from liftoff (T+0) to landing, a line at each event; l: a cursor.",
+            ),
             ("Also on record", "What else the file of the flight says, in its own words."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
         ),
@@ -64,6 +68,9 @@ class FlightScreen(PageScreen):
         Binding("escape", "back", "Back", priority=True),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change what is known of this flight"),
+        Binding(
+            "l", "look", "Look", tooltip="Its log with a cursor that says height, speed and acceleration", show=False
+        ),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
         REMOVE,
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
@@ -231,6 +238,21 @@ class FlightScreen(PageScreen):
 
         if self._flight is not None:
             self.app.push_screen(TagScreen(self._flight_id, self._flight))
+
+    def action_look(self) -> None:
+        """Show the log with a cursor."""
+        from fieldkit.tui.flights.log_view import look_at_flight
+
+        system = self.resources.settings.units
+        self.ask(partial(look_at_flight, self.resources.ledger, self._flight_id, system), self._have_look, "look")
+
+    def _have_look(self, look: "LogLook | str") -> None:
+        from fieldkit.tui.flights.log_view import LogView
+
+        if isinstance(look, str):
+            self.complain(look)
+        else:
+            self.app.push_screen(LogView([look], self.resources.settings.units))
 
     def action_edit(self) -> None:
         """Change what is known of the flight."""

@@ -23,13 +23,14 @@ from fieldkit.tui.widgets.plots import Plot
 
 if TYPE_CHECKING:
     from fieldkit.analysis.whole_flight import FlightCurve
+    from fieldkit.ledger import Ledger
     from fieldkit.services.imports import FileView, FlightView
 
 CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_accel"}
 """What is drawn, from top to bottom, and the readout whose unit it has."""
 STEPS = 120
 """Steps of the cursor from one end to the other. [1]"""
-NEAR = 0.6
+STEPS_TO_EVENT = 0.6
 """An event so many steps from the cursor is named beside it. [1]"""
 
 
@@ -54,6 +55,18 @@ def looks_at(file: "FileView", system: str) -> list[LogLook]:
         for one in file.shown
     ]
     return shown or [LogLook(file.file, stacked(whole), None)]
+
+
+def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
+    """A look at the log of a flight of the ledger, or in words why there is none."""
+    from fieldkit.services.imports.view import flight_view
+    from fieldkit.services.replay import recording_of
+
+    found = recording_of(ledger, id)
+    if found is None or found.reading is None:
+        return "no log with samples is kept with this flight"
+    one = flight_view(ledger.flight(id), found.recorded)
+    return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
 def _file_facts(file: "FileView") -> list[Hanging]:
@@ -186,7 +199,7 @@ class LogView(ModalScreen[None]):
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
             said.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
-        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < NEAR * step]
+        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < STEPS_TO_EVENT * step]
         self.query_one("#cursor", Static).update(Content(printable("  ".join(said))).stylize("bold"))
 
     def action_step(self, by: int) -> None:
