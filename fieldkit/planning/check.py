@@ -22,7 +22,7 @@ SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
 class SafetyCheck:
     """One check: its name, how it ended, what was found and what would be right, and where the limit is from.
 
-    The figures in `finding` are in SI and are shown in the units of whoever reads it (`in_units`). `rule` is the rule's
+    The figures in `finding` are in SI and are shown in the reader's units (`in_units`). `rule` is the rule's
     own words where a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
     """
 

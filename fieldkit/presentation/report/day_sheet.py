@@ -1,6 +1,6 @@
 """The day sheet: the plans of a day on paper, a row each, with what they come to and room for what they do.
 
-Below the table stand the safety lines that are not well, by flight, so that whoever checks rockets in reads them once.
+Below the table stand the safety lines that are not well, by flight, for the one who checks rockets in.
 """
 
 from collections.abc import Iterator, Sequence
