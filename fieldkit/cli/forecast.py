@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.planning import about_plan, plan_from_options, planned_table, print_safety, safety_of, system
+from fieldkit.cli.planning import (
+    about_plan,
+    plan_from_options,
+    planned_table,
+    print_safety,
+    safety_of,
+    system,
+    way_down,
+)
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -58,9 +66,13 @@ def predict(
         with progress("fitting your other rockets") as on_progress:
             predictions = predict_plans(ledger, check.catalogue, plans, model.value, on_progress=on_progress)
         lines = safety_of(ledger, check.catalogue, predictions, given)
+        down = way_down(ledger, check.catalogue, predictions) if json else []
         starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:
-        documents = [forecast_record(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
+        documents = [
+            forecast_record(one) | fell | about_plan(one, own)
+            for one, fell, own in zip(predictions, down, lines, strict=True)
+        ]
         print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0], ledger.remarks)

@@ -236,6 +236,20 @@ def safety_of(
     return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
 
 
+def way_down(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]") -> list[dict[str, Any]]:
+    """What JSON adds to forecasts of the way down: duration and landing, by what each rocket's flights show."""
+    from fieldkit.planning.descent_rate import fall_of
+    from fieldkit.planning.landing import landing
+    from fieldkit.services.forecasts import flown
+
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
+    return [
+        {"landing": landing(one, fall).json(), "timed_flights": fall.flights}
+        for one, fall in zip(said, falls, strict=True)
+    ]
+
+
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """What JSON adds to a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions

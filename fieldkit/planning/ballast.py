@@ -101,11 +101,13 @@ class Ballast:
     met: bool
     gain: float
     gain_error: float
+    too_heavy: bool = False
 
     @property
     def clear(self) -> bool:
-        """Whether the change is worth it: the points that it saves are clear against their uncertainty."""
-        return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+        """Whether the change is worth it: the points that it saves are clear against their uncertainty, or today's mass
+        is more than the season allows."""
+        return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property
     def apogee(self) -> Three:
@@ -127,6 +129,7 @@ class Ballast:
             "gain_points": self.gain,
             "gain_error_points": self.gain_error,
             "change": self.clear,
+            "too_heavy": self.too_heavy,
         }
 
 
@@ -169,6 +172,7 @@ def ballast(
         met=low <= goal.target <= high,
         gain=gain,
         gain_error=error,
+        too_heavy=_too_heavy(goal, plan, found),
     )
 
 
@@ -195,6 +199,12 @@ def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) 
         return bounds
     most = goal.rule.mass - found.motor.loaded_mass
     return bounds[0], most if bounds[1] is None else min(most, bounds[1])
+
+
+def _too_heavy(goal: Goal, plan: Flight, found: Found) -> bool:
+    """Whether a plan weighs more on the pad than its season allows."""
+    most = None if goal.rule is None else goal.rule.mass
+    return most is not None and plan.dry_mass is not None and plan.dry_mass + found.motor.loaded_mass > most + 1e-6
 
 
 def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:

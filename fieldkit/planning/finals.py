@@ -7,11 +7,12 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import fall_of, landing_mass
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, three
 from fieldkit.shapes import Array, Float
@@ -49,11 +50,13 @@ class Together:
 @dataclass(frozen=True, slots=True)
 class TrialFlights:
     """Flights of a plan at several masses [kg], on common draws: what the altimeter shows [m] and what a duration at
-    each area takes [s]."""
+    each area takes [s]; the `forecast` at the heaviest, and what the descent rests on."""
 
     masses: Float[Array, "mass"]
     apogee: Float[Array, "mass draw"]
     duration: Float[Array, "area mass draw"]
+    forecast: Prediction
+    fall: Fall
 
     def best(self, rule: Season) -> Together:
         """What brings the fewest points by a rule."""
@@ -67,7 +70,7 @@ class TrialFlights:
             three(self.apogee[row]),
             three(self.duration[area, row]),
             float(points[area, row]),
-            area in (0, len(AREAS) - 1) or row == 0,
+            bool(area in (0, len(AREAS) - 1) or row == 0),
         )
 
 
@@ -99,7 +102,7 @@ def trials(
     fine = np.linspace(low, most, FINE_MASSES)
     apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
     duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
-    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration))
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), said[-1], fall)
 
 
 def finals_targets(rule: Season) -> list[float]:

@@ -62,6 +62,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     said, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {shown.length(goal.target)}"
+    if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
+        yield f"  too heavy: the season allows at most {goal.rule.mass * 1e3:.0f} g on the pad"
     if not best.clear:
         points = "ft" if goal.rule is None else "points"
         yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} per flight is not significant"
