@@ -68,6 +68,11 @@ class ShownUnits:
 
     system: str = "SI"
 
+    @property
+    def length_unit(self) -> str:
+        """`m` or `ft`."""
+        return SYSTEMS[self.system].get("m", "m")
+
     def length(self, value: float, digits: int = 0) -> str:
         """`284 m` or `932 ft`."""
         return written(value, "m", self.system, digits)

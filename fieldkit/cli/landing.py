@@ -64,7 +64,8 @@ def landing(
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.report.range_card import range_card
 
-        told = [*in_words(said), *words[1:]][:CARD_LINES]
+        more = [line for line in words[1:] if not line.startswith("  based on")]
+        told = [*in_words(said, system()), *more][:CARD_LINES]
         files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=force)
         complain(f"{card}: the range card")
     if json:
