@@ -528,3 +528,22 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
             if "Help: Import" in shown(pilot):
                 break
         assert "Help: Import" in shown(pilot)
+
+
+async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        with patch("fieldkit.tui.screens.next_flight.REST", 0.0):
+            await press(pilot, "4", "_", "down", "_")
+            while not pilot.app.screen._motors.exact:  # type: ignore[attr-defined]  # of the page in front
+                await pilot.pause(0.01)
+            await press(pilot, "_")
+        card = pilot.app.screen.query_one(ForecastCard)
+        before, row = card.text, pilot.app.screen.query_one(Table).current_text()
+        await press(pilot, "enter", "_")
+        assert card.text == before
+        assert pilot.app.screen.query_one(Table).current_text() == row
+    with Ledger.open(file) as ledger:
+        saved = ledger.predictions("Astra")[-1].payload
+    middle = f"{saved['apogee_m']['p50']:.1f}"
+    assert f": {middle} m" in before
+    assert middle in row
