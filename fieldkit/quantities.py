@@ -1,6 +1,7 @@
 """Numbers as flyers read them: in the units of their choice, with the digits that mean something."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
 from fieldkit import units
@@ -42,6 +43,55 @@ def number(column: Column, value: float, system: str) -> str:
     unit = unit_of(column, system)
     places = 1 if column.quantity == "acceleration" else DECIMALS[unit]
     return f"{units.unit(column.quantity, unit).from_si(value):.{places}f}"
+
+
+QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "g": "mass", "N s": "impulse"}
+"""Quantity of a unit that a figure is stated in."""
+
+
+def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
+    """A figure [SI] that is shown in one unit with SI, in that of a system: `written(304.8, "m", "US")` is `1000 ft`.
+
+    `digits` after the point count for the unit that is shown with SI; other units have one less, but not below none.
+    """
+    shown = SYSTEMS[system].get(unit, unit)
+    places = DECIMALS.get(shown, 0)
+    if digits is not None:
+        places = digits if shown == unit else min(digits, places)
+    scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
+    return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
+
+
+@dataclass(frozen=True, slots=True)
+class ShownUnits:
+    """Figures [SI] as text in the units of a system."""
+
+    system: str = "SI"
+
+    @property
+    def length_unit(self) -> str:
+        """`m` or `ft`."""
+        return SYSTEMS[self.system].get("m", "m")
+
+    def length(self, value: float, digits: int = 0) -> str:
+        """`284 m` or `932 ft`."""
+        return written(value, "m", self.system, digits)
+
+    def lengths(self, low: float, high: float) -> str:
+        """`97 to 600 m`."""
+        return f"{self.length(low).split()[0]} to {self.length(high)}"
+
+    def speed(self, value: float, digits: int = 1) -> str:
+        """`13.4 m/s` or `30 mph`."""
+        return written(value, "m/s", self.system, digits)
+
+    def mass(self, value: float) -> str:
+        """`322 g` or `11.36 oz`."""
+        return written(value, "g", self.system)
+
+    def temperature(self, value: float) -> str:
+        """`21 °C` or `70 °F`."""
+        return written(value, "c", self.system)
 
 
 def measure(column: Column, value: float | None, system: str) -> str:

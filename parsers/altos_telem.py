@@ -86,6 +86,9 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
     10: ("TeleMetrum 2", {**FLIGHT_STATE, **_air(8, 12), **_kalman(14)}),
     16: ("TeleMini 2", MINI),
     17: ("TeleMini 3", MINI),
+    18: ("TeleMega", _air(8, 12)),
+    19: ("TeleMega", _air(8, 12)),
+    20: ("TeleMega", _air(8, 12)),
 }
 """The packets that are read, by their type: whose they are, and what they hold."""
 MAX_RADIO_GAP = 2.0

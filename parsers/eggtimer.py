@@ -110,7 +110,9 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
         channels.append(Channel("speed", speed))
     widths = {len(head.names), len(head.names) + 1}
     after = head.row - above
-    parts, remarks = read_columns(body, channels, after=after, separator=head.separator, widths=widths).flights()
+    table = read_columns(body, channels, after=after, separator=head.separator, widths=widths)
+    table.values["time"][:] = _seconds(table.values["time"])
+    parts, remarks = table.flights()
     found: list[Found] = []
     for one in parts:
         reading = _reading(one, part)
@@ -121,21 +123,21 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
 def _unit(table: LogTable, head: Header) -> str:
     """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
-    settled = settled or unit_of_fall(_seconds(table), table.values["altitude"])
+    settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
     if not settled:
         found = "found altitudes whose unit no fall settles, expected a header such as Alt_ft or Alt_m"
         raise DamagedLog(found, row=head.row, column="Alt")
     return settled
 
 
-def _seconds(table: LogTable) -> Float[Array, "row"]:
-    time = table.values["time"]
+def _seconds(time: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A clock in seconds, whether it counts those or milliseconds. [s]"""
     steps = np.diff(time[:40])
     return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
 
 
 def _reading(table: LogTable, part: _TextTable) -> Reading:
-    time, length, velocity = _seconds(table), UNITS["length"][_unit(table, part.head)], table.get("speed")
+    time, length, velocity = table.values["time"], UNITS["length"][_unit(table, part.head)], table.get("speed")
     series = Series(
         time=time,
         altitude=table.values["altitude"] * length.factor,

@@ -13,6 +13,7 @@ their arithmetic failed, and is refused. Tags are separated by `;`, `|` or `,`.
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
@@ -22,7 +23,9 @@ from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, 
 from fieldkit.importing.tables.flight_headings import (
     OWN_COLUMNS,
     ColumnRole,
+    beside_a_motor,
     headings_of,
+    mass_names,
     plain,
     renamed,
     role_of,
@@ -30,22 +33,24 @@ from fieldkit.importing.tables.flight_headings import (
     synonyms,
     table_names,
 )
-from fieldkit.importing.tables.mapping import choice_for, is_of_flights
+from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell
 
 SEPARATORS = (",", ";", "\t")
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
-LIFTOFF_MASSES = ("liftoff_mass", "lift_off_mass", "launch_mass", "takeoff_mass", "pad_mass", "mass_with_motor")
-MOTOR_MASSES = ("motor_mass", "engine_mass", "motor_weight", "loaded_motor_mass")
-"""Masses with the motor, and of the motor alone: the first less the second is the dry mass."""
 
 
 def recognises(head: bytes) -> bool:
     text = decode(head)
-    spelled = first_row(text, _separator(text))[1]
+    names = first_row(text, _separator(text))[1]
+    spelled = beside_a_motor(names)
     fields = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
-    if {"date_time"} == fields & set(OWN_COLUMNS) and not fields & {column.name for column in READOUTS}:
+    if (
+        spelled == names
+        and {"date_time"} == fields & set(OWN_COLUMNS)
+        and not fields & {column.name for column in READOUTS}
+    ):
         return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     named = {role_of(name, strict=False, taken=fields).field for name in spelled}
@@ -77,7 +82,11 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
         header_row, names = header_row - 1, list(bare)
     if choice is not None:
         names = renamed(names, choice, header_row)
-    headings = headings_of(names, header_row)
+    told = beside_a_motor(names) if choice is None else names
+    headings = [
+        role if own == name else replace(role, spelled=name.strip(), loose=True)
+        for role, own, name in zip(headings_of(told, header_row), told, names, strict=True)
+    ]
     table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
@@ -180,6 +189,9 @@ def _reading(
             elif cell.strip():
                 extra[heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
+            if heading.loose:  # by a name that may mean something else
+                extra[heading.spelled] = from_cell(cell)
+                continue
             return DamagedLog(str(error), row=row, column=heading.spelled or None)
     known = {place: value for place, value in known.items() if value is not None}
     for heading in headings:
@@ -190,9 +202,10 @@ def _reading(
         stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
     columns = {heading.field: heading.spelled for heading in headings if heading.field}
     try:
-        liftoff, motor = (_mass(cells, headings, words, mark) for words in (LIFTOFF_MASSES, MOTOR_MASSES))
+        liftoff, motor = (_mass(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
     except BadValue as error:
         return DamagedLog(str(error), row=row)
+    columns |= {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := _mass_column(headings, name))}
     if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
         stated["dry_mass"], liftoff = liftoff - motor, None
     return Reading(stated, extra, columns, row, liftoff_mass=liftoff)
@@ -202,11 +215,21 @@ def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collectio
     """A mass that is no field of a flight, from the column that one of these words and a unit name. Raises BadValue.
     [kg]"""
     for heading, cell in zip(headings, cells, strict=False):
-        name, _, unit = plain(heading.spelled).rpartition("_")
-        known = name in words and unit in units.UNITS["mass"]
-        if known and not heading.field and cell.strip().lower() not in NOT_RECORDED:
+        if _is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
+            unit = plain(heading.spelled).rpartition("_")[2]
             return _number(cell.strip(), ColumnRole(heading.spelled, "dry_mass", unit), mark)
     return None
+
+
+def _mass_column(headings: Sequence[ColumnRole], name: str) -> str:
+    """The column of a mass that is no field of a flight, or ""."""
+    return next((heading.spelled for heading in headings if _is_mass(heading, mass_names(name))), "")
+
+
+def _is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
+    """Whether a column that is no field of a flight is a mass of one of these names, with its unit."""
+    name, _, unit = plain(heading.spelled).rpartition("_")
+    return not heading.field and name in words and unit in units.UNITS["mass"]
 
 
 def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
@@ -232,12 +255,25 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":
-        return read_date(cell.strip())
+        return read_date(_iso(cell.strip()) if heading.loose else cell.strip())
     if heading.field == "tags":
         return read_tags(cell)
     if heading.field in BY_NAME:
         return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
     return cell.strip()
+
+
+def _iso(text: str) -> str:
+    """A date by its day and month, where there is no doubt which is which, as ISO 8601; else as it is."""
+    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
+    if not match:
+        return text
+    day, month = int(match[1]), int(match[3])
+    if match[2] == "/" and day <= 12:
+        if month <= 12 and day != month:
+            return text
+        day, month = month, day
+    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]}" if match[5] else "")
 
 
 def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:

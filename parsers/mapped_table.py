@@ -36,7 +36,7 @@ from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import epoch_unit
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
-from fieldkit.units import Unit
+from fieldkit.units import STANDARD_GRAVITY, Unit
 
 MIN_FLIGHT_ROWS = 10
 """Rows between two jumps of a clock that make a flight, if there is a longer one. [1]"""
@@ -113,13 +113,16 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
     """The picked columns as they stand, each under its place; without samples that no sensor gives."""
     alone = len(side_by_side(layout)) == 1  # of tables side by side one ends before the other
     channels = [
-        Channel(f"{pick.place}", pick.place, needed=pick.channel == "time" and alone, header=pick.name)
-        for pick in {pick.place: pick for pick in picks if pick.unit != "clock"}.values()
+        Channel(
+            f"{pick.place}",
+            pick.place,
+            needed=pick.channel == "time" and alone,
+            header=pick.name,
+            clock=pick.unit == "clock",
+        )
+        for pick in {pick.place: pick for pick in picks}.values()
     ]
-    clock = {f"{pick.place}": pick.place for pick in picks if pick.unit == "clock"}
-    return read_columns(
-        log, channels, after=layout.above, separator=layout.separator, decimal=layout.decimal, words=clock
-    )
+    return read_columns(log, channels, after=layout.above, separator=layout.separator, decimal=layout.decimal)
 
 
 def _line(
@@ -181,11 +184,20 @@ def _with_total(table: LogTable) -> LogTable:
         return table
     values = dict(table.values)
     axes = np.stack([values[name] for name in AXES])
-    values.setdefault("felt_total", np.sqrt((axes**2).sum(axis=0)))
+    total = np.sqrt((axes**2).sum(axis=0))
+    if "felt" in values and _is_total(values["felt"], total):
+        values["felt_total"] = values.pop("felt")
+    values.setdefault("felt_total", total)
     along = None if {"felt", "acceleration"} & values.keys() else along_thrust(values["time"], axes)
     if along is not None:
         values["felt"] = along
     return LogTable(values, table.rows)
+
+
+def _is_total(felt: Float[Array, "row"], total: Float[Array, "row"]) -> bool:
+    """Whether a column without a word on its axis is the magnitude of the three beside it."""
+    there = np.isfinite(felt) & np.isfinite(total)
+    return bool(there.any()) and float(np.quantile(np.abs(felt - total)[there], 0.9)) < 0.05 * STANDARD_GRAVITY
 
 
 PARSER = Parser("Any table of samples (CSV), by its columns", recognises, read, fallback=True, mapped=read_mapped)

@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.forecast.predict import fly_ahead, learn
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
-from fieldkit.model.rocket_model import bent
+from fieldkit.model.simulated_readouts import bent
 from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
 

@@ -15,7 +15,8 @@ from fieldkit.flight import Flight
 from fieldkit.flight.tags import CHECKED_TAG
 from fieldkit.model.hyperprior import READOUTS, Hyperprior, Scale
 from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
-from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, bent, groups, shared_names, shown
+from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, groups, shared_names
+from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.unique import fly_unique

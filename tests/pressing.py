@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import datetime, timedelta
 from functools import cache
+from itertools import zip_longest
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -16,15 +17,16 @@ from unittest.mock import patch
 
 import pytest
 from jaxtyping import config as shapes
+from textual.css.parse import parse
 from textual.events import Key
 from textual.pilot import Pilot
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
 from fieldkit.importing.read import read
 from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide as guided
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.page import PageScreen
+from fieldkit.tui.page import PageScreen, pages
 
 ROOT = Path(__file__).parents[1]
 FIRST = datetime(2026, 4, 18, 10, 0)
@@ -92,6 +94,22 @@ def unchecked() -> Any:
     return patch.object(shapes, "jaxtyping_disable", True)
 
 
+STYLES: dict[Any, list[Any]] = {}
+"""Rules of style sheets, by all that decides them: an app for each test parses none that another has parsed."""
+
+
+def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]], **kind: Any) -> list[Any]:
+    """The rules of a style sheet, parsed at the first asking."""
+    colors = tuple((name, *(token.value for token in tokens)) for name, tokens in variable_tokens.items())
+    asked = (scope, css, at, colors, *kind.items())
+    if asked not in STYLES:
+        STYLES[asked] = list(parse(scope, css, at, variable_tokens=variable_tokens, **kind))
+    return STYLES[asked]
+
+
+LETTERS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789")
+"""Keys that only add a letter where a text is typed."""
+
 WORKED_OUT: dict[str, Any] = {}
 """Forecasts of many motors, by all that decides them: the same are not worked out for every page that is opened."""
 
@@ -118,20 +136,19 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 async def opened(
     file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
 ) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, turned to a page, once it is calm; as flyers have it where it
+    """The app on a ledger, its settings kept beside it, started on a page, once it is calm; as flyers have it where it
     `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with (
         unchecked(),
+        patch("textual.css.stylesheet.parse", parsed),
+        patch("fieldkit.tui.app.pages", lambda: {page: pages()[page]} | pages()),
         patch("textual.app.wait_for_idle", _no_wait),
         patch("textual.pilot.wait_for_idle", _no_wait),
         patch("fieldkit.tui.add.estimate_line.PAUSE", 0.0),
     ):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
-            if page != app.current_mode:
-                await app.action_page(page)
-                await calm(pilot)
             yield pilot
             app.workers.cancel_all()
     if app.errors:
@@ -167,12 +184,15 @@ def _all_read(pilot: Pilot[None]) -> bool:
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
-    """Press keys one after the other, each once the app is calm again; `_` is no key and waits as well."""
-    for key in keys:
+    """Press keys one after the other, each once the app is calm again; `_` is no key and waits as well.
+
+    Letters of one text come as fast as they are typed: only after the last is the app waited for.
+    """
+    for key, after in zip_longest(keys or ("_",), keys[1:], fillvalue="_"):
         if key != "_":
             await pilot.app._press_keys([key])
-        await calm(pilot)
-    await calm(pilot)
+        if not (key in LETTERS and after in LETTERS and isinstance(pilot.app.focused, Input)):
+            await calm(pilot)
 
 
 async def hurry(pilot: Pilot[None], *keys: str) -> None:
@@ -189,7 +209,7 @@ async def _no_wait(*_: float) -> None:
 def typed(text: str) -> list[str]:
     """The keys of a text."""
     names = {" ": "space", "-": "minus", ".": "full_stop", "/": "slash", "=": "equals_sign", ";": "semicolon"}
-    names |= {"_": "underscore"}
+    names |= {"_": "underscore", "[": "left_square_bracket", "]": "right_square_bracket"}
     return [names.get(letter, letter) for letter in text]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import forecast_model
-from fieldkit.model.rocket_model import shown
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
 MOTORS = ("F24", "F39", "E35")

@@ -5,6 +5,7 @@ import shlex
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,9 +15,12 @@ from typer.main import get_command
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
+from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
+from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
 from tests.pressing import opened, press, told
+from tools import field_report, history_report
 from tools.manual import pages
 
 CHECK_SHAPES = False
@@ -103,6 +107,12 @@ def test_every_command_has_an_example() -> None:
 def test_the_pages_that_follow_from_the_program_are_as_it_is_now() -> None:
     for path, text in pages():
         assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} again"
+
+
+@pytest.mark.parametrize(("tool", "network"), [(field_report, "field"), (history_report, "history")])
+def test_the_pages_of_measurements_follow_from_them(tool: ModuleType, network: str) -> None:
+    text = "\n".join(tool.report(read_card(trained_folder(network)))).rstrip() + "\n"
+    assert tool.REPORT.read_text(encoding="utf-8") == text, f"python {tool.__file__} writes it again"
 
 
 def test_the_first_page_leads_to_all_others_as_the_site_does() -> None:

@@ -9,7 +9,6 @@ import argparse
 import json
 import subprocess
 import sys
-import textwrap
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,9 +23,9 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.observations import INDEPENDENT_READOUTS, observe
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
+from tools.markdown import MEASURED, measured, percent, prose, table
 
 ROOT = Path(__file__).parents[1]
-MEASURED = ROOT / "docs" / "measured"
 REPORT = ROOT / "docs" / "field-ensemble.md"
 
 
@@ -55,30 +54,6 @@ def _guarded(ledger: str) -> dict:
     which = outliers.misfit(ensemble, observed)
     counts = Counter(INDEPENDENT_READOUTS[number] for number in which if number >= 0)
     return {"flights": len(known), "warned": int((which >= 0).sum()), "by_readout": dict(counts)}
-
-
-def prose(*parts: str) -> Iterator[str]:
-    """A paragraph."""
-    yield textwrap.fill(" ".join(parts), 120, break_long_words=False, break_on_hyphens=False)
-    yield ""
-
-
-def table(headers: list[str], rows: list[list[str]]) -> Iterator[str]:
-    """A table in Markdown."""
-    yield "| " + " | ".join(headers) + " |"
-    yield "|" + "---|" * len(headers)
-    yield from ("| " + " | ".join(row) + " |" for row in rows)
-    yield ""
-
-
-def measured(name: str) -> dict | None:
-    """What was measured under a name, if it was."""
-    path = MEASURED / f"{name}.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-
-
-def percent(share: float, digits: int = 1) -> str:
-    return f"{100 * share:.{digits}f} %"
 
 
 def report(card: dict) -> Iterator[str]:

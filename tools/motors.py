@@ -6,7 +6,7 @@ Without a path the pinned version is fetched with `npm pack`. The same input giv
 Figures that documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors
 that are newer than the package (`fieldkit/data/motor_additions.csv`) added with a curve drawn from their letters.
 Motors without samples, or whose samples disagree with what was certified, are left out and listed;
-a mass that is missing is estimated by the rules of `_repair_propellant` and `_casing` and marked.
+a mass that is missing is estimated by the rules of `motor_masses` and marked.
 """
 
 import argparse
@@ -14,30 +14,23 @@ import csv
 import gzip
 import hashlib
 import json
-import math
 import subprocess
 import tarfile
 import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from statistics import median
-from typing import Any
-
-import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.motors.catalogue import DATA
 from fieldkit.motors.corrections import DATA as CORRECTIONS
 from fieldkit.motors.corrections import QUANTITIES, Correction, as_rows, read_corrections
 from fieldkit.motors.motor import impulse, knots
+from tools.motor_masses import Row, estimate_casing, estimate_propellant, unfit
 
 PACKAGE, VERSION = "thrustcurve-db", "3.0.4"
 IMPULSE_TOLERANCE = 0.25
 """Samples whose impulse is off the certified one by more than this share are left out. [1]"""
-FASTEST_EXHAUST = 2700.0
-"""Above this a mass cannot be all that leaves the motor: the nitrous of hybrids is not in it. [m/s]"""
-
 SOURCE_KEYS = {
     "total_impulse_ns": "totImpulseNs",
     "average_n": "avgThrustN",
@@ -58,7 +51,6 @@ ADDITIONS = CORRECTIONS.with_name("motor_additions.csv")
 PEAK, FALLING = 0.1, 0.75
 """When an estimated curve has its peak, and how long it then falls slowly, of its burn. [1]"""
 
-Row = dict[str, Any]
 Corrections = Mapping[tuple[str, str], Sequence[Correction]]
 
 
@@ -152,65 +144,6 @@ def delays(text: str) -> list[float | str]:
     return [int(word) if word.isdigit() else word for word in words]
 
 
-def _exhaust(entry: Row) -> float:
-    return float(entry["total_impulse_ns"] / entry["propellant_g"] * 1e3)
-
-
-def _repair_propellant(rows: list[Row]) -> None:
-    """Estimates a propellant mass that is missing or more than twice what its maker's propellant needs.
-
-    From the median exhaust speed of that maker's motors with that propellant, of which there are three
-    or more; hybrids are left alone.
-    """
-    peers = defaultdict(list)
-    for entry in rows:
-        if entry["propellant_g"] and entry["propellant"]:
-            peers[entry["maker"], entry["propellant"]].append(_exhaust(entry))
-    for entry in rows:
-        alike = peers[entry["maker"], entry["propellant"]]
-        if entry["kind"] == "hybrid" or len(alike) < 3:
-            continue
-        if not entry["propellant_g"] or _exhaust(entry) < median(alike) / 2:
-            entry["propellant_g"] = round(entry["total_impulse_ns"] / median(alike) * 1e3, 2)
-            entry["casing_g"] = round(entry["total_g"] - entry["propellant_g"], 4) if entry["total_g"] else None
-            entry["estimated"].append("propellant mass")
-
-
-def _casing(rows: list[Row]) -> None:
-    """Estimates what stays behind where the loaded mass is missing; hybrids are left alone.
-
-    The median of the maker's motors in the same case (leave-one-out error 3 % in the median), else a
-    power law of diameter and length fitted to the motors of the same kind (10 to 12 %).
-    """
-    known = [entry for entry in rows if entry["casing_g"] and entry["kind"] != "hybrid"]
-    laws = {kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")}
-    for entry in rows:
-        if entry["casing_g"] or entry["kind"] == "hybrid":
-            continue
-        same = [
-            k["casing_g"] for k in known if entry["case"] and (k["maker"], k["case"]) == (entry["maker"], entry["case"])
-        ]
-        constant, diameter, length = laws[entry["kind"]]
-        law = constant + diameter * math.log(entry["diameter_mm"]) + length * math.log(entry["length_mm"])
-        entry["casing_g"] = round(median(same) if same else math.exp(law), 1)
-        entry["estimated"].append("casing mass")
-
-
-def _power_law(rows: list[Row]) -> tuple[float, float, float]:
-    sizes = np.array([[1.0, math.log(entry["diameter_mm"]), math.log(entry["length_mm"])] for entry in rows])
-    constant, diameter, length = np.linalg.lstsq(sizes, np.log([entry["casing_g"] for entry in rows]), rcond=None)[0]
-    return float(constant), float(diameter), float(length)
-
-
-def unfit(entry: Row) -> str:
-    """Why the masses of a motor are of no use, or an empty text."""
-    if not entry["propellant_g"] or not entry["casing_g"]:
-        return "masses not on record"
-    if entry["kind"] == "hybrid" and _exhaust(entry) > FASTEST_EXHAUST:
-        return "nitrous not in the propellant mass"
-    return "propellant heavier than the motor" if entry["casing_g"] <= 0 else ""
-
-
 def additions(table: Path = ADDITIONS) -> list[Row]:
     """Motors that a letter certifies and the source lacks, as it would have them.
 
@@ -263,8 +196,8 @@ def build(motors: list[Row], digest: str, corrections: Corrections | None = None
             rows.append(row(motor))
         except BadValue as error:
             left_out[str(error)].append(f"{motor['manufacturerAbbrev']} {motor['designation']}")
-    _repair_propellant(rows)
-    _casing(rows)
+    estimate_propellant(rows)
+    estimate_casing(rows)
     for entry in rows:
         if why := unfit(entry):
             left_out[why].append(f"{entry['maker']} {entry['designation']}")

@@ -1,16 +1,19 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
 
-It runs for well over ten minutes; `nice -n 19` leaves the cores to others, and `--keep FOLDER` goes on where it was.
+It runs for an hour or so; `nice -n 19` leaves the cores to others, `--keep FOLDER` goes on where it was, and with
+`--minutes` it stops after the part that is being tried by then, and writes no page.
 """
 
 import argparse
 import json
+import math
 import os
 import platform
 import shutil
 import sqlite3
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import cache, partial
@@ -97,8 +100,13 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
             for name in servers.COMMANDS:
                 part = partial(servers.crashes, ours, name, trials, SEED, of_the_server=of_the_server)
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
-        work = partial(laptops.mixed_work, ours, folder.with_name("laptops"), 2, 3.0 * trials, trials, SEED)
-        yield "postgres_laptops", work
+        commands, beside = min(laptops.HOUR, 80 * trials), folder.with_name
+        yield "postgres_laptops", partial(laptops.mixed_work, ours, beside("laptops"), 2, commands, trials, SEED)
+        for seed in range(trials // 3):
+            yield (
+                f"postgres_failover_{seed}",
+                partial(laptops.failed_over, ours, beside(f"over{seed}"), 2, commands, seed),
+            )
         yield "postgres_statements", partial(statements.process_killed, ours.url, range(1, 2 + 2 * trials))
 
 
@@ -134,7 +142,7 @@ def page(found: Sequence[Outcome], command: str) -> str:
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
         command=command, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
-        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
+        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}", hour=laptops.HOUR,
     )  # fmt: skip
 
 
@@ -150,7 +158,9 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a little of everything, and no page")
     parser.add_argument("--keep", type=Path, help="a folder for what comes of each part, to go on from")
     parser.add_argument("--out", type=Path, default=PAGE, help="where the page goes")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="how long to go on, with --keep")
     given = parser.parse_args()
+    ends = time.monotonic() + 60 * given.minutes
     if given.quick:
         given.kills, given.others = 24, 8
     scratch, found = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), []
@@ -159,12 +169,16 @@ def main() -> int:
     keep.mkdir(parents=True, exist_ok=True)
     with at_home(scratch / "home"):
         for name, part in parts(scratch, killed=given.kills, others=given.others):
+            if time.monotonic() > ends:
+                break
             outcome = tried(part, keep / f"{name}.json")
             found.append(outcome)
             sys.stderr.write(f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults\n")
             for fault in outcome.faults[:5]:
                 sys.stderr.write(f"  {fault}\n")
     shutil.rmtree(scratch, ignore_errors=True)
+    if time.monotonic() > ends:
+        return 1
     if not given.quick:
         sizes = "" if (given.kills, given.others) == (1000, 96) else f" --kills {given.kills} --others {given.others}"
         given.out.write_text(page(found, f"python -m bench.faults{sizes}"), encoding="utf-8")

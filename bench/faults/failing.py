@@ -15,6 +15,7 @@ from contextlib import chdir
 from pathlib import Path
 
 from bench.faults.calls import GROUPS, TRACEBACK, Ended, Fault, command, faults, made, run_with
+from bench.faults.kills import unit
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, after, at_home, fieldkit, season, state
 from bench.faults.session import Call, named
 
@@ -43,8 +44,8 @@ class Bench:
     def tried(self, fault: Fault | None = None, largest: int | None = None) -> Ended:
         """The call, with a fault in it."""
         self.fresh()
-        with chdir(self.desk), at_home(self.desk / "home"):
-            return run_with(command(self.file, self.call.arguments), self.desk, self.notes, fault, largest)
+        with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
+            return run_with(command(self.file, arguments), self.desk, self.notes, fault, largest)
 
     def learn(self) -> list[tuple[str, int]]:
         """The states before and after the call, and the system calls that it makes."""

@@ -137,7 +137,7 @@ class _Bench:
         put(self.template, self.file)
         before = state(self.file)
         put(self.template, self.file)
-        with _unit(self.case) as arguments:
+        with unit(self.case.arguments) as arguments:
             status, _, said = fieldkit(self.file, *arguments)
         assert status == 0, said
         self.states = (before, state(self.file))
@@ -145,7 +145,7 @@ class _Bench:
     def kill_anywhere(self, trials: int) -> None:
         """Kill from the first line of the command on."""
         for delay in self._moments(trials):
-            with _unit(self.case) as arguments:
+            with unit(self.case.arguments) as arguments:
                 if self._forked(delay):
                     run(["--ledger", str(self.file), *arguments])
                     os._exit(0)
@@ -250,10 +250,10 @@ def gated(gate: Callable[[], object]) -> Iterator[None]:
 
 
 @contextmanager
-def _unit(case: Case) -> Iterator[list[str]]:
+def unit(arguments: Sequence[str]) -> Iterator[list[str]]:
     """A command's arguments; `PORT` among them becomes a terminal on which a logger says its record over and over."""
-    if "PORT" not in case.arguments:
-        yield list(case.arguments)
+    if "PORT" not in arguments:
+        yield list(arguments)
         return
     logger, terminal = os.openpty()
     tty.setraw(terminal)
@@ -261,7 +261,7 @@ def _unit(case: Case) -> Iterator[list[str]]:
     if not speaking:
         _speak(logger)
     try:
-        yield [os.ttyname(terminal) if one == "PORT" else one for one in case.arguments]
+        yield [os.ttyname(terminal) if one == "PORT" else one for one in arguments]
     finally:
         os.kill(speaking, signal.SIGKILL)
         os.waitpid(speaking, 0)

@@ -1,8 +1,8 @@
-"""Laptops of a club on one PostgreSQL server: mixed work at once, the server killed and started again below them.
+"""Laptops of a club on one PostgreSQL server: mixed work at once, the server killed below them.
 
-Each laptop is a process that draws its next command, and notes in a file of its own what was acknowledged. At the end
-every flight that was added and acknowledged is there once, and none that its own laptop has removed; the journal has
-each change once and in order.
+It is started again, or a standby takes its place for good. Each laptop is a process that draws its next command, and
+notes in a file of its own what was acknowledged. At the end every flight that was added and acknowledged is there once,
+and none that its own laptop has removed; the journal has each change once and in order.
 """
 
 import multiprocessing
@@ -15,46 +15,86 @@ from pathlib import Path
 from threading import Event, Thread
 
 from bench.faults.ledgers import TABLE, Outcome, fieldkit
-from bench.faults.servers import Server, emptied
+from bench.faults.servers import Server, emptied, standby
 from fieldkit.ledger import Ledger
 
+HOUR = 240
+"""Commands of a laptop in an hour, one every 15 s; they are given without the pauses between them. [1]"""
 DOWN = 0.3
 """How long a killed server stays away. [s]"""
+STEP = 0.05
+"""How often it is looked how far the laptops are. [s]"""
 
 
-def mixed_work(ours: Server, folder: Path, laptops: int, seconds: float, kills: int, seed: int) -> Outcome:
-    """Laptops that work for a time on one server, which dies so often in the meantime."""
-    outcome = Outcome("PostgreSQL", f"{laptops} laptops, mixed work for {seconds:.0f} s, server killed {kills} times")
+def mixed_work(ours: Server, folder: Path, laptops: int, commands: int, kills: int, seed: int) -> Outcome:
+    """Laptops that give so many commands each to one server, which is killed and started again so often meanwhile."""
+
+    def kill(_: int) -> None:
+        ours.kill()
+        time.sleep(DOWN)
+        ours.start()
+
+    what = f"{laptops} laptops, {commands} commands each, the server killed {kills} times"
+    return _worked(Outcome("PostgreSQL", what), (ours.url, ours.url), folder, laptops, commands, kills, kill, seed)
+
+
+def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:
+    """The same where the server does not come back: a standby takes its place, and laptops know both addresses."""
+    what = f"{laptops} laptops, {commands} commands each, a standby takes the server's place"
+    with standby(ours, folder.with_name(f"{folder.name}-standby")) as other:
+        places = f"host=127.0.0.1,127.0.0.1&port={ours.port},{other.port}&target_session_attrs=read-write"
+        urls = (ours.url, f"postgresql://postgres@/postgres?{places}")
+
+        def kill(_: int) -> None:
+            ours.kill()
+            time.sleep(DOWN)
+            other.promote()
+
+        try:
+            return _worked(Outcome("PostgreSQL", what), urls, folder, laptops, commands, 1, kill, seed)
+        finally:
+            ours.start()
+
+
+def _worked(
+    outcome: Outcome,
+    urls: tuple[str, str],
+    folder: Path,
+    laptops: int,
+    commands: int,
+    kills: int,
+    kill: Callable[[int], object],
+    seed: int,
+) -> Outcome:
+    """Have laptops work while a server is killed; the URLs are of it alone, and as laptops know it."""
     folder.mkdir(parents=True)
-    emptied(ours.url)
-    assert fieldkit(ours.url, "import", str(TABLE))[0] == 0
+    emptied(urls[0])
+    assert fieldkit(urls[0], "import", str(TABLE))[0] == 0
     context = multiprocessing.get_context("fork")
     running = [
-        context.Process(target=_work, args=(ours.url, folder / f"laptop-{place}.txt", place, seconds, seed + place))
+        context.Process(target=_work, args=(urls[1], folder / f"laptop-{place}.txt", place, commands, seed + place))
         for place in range(laptops)
     ]
     for process in running:
         process.start()
-    with _killing(ours, seconds / (kills + 1), kills):
+    with _killing(folder, laptops * commands, kills, kill):
         for process in running:
             process.join()
     if any(process.exitcode for process in running):
         outcome.faults.append("a laptop's command ended in a traceback")
-    return _judged(outcome, ours.url, folder)
+    return _judged(outcome, urls[1], folder)
 
 
 @contextmanager
-def _killing(ours: Server, every: float, kills: int) -> Iterator[None]:
-    """Kill the server so often, and start it again."""
+def _killing(folder: Path, commands: int, kills: int, kill: Callable[[int], object]) -> Iterator[None]:
+    """Kill the server so often, evenly over the commands; what is left of that is done at the end."""
     over = Event()
 
     def work() -> None:
-        for _ in range(kills):
-            if over.wait(every):
-                return
-            ours.kill()
-            time.sleep(DOWN)
-            ours.start()
+        for place in range(kills):
+            while len(_marks(folder)) < commands * (place + 1) / (kills + 1) and not over.wait(STEP):
+                pass
+            kill(place)
 
     thread = Thread(target=work)
     thread.start()
@@ -65,21 +105,27 @@ def _killing(ours: Server, every: float, kills: int) -> Iterator[None]:
         thread.join()
 
 
-def _work(url: str, notes: Path, laptop: int, seconds: float, seed: int) -> None:
-    """Commands of one laptop until the time is over; `+` and `-` before what is known to be there, and not."""
-    rng, ends, mine = random.Random(seed), time.monotonic() + seconds, list[str]()
+def _work(url: str, notes: Path, laptop: int, commands: int, seed: int) -> None:
+    """So many commands of one laptop; `+` and `-` before what is known to be there, and not."""
+    rng, mine = random.Random(seed), list[str]()
     with notes.open("a", encoding="ascii") as noted:
 
         def done(mark: str, *arguments: str) -> bool:
             status = fieldkit(url, *arguments)[0]
             noted.write(f"{'?' if status else ''}{mark}\n")
             noted.flush()
+            if status:
+                time.sleep(DOWN)  # as who reads that the server is away
             return not status
 
-        number = 0
-        while time.monotonic() < ends:
-            number += 1
+        for number in range(commands):
             _draw(rng, f"L{laptop}-{number}", laptop, mine, done)
+
+
+def _marks(folder: Path) -> list[str]:
+    """What all laptops have noted so far."""
+    notes = sorted(folder.glob("laptop-*.txt"))
+    return [line for file in notes for line in file.read_text(encoding="ascii").splitlines()]
 
 
 def _draw(rng: random.Random, id: str, laptop: int, mine: list[str], done: Callable[..., bool]) -> None:
@@ -101,8 +147,7 @@ def _draw(rng: random.Random, id: str, laptop: int, mine: list[str], done: Calla
 def _judged(outcome: Outcome, url: str, folder: Path) -> Outcome:
     """Compare what was acknowledged with what is there. Of what was refused either may be so, once."""
     known: dict[str, bool | None] = {}
-    notes = sorted(folder.glob("laptop-*.txt"))
-    marks = [line for file in notes for line in file.read_text(encoding="ascii").splitlines()]
+    marks = _marks(folder)
     for mark in marks:
         sign = mark.lstrip("?")[:1]
         if sign in {"+", "-"}:

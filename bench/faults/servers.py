@@ -17,12 +17,18 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NoReturn
 
+from sqlalchemy import MetaData, insert, select
+
 from bench.faults.kills import ADD, gated
-from bench.faults.ledgers import LOG, TABLE, Outcome, State, fieldkit, state
+from bench.faults.ledgers import LOG, TABLE, Outcome, State, fieldkit, old, state
 from fieldkit.cli.main import main as run
 from fieldkit.errors import LedgerError
+from fieldkit.ledger.opening import connect
+from fieldkit.ledger.schema import STEPS, upgrade
+from fieldkit.ledger.whereabouts import location
 
 COMMANDS = {
     "add": ADD,
@@ -39,9 +45,9 @@ TRACEBACK = 99
 
 
 def binaries() -> Path | None:
-    """Where PostgreSQL's programs are, None if there are none."""
+    """Where PostgreSQL's programs are, None if there are none; of a link, where it leads, for all are there."""
     found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
-    return Path(found).parent if found else None
+    return Path(found).resolve().parent if found else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,14 +62,19 @@ class Server:
         """Of a ledger on it."""
         return f"postgresql://postgres@127.0.0.1:{self.port}/postgres"
 
-    def start(self) -> None:
-        """Start it, and wait until it answers."""
+    def start(self, *, followed: bool = False) -> None:
+        """Start it, and wait until it answers; where it is `followed`, no change is done before a standby has it."""
         options = f"-p {self.port} -c listen_addresses=127.0.0.1 -c unix_socket_directories=''"
+        options += " -c synchronous_standby_names=*" if followed else ""
         self.call("pg_ctl", "-D", "data", "-l", "log", "-s", "-w", "-o", options, "start")
 
     def kill(self) -> None:
         """End it as a crash would."""
         self.call("pg_ctl", "-D", "data", "-s", "-m", "immediate", "stop")
+
+    def promote(self) -> None:
+        """Have a standby take the place of the server that it follows."""
+        self.call("pg_ctl", "-D", "data", "-s", "-w", "promote")
 
     def call(self, program: str, *arguments: str) -> None:
         """One of PostgreSQL's programs, as the user that it insists on."""
@@ -73,21 +84,41 @@ class Server:
         subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
 
 
-@contextmanager
-def server(folder: Path) -> Iterator[Server]:
-    """A server that runs until the end."""
+def _placed(folder: Path) -> Server:
+    """A server that is to be, in a folder of its own and on a free port."""
     folder.mkdir(parents=True)
     if os.geteuid() == 0:
         shutil.chown(folder, "postgres")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        ours = Server(folder, free.getsockname()[1])
+        return Server(folder, free.getsockname()[1])
+
+
+@contextmanager
+def server(folder: Path) -> Iterator[Server]:
+    """A server that runs until the end."""
+    ours = _placed(folder)
     ours.call("initdb", "--no-sync", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8")
     ours.start()
     try:
         yield ours
     finally:
         ours.kill()
+
+
+@contextmanager
+def standby(ours: Server, folder: Path) -> Iterator[Server]:
+    """A server that follows another one and has every change before that says that it is done."""
+    following = _placed(folder)
+    copied = ("-h", "127.0.0.1", "-p", str(ours.port), "-U", "postgres", "-c", "fast", "--no-sync")
+    following.call("pg_basebackup", "-D", "data", "-R", *copied)
+    following.start()
+    ours.kill()
+    ours.start(followed=True)
+    try:
+        yield following
+    finally:
+        following.kill()
 
 
 @contextmanager
@@ -138,28 +169,33 @@ def emptied(url: str) -> None:
 
 def _prepared(name: str, url: str) -> None:
     """The ledger that a command finds: two imports, or one at the first schema."""
+    if name == "migrate":
+        _of_the_first_step(url)
+        return
     emptied(url)
     assert fieldkit(url, "import", str(TABLE))[0] == 0
     if name in ("undo", "redo"):
         assert fieldkit(url, *COMMANDS["import"])[0] == 0
     if name == "redo":
         assert fieldkit(url, "undo")[0] == 0
-    if name == "migrate":
-        _back_to_the_first_step(url)
 
 
-def _back_to_the_first_step(url: str) -> None:
-    """Take away what the later steps of the schema added."""
-    import psycopg
-
-    with psycopg.connect(url) as connection:
-        for index in ("flights_by_id", "flights_edited", "tags_by_tag", "predictions_by_flight"):
-            connection.execute(f"DROP INDEX {index}")
-        connection.execute("DROP TABLE configurations")
-        for table in ("flights", "versions", "active_versions", "predictions", "journal", "drafts"):
-            connection.execute(f"ALTER TABLE {table} DROP COLUMN checksum")
-        connection.execute("ALTER TABLE journal DROP COLUMN images_checksum")
-        connection.execute("UPDATE alembic_version SET version_num = 'm001_flights'")
+def _of_the_first_step(url: str) -> None:
+    """The ledger of an old program: tables as the first migration made them, and the rows of a file from then."""
+    emptied(url)
+    with TemporaryDirectory() as folder:
+        old(Path(folder) / "ledger.db", STEPS[0])
+        file, there = (connect(location(where)) for where in (Path(folder) / "ledger.db", url))
+        with file.connect() as before, there.begin() as now:
+            upgrade(now, STEPS[0])
+            tables = MetaData()
+            tables.reflect(before)
+            for table in tables.sorted_tables:
+                rows = [dict(row) for row in before.execute(select(table)).mappings()]
+                if rows and table.name != "alembic_version":
+                    now.execute(insert(table), rows)
+        file.dispose()
+        there.dispose()
 
 
 def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: bool) -> Outcome:

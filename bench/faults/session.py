@@ -15,17 +15,31 @@ from typing import Any
 
 from typer.main import get_command
 
+from bench.faults.kills import unit
 from bench.faults.ledgers import ROOT, fieldkit
 from fieldkit.cli.main import app
 
 SESSION = ROOT / "docs" / "examples.sh"
 LONG = ROOT / "docs" / "examples-long.sh"
+DESK = Path(__file__).with_name("desk")
+"""Files of a flyer's own that calls name, beside those of the checkout."""
 MORE = (
-    "backups restore 1 --yes",
+    "import named.csv --map 'dry_mass=Weighed [g]' --map 'apogee=Reached [ft]'",
+    "mappings --edit 1 --map 'apogee=Reached [ft]'",
+    "mappings --forget 1",
+    "capture PORT --device micropeak --import --set rocket=Comet",
+    "predict --flights planned.csv",
     "loop --rocket Astra --effect motor_thrust",
-    "loop --rocket Astra --look --page loop.html",
+    "loop --rocket Astra --look --report loop.html",
+    "loop --rocket Astra --decline wind",
+    "score --rocket Astra --out score.png",
+    "motors --import own.eng",
+    "motors --fit Astra --target 800ft --class F --shortlist-for Astra",
+    "landing --rocket Astra --motor F24-4W --wind 4m/s --pad 47.5,8.7 --kml landing.kml --card landing.png",
+    "ork skylark.ork",
+    "backups restore 1 --yes",
 )
-"""Calls of commands that write by an option, or of which the session shows another part."""
+"""Calls of commands that write by an option, or of which the session shows another part. `PORT` is a logger."""
 LEFT_OUT = {
     "tui": "stays open; the ledger beneath it is that of the commands",
     "serve": "stays open",
@@ -34,7 +48,6 @@ LEFT_OUT = {
     "study reference": "computes for minutes; its file is written by the same function as an export",
     "study rockets": "computes for minutes; its file is written by the same function as an export",
     "study shortfall": "computes for minutes; its file is written by the same function as an export",
-    "ork": "its design is no file of the session",
     "paper": "computes for minutes and keeps nothing",
 }
 """Commands that are not tried, and why."""
@@ -53,6 +66,17 @@ def _leaves(command: Any, path: tuple[str, ...]) -> Iterator[str]:
         if not path or not command.invoke_without_command:
             return
     yield " ".join(path)
+
+
+def files() -> Iterator[tuple[str, str]]:
+    """Every command of the tree that takes a file in an option, and that option."""
+    for name in commands():
+        command = get_command(app)
+        for part in name.split():
+            command = command.commands[part]  # type: ignore[attr-defined]  # each but the last is a group
+        for one in command.params:
+            if one.param_type_name == "option" and one.type.name == "path":
+                yield name, one.opts[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +109,7 @@ def more() -> list[tuple[str, ...]]:
 
 def calls(folder: Path) -> list[Call]:
     """The lines of the session, each with a copy of what it finds; those that stay open or compute for long are not
-    among them. The copies lie in this folder."""
+    among them. The copies lie in this folder. Raises ValueError for a line that is refused with nothing wrong."""
     desk = furnished(folder / "desk")
     made: list[Call] = []
     with chdir(desk):
@@ -93,7 +117,10 @@ def calls(folder: Path) -> list[Call]:
             found = folder / "found" / str(number)
             shutil.copytree(desk, found, symlinks=True)
             made.append(Call(words, found))
-            fieldkit(desk / "ledger.db", *words)
+            with unit(words) as arguments:
+                status, _, said = fieldkit(desk / "ledger.db", *arguments)
+            if status:
+                raise ValueError(f"{shlex.join(words)}: {said.strip()}")
     return made
 
 
@@ -102,6 +129,8 @@ def furnished(desk: Path) -> Path:
     desk.mkdir(parents=True)
     for name in ("sample_logs", "fieldkit"):
         (desk / name).symlink_to(ROOT / name)
+    for file in sorted(DESK.iterdir()):
+        shutil.copy(file, desk)
     return desk
 
 

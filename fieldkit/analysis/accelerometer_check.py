@@ -13,7 +13,7 @@ from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
-from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.robust_statistics import mad_sd, median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
@@ -28,6 +28,12 @@ _MAX_MISFIT = 3.0
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
 """An accelerometer is trusted if it is later or earlier than the heights by no more: vents and filters delay pressures,
 and nothing delays what a mass feels. [s]"""
+MAX_DERIVED_DELAY = 0.05
+"""One that shows no gravity on the way down is no sensor of the airframe: it was worked out, of heights or of several
+sensors, and is trusted only if it is in time. [s]"""
+_HANGS, _LEVEL, _QUIET = 3.0, 0.7, 3.0
+"""From so long after the top a rocket hangs or lies, its axis anywhere but upright [s]; an acceleration that is net of
+gravity there is near zero in the middle, and quiet. [m/s^2]"""
 _PAD = 0.1
 """Time on the pad that an accelerometer must have recorded for its climb to be known from the start. [s]"""
 _COAST = 0.6
@@ -51,7 +57,7 @@ class Agreement:
     """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s].
 
     `missed` is what it felt beyond the end of its range in the mean, with its standard deviation [m/s^2], `misfit`
-    what that leaves [1].
+    what that leaves [1]. `derived` where it is no sensor's but was worked out.
     """
 
     scale: float
@@ -60,6 +66,7 @@ class Agreement:
     missed: float = 0.0
     misfit: float = 0.0
     missed_sd: float = 0.0
+    derived: bool = False
 
     @property
     def believed(self) -> bool:
@@ -70,7 +77,8 @@ class Agreement:
     @property
     def is_off(self) -> bool:
         """Whether the clocks differ by more than sensors make them differ."""
-        return not -MAX_LEAD - self.step <= self.late <= MAX_DELAY + self.step
+        latest = MAX_DERIVED_DELAY + self.step / 2 if self.derived else MAX_DELAY + self.step
+        return not -MAX_LEAD - self.step <= self.late <= latest
 
     @property
     def why(self) -> str:
@@ -111,7 +119,13 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
-    return Agreement(scale, late, step, missed, misfit, float(sd * inflation))
+    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), _is_derived(push, seen))
+
+
+def _is_derived(push: Push, seen: Outline) -> bool:
+    """Whether an acceleration shows no gravity on the way down, where a sensor along the axis does."""
+    hangs = push.felt[push.time > seen.top + _HANGS] - GRAVITY
+    return bool(hangs.size >= _MIN_SAMPLES and abs(np.median(hangs)) < _LEVEL and mad_sd(hangs) < _QUIET)
 
 
 def _fit(

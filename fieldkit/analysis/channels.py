@@ -38,6 +38,8 @@ _MAX_ACCELERATION = 10_000.0
 """Accelerations beyond this are faults of the log. [m/s^2]"""
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Samples of one value that make an end of range, and how many times more than of any other value. [1]"""
+_MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
+"""Part of the samples that are zero where a logger fills up with it [1], and what is surely none. [m, Pa]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
@@ -89,7 +91,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
             values = getattr(series, name)
             if values is None or np.isfinite(values).sum() < MIN_SAMPLES:
                 continue
-            time, values = _thinned(*_usable(series.time, values), name == "pressure")
+            time, values = _thinned(*_usable(series.time, _without_fill(values)), name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
             if found is not None:
@@ -149,6 +151,21 @@ def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
     if not is_clipped(push, begin, end):
         return None
     return np.asarray((push.felt >= push.felt[inside].max()) & (push.time > begin - 1) & (push.time < end + 0.5))
+
+
+def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
+    """Samples of which those are missing for which a logger wrote zero, as it does between two of a slow sensor.
+
+    Values that stand alone among zeros, far from these, are samples; what flickers about zero on a pad is near it.
+    """
+    zero = values == 0
+    if not _MIN_FILLED < zero.mean() < 1:
+        return values
+    alone = ~zero[1:-1] & zero[:-2] & zero[2:] & np.isfinite(values[1:-1])
+    far = np.abs(values[1:-1]) > _FAR_FROM_FILL
+    if alone.sum() < MIN_SAMPLES or (alone & far).sum() < 0.9 * (~zero[1:-1] & far).sum():
+        return values
+    return np.where(zero, np.nan, values) if (alone & far).sum() >= MIN_SAMPLES else values
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.notes import NO_APOGEE, NO_BOOST, NO_FLIGHT, NO_LANDING, NO_LIFTOFF, NO_PAD, UNSEEN_TOP_NOTE
 from fieldkit.analysis.peak import peak_push
 from fieldkit.analysis.phases import Outline
-from fieldkit.analysis.possible import is_flight, possible
+from fieldkit.analysis.possible import is_flight, known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, median_step
 from fieldkit.analysis.unseen_top import silence, unseen_apogee
@@ -86,9 +86,14 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     if lift and burnt and apogee:
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
     known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
+    known, unknown = known_well(known)
     pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
     return Recorded(
-        events, known, climb, pressed, (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible)
+        events,
+        known,
+        climb,
+        pressed,
+        (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible, *unknown),
     )
 
 

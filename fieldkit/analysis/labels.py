@@ -17,6 +17,7 @@ _SENSORS = {
     "inertial": "accel",
     "acceleration": "accel",
     "of the logger": "device",
+    "simulation": "simulation",
 }
 """Words of the source of a figure or an event, and the sensor that they mean."""
 

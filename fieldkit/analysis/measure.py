@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.accelerometer_check import Agreement, agreement
-from fieldkit.analysis.ascent import ascend
+from fieldkit.analysis.ascent import Ascent, ascend
 from fieldkit.analysis.channels import Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
@@ -23,6 +23,8 @@ from fieldkit.shapes import Flags
 
 _MAX_FILLED_DELAY = 0.1
 """Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
+_MAX_MISS = 0.08
+"""Part of a climb by which its top by sensors together may be off that by the heights, smoothed over a second. [1]"""
 _MIN_LAG = 0.08
 """Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 
@@ -75,6 +77,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascent = ascend(track, shape, seen, *moments, sighted)
     except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
         ascent = None
+    if ascent is not None and ascent.fused and _misses_the_top(ascent, seen, track):
+        trust, felt = _Trust(None, notes=(DISBELIEVED.format("and the heights are of different climbs"),)), None
+        ascent = ascend(track, None, seen, moments[0], None, moments[2], sighted)
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
     found = recorded_of(FittedLog(track, every, seen, ascent, trust.push, felt, stated), lift, clocks)
@@ -111,7 +116,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     if found is None or found.believed:
         lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
         return _Trust(replace(push, scale=found.scale) if found is not None else push, lag=lag)
-    leaning = leaning_flight(track, push, seen, rise)
+    leaning = None if found.derived else leaning_flight(track, push, seen, rise)
     if leaning is not None:
         return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
     return _Trust(None, notes=(DISBELIEVED.format(found.why),))
@@ -126,6 +131,16 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     note = FILLED_NOTE.format(lasts, found.missed)
     filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
     return _Trust(filled, notes=(note,))
+
+
+def _misses_the_top(ascent: Ascent, seen: Outline, track: Heights) -> bool:
+    """Whether a curve that an accelerometer shaped goes far by the top that the heights show."""
+    if not seen.down:
+        return False
+    place = int(np.argmax(ascent.height))
+    gained = seen.top_height - seen.pad
+    far = abs(float(ascent.height[place]) - gained) > max(_MAX_MISS * gained, 20 * track.noise, 10.0)
+    return far or place >= ascent.time.size - 2
 
 
 def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:

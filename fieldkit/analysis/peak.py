@@ -37,7 +37,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
     `mean` is the mean acceleration of the boost, with its source.
     """
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
-    if push is not None and not push.vertical:
+    if push is not None:
         there = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
         level = levelled(push, begin)
         if there.sum() >= 8 and level is not None:

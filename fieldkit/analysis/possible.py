@@ -22,6 +22,8 @@ _MAX_SMOOTHING = 2.0
 """Samples that are far apart make a climb seem slower by no more than this. [1]"""
 _MARGIN = 1.5
 """Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
+_SLACK = 1.0
+"""A top is flat: when it was is known no better than this. [s]"""
 LEAST_TOP_SPEED = 5.0
 """What was never faster is no rocket. [m/s]"""
 _STATED_TOLERANCE, _READOUT_TEXTS = (
@@ -30,7 +32,16 @@ _STATED_TOLERANCE, _READOUT_TEXTS = (
 )
 """What devices state, and by which part of it their filters make it another. [1]"""
 BOOST = ("burn_time", "avg_accel", "peak_accel")
-_NAMES = {"burn_time": "burn time", "avg_accel": "average acceleration", "peak_accel": "peak acceleration"}
+_NAMES = {
+    "burn_time": "burn time",
+    "avg_accel": "average acceleration",
+    "peak_accel": "peak acceleration",
+    "top_speed": "top speed",
+    "descent_speed": "descent speed",
+}
+_MEASURED_FROM_ZERO = tuple(_NAMES)
+_MAX_RELATIVE_SD = 0.5
+"""A figure that may as well be zero, at two standard deviations, is none. [1]"""
 
 
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
@@ -49,13 +60,27 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
     return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}, for {why}",)
 
 
+def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
+    """The figures that are known at all, and a phrase for those that are not: within more than half of themselves."""
+    unknown = [name for name in _MEASURED_FROM_ZERO if name in figures and _is_unknown(figures[name])]
+    kept = {name: one for name, one in figures.items() if name not in unknown}
+    if not unknown:
+        return kept, ()
+    names = ", ".join(_NAMES[name] for name in unknown)
+    return kept, (f"not measured: {names}, for the samples give no more than its order of magnitude",)
+
+
+def _is_unknown(figure: Figure) -> bool:
+    return figure.sd > _MAX_RELATIVE_SD * abs(figure.value)
+
+
 def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, highest: float, climbs: float) -> bool:
     """Whether figures are those of something that was thrust up and coasted, to a highest point. [m]
 
     `climbs` is how fast the samples seem to climb at most, where a curve through them may swing. [m/s]
 
-    A climb that goes on for longer than its speed can carry it is a lift, a hill or the weather; what was slower than a
-    thrown stone is none either.
+    A climb that goes on for longer or further than its speed can carry it is a lift, a drone, a hill or the weather;
+    what was slower than a thrown stone is none either.
     """
     speed = figures.get("top_speed")
     if speed is None:
@@ -68,6 +93,9 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
     if speed.value > _SWINGS * climbs:
         return False
     fastest = min(fastest, _MAX_SMOOTHING * climbs)
+    coast = figures.get("coast_to_apogee")
+    if coast and coast.value - _CONTRADICTION_SDS * coast.sd > _MARGIN * fastest / GRAVITY + _SLACK:
+        return False
     return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
 
 

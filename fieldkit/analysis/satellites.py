@@ -38,6 +38,8 @@ _DELAY_SD, _SPEED_SCALE_SD = 0.1, 0.03
 """How far a delay changes within a flight [s], and the scale of a speed. [1]"""
 _UNDER_THRUST = 3.0
 """How many times further off a receiver is while it is pushed. [1]"""
+_SIGNIFICANT = 2.0
+"""Standard deviations from zero from which an error of the pressure is one. [1]"""
 _STUDENT_DOF, _ROUNDS = 4.0, 6
 _FAST_COAST, _MIN_FAST = 0.3, 4
 """The part of a coast in which it is about as fast as at burnout, and the fewest samples needed there. [1]"""
@@ -61,13 +63,15 @@ class _Receiver:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Alike:
     """How a receiver's heights are made the barometer's: the cost of it, a scale [1] and a zero [m], and the part of
-    the dynamic pressure by which that in the airframe is too high [1]; the receiver's times without its delay [s], the
-    barometer's speeds then [m/s], which samples were compared, and what they leave. [m]"""
+    the dynamic pressure by which that in the airframe is too high, with its standard deviation [1]; the receiver's
+    times without its delay [s], the barometer's speeds then [m/s], which samples were compared, and what they leave.
+    [m]"""
 
     cost: float
     scale: float
     zero: float
     static: float
+    static_sd: float
     time: Float[Array, "sample"]
     climbs: Float[Array, "sample"]
     quiet: Flags
@@ -81,7 +85,8 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
         return None
     pad = _pad(receiver, seen)
     height = receiver.height - pad
-    found = min((_tried(track, seen, receiver.time - late, height, late) for late in _DELAYS), key=lambda one: one.cost)
+    every = [_tried(track, seen, receiver.time - late, height, late) for late in _DELAYS]
+    found = min(every, key=lambda one: one.cost)
     time, left = found.time, found.left
     if left.size < MIN_SAMPLES:
         return None
@@ -90,7 +95,8 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
         return None
     climbs = found.climbs
     pushed = np.where((time > _begin(seen)) & (time < seen.fastest + 0.5), _UNDER_THRUST, 1.0)
-    heights_sd = np.hypot(_apart(left) * sd * pushed, _DELAY_SD * np.abs(climbs) * pushed)
+    static, delay_sd = _known_over_delays(every, found)
+    heights_sd = np.hypot(_apart(left) * sd * pushed, np.hypot(_DELAY_SD, delay_sd) * np.abs(climbs) * pushed)
     parts = [(time, found.scale * height + found.zero, 0, heights_sd**2)]
     speeds = _speeds(receiver, found, pushed)
     if speeds is not None:
@@ -101,8 +107,22 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
         np.concatenate([part[1] for part in parts]),
         np.concatenate([np.full(part[0].size, part[2]) for part in parts]),
         np.concatenate([part[3] for part in parts]),
-        found.static,
+        static,
     )
+
+
+def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, float]:
+    """The part of the dynamic pressure by which that in the airframe is off, 0 where the delay may as well explain what
+    is seen [1], and the standard deviation of the delay. [s]"""
+    costs = np.array([one.cost for one in every])
+    weight = np.exp(-(costs - best.cost) / _apart(best.left) ** 2)
+    weight /= weight.sum()
+    delays, static = np.array(_DELAYS), np.array([one.static for one in every])
+    mean = float(weight @ static)
+    within = weight @ np.array([one.static_sd**2 for one in every])
+    sd = float(np.sqrt(within + weight @ (static - mean) ** 2))
+    delay_sd = float(np.sqrt(weight @ (delays - weight @ delays) ** 2))
+    return (best.static if abs(mean) > _SIGNIFICANT * sd else 0.0), delay_sd
 
 
 def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
@@ -162,7 +182,7 @@ def _tried(
     rows = np.stack([height, np.ones(time.size), climbs * np.abs(climbs) / (2 * GRAVITY)], axis=1)[quiet]
     wanted = (calm - height)[quiet]
     if wanted.size < MIN_SAMPLES:
-        return _Alike(np.inf, 1.0, 0.0, 0.0, time, climbs, quiet, wanted)
+        return _Alike(np.inf, 1.0, 0.0, 0.0, np.inf, time, climbs, quiet, wanted)
     noise, weight = max(mad_sd(np.diff(wanted, 2)) / np.sqrt(6), track.noise, _LEAST_NOISE), np.ones(wanted.size)
     prior = np.diag(1 / np.array(_PRIOR) ** 2)
     for _ in range(_ROUNDS):
@@ -171,7 +191,9 @@ def _tried(
         left = np.asarray(wanted - rows @ values)
         weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2)
     cost = (_STUDENT_DOF + 1) / 2 * np.log1p((left / noise) ** 2 / _STUDENT_DOF).sum() + (late / _DELAY) ** 2 / 2
-    return _Alike(float(cost), 1 + float(values[0]), float(values[1]), -float(values[2]), time, climbs, quiet, left)
+    spread = np.linalg.inv(counted @ rows / (noise * _apart(left)) ** 2 + prior)[2, 2]
+    scale, zero, static = 1 + float(values[0]), float(values[1]), -float(values[2])
+    return _Alike(float(cost), scale, zero, static, float(np.sqrt(spread)), time, climbs, quiet, left)
 
 
 def _apart(left: Float[Array, "sample"]) -> float:

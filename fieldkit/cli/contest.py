@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule, system
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.motors import Found
     from fieldkit.planning.contest import Outlook, Season
+    from fieldkit.planning.finals import Together
 
 app = typer.Typer()
 
@@ -37,7 +39,7 @@ def finals(
     from fieldkit import files
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.finals import finals_table, finals_targets, trials
-    from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS, finals_heading, finals_rows
+    from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS, finals_basis, finals_heading, finals_rows
     from fieldkit.units import FOOT, parse
 
     rule = season_rule(season).announced(None, read_window(window) if window else None)
@@ -52,24 +54,46 @@ def finals(
     least = parse(lightest, "mass", "g") if lightest else None
     with planning(context, given) as plan:
         found = plan.motor()
-        table = finals_table(trials(plan.rocket, plan.flight, found, rule, (least, None)), rule, finals_targets(rule))
-    heading, rows = list(finals_heading(plan.flight, found, rule)), finals_rows(table, found)
+        flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
+        table, lines = finals_table(flown, rule, finals_targets(rule)), plan.safety(flown.forecast)
+    heading, rows = list(finals_heading(plan.flight, found, rule, system())), finals_rows(table, found)
+    notes = [*finals_basis(flown), rule.caveat]
     if card is not None:
-        files.write(card, finals_card(heading, rows, card.suffix.lower(), [rule.caveat]), force=force)
+        files.write(card, finals_card(heading, rows, card.suffix.lower(), notes), force=force)
         complain(f"{card}: the card")
     if json:
-        keys = ("target_ft", "dry_mass_g", "parachute_area", "apogee_ft", "duration_s", "points")
-        values = [
-            (one.target / FOOT, one.mass * 1e3, one.area, one.apogee[1] / FOOT, one.duration[1], one.points)
-            for one in table
-        ]
-        print_json({"season": season, "finals": [dict(zip(keys, row, strict=True)) for row in values]})
+        document = {"season": season, "motor": found.motor.designation, "finals": table_of(table, found)}
+        document |= {"flights": flown.forecast.rests_on, "timed_flights": flown.fall.flights}
+        print_json(document | about_plan(flown.forecast, lines))
         return
     for line in heading:
         say_wrapped(line)
     print_table(HEADERS, rows, numbers=HEADERS)
-    for line in (*FINALS_NOTES, rule.caveat):
+    for line in (*FINALS_NOTES, *notes):
         say_wrapped(line)
+    print_safety(flown.forecast.plan, lines, plan.rocket.starts)
+
+
+def table_of(table: "Sequence[Together]", found: "Found") -> list[dict[str, Any]]:
+    """The rows of the table of finals, with the unit in the key."""
+    from fieldkit.planning.quantiles import named
+    from fieldkit.units import FOOT
+
+    return [
+        {
+            "target_ft": one.target / FOOT,
+            "dry_mass_g": one.mass * 1e3,
+            "lift_off_mass_g": (one.mass + found.motor.loaded_mass) * 1e3,
+            "parachute_area": one.area,
+            "apogee_ft": one.apogee[1] / FOOT,
+            "apogee_m": named(one.apogee),
+            "duration_s": one.duration[1],
+            "duration": named(one.duration),
+            "points": one.points,
+            "at_edge": one.at_edge,
+        }
+        for one in table
+    ]
 
 
 takes_plan(finals)
@@ -137,7 +161,7 @@ def contest(
     if total is not None:
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
     if ahead is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines, plan.rocket.starts)
+        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.starts)
 
 
 takes_plan(contest)
@@ -192,8 +216,8 @@ def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, o
         "duration_s": named(three(ahead.duration.ravel())),
         "points": {"mean": float(ahead.points.mean()), **named(three(ahead.points.ravel()))},
         "score": {"mean": float(rule.sums(ahead.points).mean()), **named(three(rule.sums(ahead.points)))},
-        "timed": ahead.timed > 0,
-        "timed_flights": ahead.timed,
+        "timed": ahead.fall.flights > 0,
+        "timed_flights": ahead.fall.flights,
         "parachute": {"area": area, "best_area": ahead.area, "points_there": ahead.points_there},
         "flights": said.rests_on,
         "model": said.model,

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.planning import about_plan, plan_from_options, print_safety, safety_of
+from fieldkit.cli.planning import (
+    about_plan,
+    plan_from_options,
+    planned_table,
+    print_safety,
+    safety_of,
+    system,
+    way_down,
+)
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -51,16 +59,20 @@ def predict(
     with open_ledger(context) as ledger:
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("use --flights or --motor, not both")
-        plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
+        plans = planned_table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         if quick:
             _print_quick(ledger, check, plans, json=json)
             return
         with progress("fitting your other rockets") as on_progress:
             predictions = predict_plans(ledger, check.catalogue, plans, model.value, on_progress=on_progress)
         lines = safety_of(ledger, check.catalogue, predictions, given)
+        down = way_down(ledger, check.catalogue, predictions) if json else []
         starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:
-        documents = [forecast_record(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
+        documents = [
+            forecast_record(one) | fell | about_plan(one, own)
+            for one, fell, own in zip(predictions, down, lines, strict=True)
+        ]
         print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0], ledger.remarks)
@@ -86,13 +98,6 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
         return
     for one in found:
         say(forecast_line(one))
-
-
-def _table(file: Path, check: MotorCheck) -> "list[Flight]":
-    from fieldkit.importing.read import read_plans
-    from fieldkit.services.imports import read_file
-
-    return read_plans(read_file(file), str(file), check)
 
 
 def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":
@@ -149,7 +154,7 @@ def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Safe
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor
-        say_wrapped(f"{name}: air {air_of(one.plan).words()}", "  ")
+        say_wrapped(f"{name}: air {air_of(one.plan).words(system())}", "  ")
         for line in own:
-            say_wrapped(f"{name}: {line.words()}", "  ")
+            say_wrapped(f"{name}: {line.words(system())}", "  ")
     say_wrapped(ADVICE_NOTE)

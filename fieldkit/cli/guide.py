@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions
+from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, system
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> N
     for choice in choices[:shown]:
         for line in choice.lines:
             if line.verdict != "ok" and (every or line.name not in unknown):
-                say_wrapped(f"  {_name(choice, choices)}: {line.words()}", "    ")
+                say_wrapped(f"  {_name(choice, choices)}: {line.words(system())}", "    ")
     if len(choices) > shown:
         say_wrapped(f"  and {len(choices) - shown} more; --all lists their checks")
 

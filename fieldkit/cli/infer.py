@@ -6,15 +6,16 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids
-from fieldkit.cli.screen import complain, in_both_units, print_json, print_table
+from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress
 from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
 
 
 class EnsembleName(StrEnum):
-    """The ensembles that can be asked: one for any flight and all its readouts, and the reference paper's."""
+    """The network of the model that forecasts are made with, one that sees the flight alone, the reference paper's."""
 
+    history = "history"
     field = "field"
     paper = "paper"
 
@@ -26,15 +27,15 @@ def infer(
         list[str] | None,
         typer.Argument(metavar="[FLIGHT]...", help="Default: all.", show_default=False, autocompletion=flight_ids),
     ] = None,
-    model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.field,
+    model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.history,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
     from fieldkit.errors import NoFlights
     from fieldkit.services.inferred import infer_flights
 
-    with open_ledger(context) as ledger:
-        found = infer_flights(ledger, known_motors(), flights or [], model.value)
+    with open_ledger(context) as ledger, progress("inferring") as on_progress:
+        found = infer_flights(ledger, known_motors(), flights or [], model.value, on_progress)
     for line in found.left_out:
         complain(f"left out: {line}")
     if not found.inferred:

@@ -48,7 +48,7 @@ Columns = Annotated[
     typer.Option(
         "--map",
         metavar="CHANNEL=COLUMN",
-        help="Meaning of a column: 'altitude=Alt [ft]' for samples, 'apogee=Reached [ft]' for flights. Saved for "
+        help="Meaning of a column: 'altitude=Alt (ft)' for samples, 'apogee=Reached (ft)' for flights. Saved for "
         "tables with these headers.",
     ),
 ]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan
+from fieldkit.cli.planning import about_plan, planning, print_plan, system
 from fieldkit.cli.screen import complain, print_json, say
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
@@ -36,10 +36,8 @@ def landing(
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
-    from fieldkit.planning.descent import fall_of
-    from fieldkit.planning.forecasts import forecasts
-    from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, rail_choices
-    from fieldkit.planning.landing import landing as land
+    from fieldkit.errors import BadValue
+    from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.kml import landing_kml, read_place
     from fieldkit.presentation.landing_text import landing_in_words
 
@@ -53,12 +51,11 @@ def landing(
     for file in (kml, card):
         force = settled(file, force) if file is not None else force
     with planning(context, given) as plan:
-        found = plan.motor()
-        (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
-        fall = fall_of(plan.rocket.history, said.plan)
-        down = land(said, fall)
-        rail = rail_choices(plan.rocket, plan.flight, found, MAX_RECOMMENDED_ANGLE)
-        lines = plan.safety(said)
+        if kml is not None and plan.flight.wind is None:
+            raise BadValue("found --kml without a wind, expected --wind too: where it lands is not known without")
+        one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
+    said, found, down, lines = one.said, one.said.found, one.down, one.lines
+    words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system()))
     if kml is not None and place is not None:
         name = f"{said.plan.rocket} on {found.motor.designation}"
         files.write(kml, landing_kml(name, down, place, wind_from), force=force)
@@ -67,22 +64,20 @@ def landing(
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.report.range_card import range_card
 
-        told = [*landing_in_words(said, down, fall, rail, plan.site)][1:]
-        words = [*in_words(said), *told][:CARD_LINES]
-        files.write(card, range_card(words, lines, down, plan.site, card.suffix.lower()), force=force)
+        more = [line for line in words[1:] if not line.startswith("  based on")]
+        told = [*in_words(said, system()), *more][:CARD_LINES]
+        files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=force)
         complain(f"{card}: the range card")
     if json:
-        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation}
-        document["landing"] = down.json()
-        document |= {"on_field": _on_field(down, plan.site.size), "rail": [one.json() for one in rail]}
-        print_json(document | {"timed_flights": fall.flights} | about_plan(said, lines))
+        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation} | one.json()
+        print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(said, lines))
         return
-    print_plan(landing_in_words(said, down, fall, rail, plan.site), said.plan, lines, plan.rocket.starts)
+    print_plan(words, said.plan, lines, plan.rocket.starts)
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:
-    """The fraction of landings on a field of a size [m] whose middle the pad is in, None if it is not known."""
-    return None if size is None else float((down.away <= size / 2).mean())
+    """Fraction of landings on a field of a size [m] with the pad in its middle; None if it or the wind is unknown."""
+    return None if size is None or down.wind is None else float((down.away <= size / 2).mean())
 
 
 takes_plan(landing)

@@ -58,25 +58,19 @@ class View:
     def show(self, event: "Event") -> None:
         """Show one event."""
         from fieldkit import capture
+        from fieldkit.presentation.capture_text import event_line
 
         match event:
-            case capture.PortOpened(port, device, file):
+            case capture.PortOpened(port, device, _):
                 self.device, self.port = device, port
-                self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
                 self.device = device
-                self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Instruction(text):
-                self._say(text)
-            case capture.FlightsListed(flights, chosen):
-                self._say(f"{len(flights)} in memory, reading {len(chosen)}")
-            case capture.Lost(_, why):
-                self._say(f"{why}; everything received is saved, waiting for the unit to return")
             case capture.Back(port):
                 self.port = port
-                self._say(f"reconnected on {port}")
             case capture.Progress():
                 self._draw(event)
+        if line := event_line(event):
+            self._say(line)
 
     def _say(self, text: str) -> None:
         if self._live is None:
@@ -97,7 +91,10 @@ class View:
     def _picture(self, progress: "Progress") -> "RenderableType":
         from rich.text import Text
 
-        lines = [f"{self.device or 'listening'} on {self.port}   {counts(progress)}"]
+        from fieldkit.presentation.capture_text import counts
+
+        received = [*counts(progress), *([f"{progress.share:.0%}"] if progress.share is not None else [])]
+        lines = [f"{self.device or 'listening'} on {self.port}   {', '.join(received)}"]
         if progress.sample is not None:
             altitude = in_both_units("apogee", progress.sample.altitude)
             lines.append(f"altitude {altitude}   highest {in_both_units('apogee', self.highest)}")
@@ -109,16 +106,6 @@ class View:
 def printable_lines(lines: list[str]) -> str:
     """Lines made harmless for a terminal, one below the other."""
     return "\n".join(map(printable, lines))
-
-
-def counts(progress: "Progress") -> str:
-    """How much was received: bytes, samples, damaged samples, the fraction of all."""
-    parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
-    if progress.damaged:
-        parts.append(f"{progress.damaged:,} damaged")
-    if progress.share is not None:
-        parts.append(f"{progress.share:.0%}")
-    return ", ".join(parts)
 
 
 def flight_line(sample: "Sample", age: float) -> str:

@@ -43,6 +43,7 @@ GROUPS = {
     "plan": ("delay", "ballast"),
     "contest": ("contest", "finals"),
     "landing": ("landing", "track"),
+    "daysheet": ("daysheet",),
     "sites": ("sites",),
     "simulate": ("simulate",),
     "paper": ("paper",),

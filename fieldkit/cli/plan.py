@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule, system
 from fieldkit.cli.screen import complain, print_json
 
 app = typer.Typer()
@@ -42,7 +42,7 @@ def delay(
         return
     for note in found.notes:
         complain(f"note: {note}")
-    print_plan(delays_in_words(judged, fast, tool), said.plan, lines, plan.rocket.starts)
+    print_plan(delays_in_words(judged, fast, tool, system()), said.plan, lines, plan.rocket.starts)
 
 
 def _seconds(text: str) -> tuple[float, ...]:
@@ -96,7 +96,7 @@ def ballast(
         document |= {"flights": said.rests_on, "model": said.model}
         print_json(document | best.json() | about_plan(said, lines))
         return
-    print_plan(ballast_in_words(best, goal), said.plan, lines, plan.rocket.starts)
+    print_plan(ballast_in_words(best, goal, system()), said.plan, lines, plan.rocket.starts)
 
 
 def _mass(text: str) -> float:

@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from fieldkit.cli.options import FIELD
 from fieldkit.cli.screen import progress, say, say_wrapped
-from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -52,10 +53,10 @@ class PlanContext:
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety line of a forecast."""
-        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
+        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
 
 
 @contextmanager
@@ -75,6 +76,14 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
         kit = _kit(given)
         site = field_of(ledger, flight, given)
         yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
+
+
+def planned_table(file: Path, check: MotorCheck) -> "list[Flight]":
+    """The planned flights of a table. Raises DamagedLog for the first bad row."""
+    from fieldkit.importing.read import read_plans
+    from fieldkit.services.imports import read_file
+
+    return read_plans(read_file(file), str(file), check)
 
 
 NEW_ROCKET = "new rocket"
@@ -155,7 +164,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     """The site of a plan, with ceiling and size as given. Raises BadValue."""
     from dataclasses import replace
 
-    from fieldkit.ledger.sites import site_of
+    from fieldkit.services.sites import site_of
 
     known = site_of(ledger, plan.site)
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
@@ -216,15 +225,29 @@ def safety_of(
     ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
     """Every safety line of each of some forecasts."""
-    from fieldkit.planning.descent import fall_of
+    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.safety import safety_lines
     from fieldkit.services.forecasts import flown
 
     limits = own_limits()
     histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan) for one in said]
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
     sites = [field_of(ledger, one.plan, given) for one in said]
     return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
+
+
+def way_down(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]") -> list[dict[str, Any]]:
+    """What JSON adds to forecasts of the way down: duration and landing, by what each rocket's flights show."""
+    from fieldkit.planning.descent_rate import fall_of
+    from fieldkit.planning.landing import landing
+    from fieldkit.services.forecasts import flown
+
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
+    return [
+        {"landing": landing(one, fall).json(), "timed_flights": fall.flights}
+        for one, fall in zip(said, falls, strict=True)
+    ]
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
@@ -240,11 +263,18 @@ def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, 
     }
 
 
+def system() -> str:
+    """The flyer's system of units."""
+    from fieldkit.settings import read_settings
+
+    return read_settings().units
+
+
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
     """Print the air of a plan, what else of the day acts on it, and the design it starts from."""
     from fieldkit.presentation.planning_text import conditions_in_words
 
-    for text in conditions_in_words(plan, starts):
+    for text in conditions_in_words(plan, starts, system()):
         say_wrapped(text, " " * 10)
 
 
@@ -265,5 +295,5 @@ def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequen
 
     print_conditions(plan, starts)
     say("  safety")
-    for text in safety_text(lines):
+    for text in safety_text(lines, system()):
         say_wrapped(f"    {text}", "  ")

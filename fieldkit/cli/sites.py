@@ -27,8 +27,8 @@ def sites(
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
     from fieldkit.flight.site import SITE_LENGTHS
-    from fieldkit.ledger.sites import keep_site
-    from fieldkit.ledger.sites import sites as sites_of
+    from fieldkit.services.sites import keep_site
+    from fieldkit.services.sites import sites as sites_of
 
     given = {"elevation": length(elevation, signed=True), "size": length(size), "ceiling": length(ceiling)}
     given |= {"people": length(people), "bystanders": length(bystanders)}

@@ -68,7 +68,7 @@ def train(
     ):
         if value and recipe not in known:
             raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
-    train_by_recipe = trainer(recipe.value)
+    train_by_recipe = trainer(recipe.value, out)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
 

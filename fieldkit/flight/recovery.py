@@ -21,6 +21,12 @@ RECOVERY_COLUMNS = {
         "Descent speed under the drogue, near the ground: 20m/s; implies drogue and main.",
     ),
     "main_altitude": ("length", "m", "Height above the pad at which the main opens: 500ft."),
+    "main_speed": (
+        "speed",
+        "mps",
+        "Descent speed under the parachute, the main if there are two, near the ground: 5m/s.",
+    ),
+    "parachute_diameter": ("length", "mm", "Diameter of the parachute laid flat, the main if there are two: 18in."),
     "opening_time": ("time", "s", "Time from the charge to an open parachute; default: half a second."),
     "wind_aloft": ("speed", "mps", "Wind aloft, in addition to that at the pad: 10m/s."),
     "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m."),
@@ -63,12 +69,18 @@ def recovery_figure(flight: Flight, name: str) -> float | None:
 @dataclass(frozen=True, slots=True)
 class Recovery:
     """What opens when: the device, the speed under a drogue near the ground [m/s], where the main opens above the pad
-    [m], how long a device takes to open [s]. Without a drogue speed the one device opens at the charge."""
+    [m], how long a device takes to open [s]. Without a height of the main the one device opens at the charge.
+
+    `main_speed` is the descent speed under the main or only device near the ground [m/s], `parachute_diameter` its
+    diameter laid flat [m], None if they were not said.
+    """
 
     device: Device = "parachute"
     drogue_speed: float | None = None
     main_altitude: float | None = None
     opening_time: float = OPENING_TIME
+    main_speed: float | None = None
+    parachute_diameter: float | None = None
 
     @property
     def dual(self) -> bool:
@@ -87,11 +99,14 @@ def recovery_of(flight: Flight) -> Recovery:
         raise BadValue(
             "drogue_speed: found one without main_altitude, expected the height at which the main opens, such as 500ft"
         )
-    for name, value in (("drogue_speed", drogue), ("main_altitude", main)):
+    speed, diameter = recovery_figure(flight, "main_speed"), recovery_figure(flight, "parachute_diameter")
+    positive = {"drogue_speed": drogue, "main_altitude": main, "main_speed": speed, "parachute_diameter": diameter}
+    for name, value in positive.items():
         if value is not None and value <= 0:
             raise BadValue(f"{name}: found {value:g}, expected more than zero")
     opening = recovery_figure(flight, "opening_time")
-    return Recovery(found, drogue, main, OPENING_TIME if opening is None else max(opening, 0.0))
+    opens = OPENING_TIME if opening is None else max(opening, 0.0)
+    return Recovery(found, drogue, main, opens, speed, diameter)
 
 
 def rail_direction(flight: Flight) -> float:

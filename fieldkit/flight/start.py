@@ -1,7 +1,8 @@
 """What a flight that is planned starts from: its design, and the flight before."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import timedelta
 from typing import Any
 
 from fieldkit.flight.flight import Flight
@@ -50,3 +51,10 @@ def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, f
     """The Cd that each configuration of some flights of a rocket starts from, if a design gives one. [1]"""
     starts = {flight.config: start_among(known, flight) for flight in flights}
     return {config: start.cd for config, start in starts.items() if start and start.cd}
+
+
+def repeated(flight: Flight) -> Flight:
+    """The plan to fly the same again a week later."""
+    name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
+    return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)

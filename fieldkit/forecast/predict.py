@@ -13,20 +13,21 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.forecast.term_draws import term_draws
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
-from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import EXTRAS, Model, apogee_scatter, bent, fleet_term, shown
+from fieldkit.model.rocket_model import Model, apogee_scatter, fleet_term
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import EACH_GROUP, Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Float
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
@@ -100,7 +101,7 @@ def predict(
 
     def said(rows: Sequence[int]) -> list[Prediction]:
         own, flight_index = [planned[row] for row in rows], [len(flown) + row for row in rows]
-        taught = learn(
+        fitted = learn(
             flown,
             own,
             accepted,
@@ -113,7 +114,7 @@ def predict(
             draws=draws,
             seed=seed,
         )
-        return fly_ahead(taught, paired=True)
+        return fly_ahead(fitted, paired=True)
 
     return by_kind(flown, planned, said)
 
@@ -136,7 +137,7 @@ def learn(
     order flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-    teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
+    used_in_fit = [flight.clean for flight, _ in flown] + [False] * len(planned)
     sets = averaged or ((1.0, tuple(accepted)),)
     acting = [(*own, *declared_places(flights, own)) if declared else own for _, own in sets]
     every = tuple(dict.fromkeys(place for own in acting for place in own))
@@ -147,7 +148,7 @@ def learn(
     model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
     model = _designed(model, designs) if designs else model
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and is not used in the fit
-    data = observe(flights[past], teach[past], model.hyperprior)
+    data = observe(flights[past], used_in_fit[past], model.hyperprior)
     rng = np.random.default_rng(seed)
     parts = []
     for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
@@ -191,7 +192,7 @@ def _drawn_with(
     used = acted or [0]  # of a rocket never flown, one prior stands in for what was fitted
     result = fit_robustly(replace(part.part(slice(0, len(data.seen))).only(used), coarse=True), data)
     part = replace(part, hyperprior=result.model.hyperprior)
-    own, scales = _drawn(part, used, result, draws, rng)
+    own, scales = term_draws(part, used, result, draws, rng)
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))
     values[:, terms] = own
     ends = np.array([term.mean for term in part.terms])
@@ -279,58 +280,3 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
         for name, effect in effects().items()
         if effect.declared and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
-
-
-def _drawn(
-    model: Model, taught: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
-) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of every term: those that act on flown flights from their posterior, the others from their prior.
-
-    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn. Those of
-    one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others as
-    alone.
-    """
-    learned, which = _sampled(result, draws, rng)
-    sds = term_sds(model)[which]
-    values = np.empty((draws, len(model.terms)))
-    values[:, taught] = learned
-    random_draws: dict[str, Float[Array, "draw"]] = {}
-    for i in sorted(set(range(len(model.terms))) - set(taught)):
-        term = model.terms[i]
-        kind = _level(term.name)
-        random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
-        values[:, i] = np.clip(term.mean + sds[:, i] * random_draws[kind], term.low, term.high)
-    return values, _scales(result, which)
-
-
-def _level(name: str) -> str:
-    """What terms of one random effect have in common: `thrust of` for that of every motor."""
-    if name == fleet_term(name.partition(" of ")[0]):
-        return name
-    first, between, _ = name.partition(" on " if " on " in name else " of ")
-    return first + between
-
-
-def sample(
-    result: Fit, draws: int, rng: np.random.Generator
-) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
-    values, which = _sampled(result, draws, rng)
-    return values, _scales(result, which)
-
-
-def _sampled(
-    result: Fit, draws: int, rng: np.random.Generator
-) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
-    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
-    which = rng.choice(len(result.weights), size=draws, p=result.weights)
-    roots = np.linalg.cholesky(result.covariance)
-    values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
-    lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    return np.clip(values, lows, highs), which
-
-
-def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 2"]:
-    """By what the scatter and the readings of a flight to come are scaled."""
-    scatter, reading, _ = result.model.hyperprior.scales()
-    return np.stack([scatter[which], reading[which]], axis=-1)

@@ -15,13 +15,22 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     told: list[Found] = []
     for item in found:
-        if not isinstance(item, Reading) or item.describes != "flight":
+        if isinstance(item, Reading) and item.describes == "simulation":
+            told.append(_simulated(item))
+        elif not isinstance(item, Reading) or item.describes != "flight":
             told.append(item)
         elif item.clocks:
             told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
             told.append(_stated(item, format) if item.part else item)
     return told
+
+
+def _simulated(reading: Reading) -> Reading:
+    """A simulation with what it states of its flight: for a look at it, for it is not stored."""
+    from fieldkit.analysis import simulated
+
+    return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
@@ -31,10 +40,15 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     the extra columns say which parser reads the log again, and which of its flights this is.
     """
     from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
+    from fieldkit.analysis.channels import MIN_SAMPLES
+    from fieldkit.analysis.notes import NO_HEIGHT
 
     recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
+    samples = max((series.time.size for series in reading.clocks), default=0)
+    if NO_HEIGHT in recorded.notes and samples < MIN_SAMPLES and not _states_figures(reading):
+        return [DamagedLog(f"found {samples} samples, expected {MIN_SAMPLES} of a flight at least", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
     if not fields.get("flight_id"):
         when = fields.get("date_time")

@@ -143,3 +143,5 @@ class Intake:
     mapped: tuple[Mapped, ...] = ()
     recorded: "tuple[Recorded | None, ...]" = field(default=(), compare=False)
     recognition: Recognition = Recognition()
+    simulated: "tuple[Recorded, ...]" = field(default=(), compare=False)
+    """What each simulation in the file states of its flight."""

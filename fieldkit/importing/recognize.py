@@ -8,11 +8,12 @@ from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
-from fieldkit.importing.tables.flight_headings import table_names
+from fieldkit.importing.tables.flight_headings import plain, table_names
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.spreadsheet import as_csv, is_spreadsheet
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
+from fieldkit.units import UNITS
 
 MOST_LACKING = 4
 """So many signs of a format are named. [1]"""
@@ -113,7 +114,8 @@ def _hint(log: bytes) -> str:
         return "; it is an archive: unpack it first"
     start = log[:HEAD]
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
-        return "; a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
+        samples = "a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
+        return f"; {samples}, one of flights with --map 'motor=its column' --map 'apogee=its column [m]'"
     return ""
 
 
@@ -139,7 +141,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
-    log = _table_of(log, source)
+    log = table_of(log, source)
     names = _candidates(log, format, source, choices)
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
@@ -159,7 +161,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     return first
 
 
-def _table_of(log: bytes, source: str) -> bytes:
+def table_of(log: bytes, source: str) -> bytes:
     """A log as it is, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
     if not is_spreadsheet(log):
         return log
@@ -223,7 +225,12 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:
-        columns = dict.fromkeys(column for table in tables for column in table.columns)
+        simulated = any(item.describes == "simulation" for item in readings)
+        columns = dict.fromkeys(
+            replace(column, source="simulation") if simulated and column.source != "clock" else column
+            for table in tables
+            for column in table.columns
+        )
         dropped = max(damaged, sum(table.dropped for table in tables))
         return Recognition(columns=tuple(columns), rows=sum(table.rows for table in tables), dropped=dropped)
     clocks = [series for item in readings for series in item.clocks]
@@ -239,7 +246,8 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
 def _stated_column(field: str, name: str) -> ColumnRead:
     """A column of a flight table, or what a summary states: its name there, else fieldkit's own."""
     column = BY_NAME.get(field)
-    unit = column.unit if column else ""
+    ending = plain(name).rpartition("_")[2]
+    unit = "" if column is None else ending if ending in UNITS[column.quantity] else column.unit
     return ColumnRead(name or (column.header if column else field), field, unit, "stated")
 
 

@@ -53,7 +53,12 @@ def intake_of(
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
     measured = tuple(recorded[name] for name in kept)
-    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured)
+    simulated = tuple(
+        item.recorded
+        for item in found
+        if isinstance(item, Reading) and item.describes == "simulation" and item.recorded is not None
+    )
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured, simulated=simulated)
 
 
 _SIMULATION_NOTE = "is a simulation and is not imported as a flight; `fieldkit compare FLIGHT {}` compares it with one"

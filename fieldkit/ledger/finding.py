@@ -37,14 +37,22 @@ PAGE = 100
 
 
 def load_pages(connection: Connection, *, rocket: str | None = None, tag: str | None = None) -> Iterator[list[Held]]:
-    """The same as `load`, some at a time: first only the order is read, then the rows of each page."""
-    entries = list(connection.scalars(_chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection))))
-    start, size = 0, PAGE
-    while start < len(entries):
-        some = entries[start : start + size]
-        held = {one.entry: one for one in _all_held(connection, select(flights).where(flights.c.entry.in_(some)))}
-        yield [held[entry] for entry in some]
-        start, size = start + size, MAX_ROWS_BY_NAME
+    """The same as `load`, some at a time: first only the order is read, of the first page alone, then of the others."""
+    order = _chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection))
+    first = list(connection.scalars(order.limit(PAGE)))
+    if first:
+        yield _at(connection, first)
+    if len(first) < PAGE:
+        return
+    entries = list(connection.scalars(order.offset(PAGE)))
+    for start in range(0, len(entries), MAX_ROWS_BY_NAME):
+        yield _at(connection, entries[start : start + MAX_ROWS_BY_NAME])
+
+
+def _at(connection: Connection, entries: Sequence[int]) -> list[Held]:
+    """The flights at these entries, in their order."""
+    held = {one.entry: one for one in _all_held(connection, select(flights).where(flights.c.entry.in_(entries)))}
+    return [held[entry] for entry in entries]
 
 
 def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:

@@ -54,12 +54,12 @@ def missing(connection: Connection) -> str:
     return ""
 
 
-def upgrade(connection: Connection) -> None:
-    """Make the tables of the newest step, from whatever is there."""
+def upgrade(connection: Connection, step: str = "head") -> None:
+    """Make the tables of the newest step, or of an older one, from whatever is there."""
     from alembic import command
     from alembic.config import Config
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    command.upgrade(config, step)

@@ -31,8 +31,11 @@ READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee",
 rest belongs to the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
 """What random effects act on: `stretch` is the burn, the delay is by ratio, `apogee_to_eject` in seconds."""
-LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight")
-"""Groups of flights that share a random effect, widest first."""
+FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+"""Readouts that each device shows by its own rule, and that the samples of a sensor show without one."""
+LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight", "logged")
+"""Groups of flights that share a random effect, widest first; `logged` is a rocket's readouts that were measured in the
+samples of a sensor, which take no part in the bias of a device."""
 CARD = "hyperprior.json"
 
 Kind = Literal["learned", "certified"]
@@ -66,13 +69,13 @@ class Scale:
 class Hyperprior:
     """Means and standard deviations of every random effect, and the noise of each readout.
 
-    `means` are by quantity; `drag` is that of log Cd. `sds` are by `quantity.level`; one that is missing or zero is an
-    effect the model does not have. `fixed` is the noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m,
-    m/s), `ratio` that which grows with it [1]. `unknown_area` is the standard deviation of the log frontal area of a
-    rocket whose diameter was not recorded. `opening` is mean and standard deviation of the parachute's opening time
-    [s]. `scatter` scales the
-    random effects of single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of
-    freedom of the Student t that single flights and readings follow.
+    `means` are by quantity; `drag` is that of log Cd. `mean_sds` is how well each is known: few flyers, of one device,
+    show it. `sds` are by `quantity.level`; one that is missing or zero is an effect the model does not have. `fixed` is
+    the noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m, m/s), `ratio` that which grows with it [1].
+    `unknown_area` is the standard deviation of the log frontal area of a rocket whose diameter was not recorded.
+    `opening` is mean and standard deviation of the parachute's opening time [s]. `scatter` scales the random effects of
+    single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of freedom of the Student
+    t that single flights and readings follow.
     """
 
     kind: Kind
@@ -85,6 +88,7 @@ class Hyperprior:
     reading: Scale
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
+    mean_sds: Mapping[str, float] = field(default_factory=dict)
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def sd(self, quantity: str, level: str) -> float:
@@ -94,6 +98,14 @@ class Hyperprior:
     def mean(self, quantity: str) -> float:
         """Mean of a quantity over all flyers."""
         return self.means.get(quantity, 0.0)
+
+    def fleet_sd(self, quantity: str) -> float:
+        """How far a flyer's fleet may lie from the mean: flyers differ, and the mean itself is known so well. [1], [s]
+
+        0 for a quantity in which flyers do not differ.
+        """
+        between = self.sd(quantity, "fleet")
+        return float(np.hypot(between, self.mean_sds.get(quantity, 0.0))) if between else 0.0
 
     def with_sds(self, **sds: float) -> "Hyperprior":
         """The same with other standard deviations, `quantity__level` for `quantity.level`."""
@@ -109,9 +121,13 @@ class Hyperprior:
 
     def json(self) -> dict[str, Any]:
         """The card, as `learned` reads it."""
+        return {**self.about, **self.model_json()}
+
+    def model_json(self) -> dict[str, Any]:
+        """The same without what it was learned from."""
         return {
-            **self.about,
             "means": dict(self.means),
+            "mean_sds": dict(self.mean_sds),
             "sds": dict(self.sds),
             "noise": {
                 name: {"fixed": fixed, "ratio": ratio}
@@ -179,17 +195,7 @@ masses as weighed, devices as specified. `tilt` is in units of a launch angle of
 
 START = Hyperprior(
     kind="learned",
-    means=MappingProxyType(
-        {
-            "drag": float(np.log(0.6)),
-            "apogee": 0.0,
-            "top_speed": 0.0,
-            "burn_time": 0.0,
-            "peak_accel": 0.0,
-            "coast_to_apogee": 0.0,
-            "apogee_to_eject": 0.0,
-        }
-    ),
+    means=MappingProxyType({"drag": float(np.log(0.6)), "apogee": 0.0}),
     sds=MappingProxyType(
         {
             "drag.fleet": 0.15,
@@ -220,6 +226,11 @@ START = Hyperprior(
             "coast_to_apogee.rocket": 0.03,
             "apogee_to_eject.fleet": 0.1,
             "apogee_to_eject.rocket": 0.1,
+            "top_speed.logged": 0.03,
+            "burn_time.logged": 0.03,
+            "peak_accel.logged": 0.1,
+            "coast_to_apogee.logged": 0.03,
+            "apogee_to_eject.logged": 0.1,
             "coast_drag.rocket": 0.08,
             "burn_impulse.rocket": 0.05,
         }
@@ -233,11 +244,17 @@ START = Hyperprior(
 """What the fit starts from, and stays near if flights do not determine it: round figures from before any real flight
 was looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
 differ by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and
-wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices
-differ from each other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of
+wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. Devices are off
+about the truth, for each maker means to show it: the open flights come from one device, and one cannot tell a mean over
+devices from how far they differ. How far devices
+differ from each other in noise (`reading`) stays a judgment for the same reason. Readouts measured in
+samples differ from the simulated ones as those of one rocket do, and have no device's rule in them. What a log shows of
 drag and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it two
 altimeters of one open flight differ by 13 and 9 %, more than climbing 15 degrees from vertical explains (1/cos 15 =
 1.035 of the drag, cos 15 = 0.97 of the impulse)."""
+
+_LOGGED = {key: sd for key, sd in START.sds.items() if key.endswith(".logged")}
+"""What a card of an older fieldkit lacks: no open flight has a readout of both kinds, so these stay judgments."""
 
 
 def certified() -> Hyperprior:
@@ -273,7 +290,8 @@ def read_card(text: str, name: str) -> Hyperprior:
         found = Hyperprior(
             kind="learned",
             means=MappingProxyType({key: float(x) for key, x in card["means"].items()}),
-            sds=MappingProxyType({key: float(x) for key, x in card["sds"].items()}),
+            mean_sds=MappingProxyType({key: float(x) for key, x in card.get("mean_sds", {}).items()}),
+            sds=MappingProxyType(_LOGGED | {key: float(x) for key, x in card["sds"].items()}),
             fixed=tuple(float(one["fixed"]) for one in noise),
             ratio=tuple(float(one["ratio"]) for one in noise),
             unknown_area=float(card["unknown_area"]),
@@ -284,8 +302,15 @@ def read_card(text: str, name: str) -> Hyperprior:
         )
     except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
         raise DamagedModel(f"{name}: found {error!r}, expected a hyperprior as `fieldkit learn` writes it") from error
-    values = [*found.means.values(), *found.sds.values(), *found.fixed, *found.ratio, found.unknown_area, found.tail]
-    positive = [*found.sds.values(), *found.fixed, *found.ratio, found.unknown_area, found.tail]
+    positive = [
+        *found.sds.values(),
+        *found.mean_sds.values(),
+        *found.fixed,
+        *found.ratio,
+        found.unknown_area,
+        found.tail,
+    ]
+    values = [*found.means.values(), *positive]
     unknown = [key for key in found.sds if not _known(key)]
     if unknown or not np.isfinite(values).all() or min(positive) < 0:
         wrong = f"the unknown effect {unknown[0]!r}" if unknown else "a figure that is negative or not finite"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
@@ -70,6 +71,20 @@ def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = found / np.where(raw > 0, raw, np.nan)
     return np.where(IS_LOGARITHMIC, relative, found)
+
+
+def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
+    """1 for a flight whose readout was measured in the samples of a sensor or comes from a simulation, 0 for others.
+
+    A flight without the readout is like the last one before it that has it, the first ones like the first that has it:
+    a rocket keeps its altimeter. Without any the altimeter is one that shows its readouts.
+    """
+    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
+    own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])
+    if not shown:
+        return np.zeros(len(flights))
+    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
+    return np.asarray(own[np.array(shown)[last]])
 
 
 def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:

@@ -11,7 +11,8 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
@@ -100,11 +101,13 @@ class Ballast:
     met: bool
     gain: float
     gain_error: float
+    too_heavy: bool = False
 
     @property
     def clear(self) -> bool:
-        """Whether the change is worth it: the points that it saves are clear against their uncertainty."""
-        return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+        """Whether the change is worth it: the points that it saves are clear against their uncertainty, or today's mass
+        is more than the season allows."""
+        return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property
     def apogee(self) -> Three:
@@ -126,6 +129,7 @@ class Ballast:
             "gain_points": self.gain,
             "gain_error_points": self.gain_error,
             "change": self.clear,
+            "too_heavy": self.too_heavy,
         }
 
 
@@ -168,6 +172,7 @@ def ballast(
         met=low <= goal.target <= high,
         gain=gain,
         gain_error=error,
+        too_heavy=_too_heavy(goal, plan, found),
     )
 
 
@@ -196,6 +201,12 @@ def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) 
     return bounds[0], most if bounds[1] is None else min(most, bounds[1])
 
 
+def _too_heavy(goal: Goal, plan: Flight, found: Found) -> bool:
+    """Whether a plan weighs more on the pad than its season allows."""
+    most = None if goal.rule is None else goal.rule.mass
+    return most is not None and plan.dry_mass is not None and plan.dry_mass + found.motor.loaded_mass > most + 1e-6
+
+
 def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
     if plan.dry_mass is None:
         raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
@@ -221,7 +232,7 @@ def _named(
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
     """From lift-off to landing of each mass, with common random numbers. [s]"""
-    fall = fall_of(rocket.history, said[0].plan)
+    fall = fall_of(rocket.history, said[-1].plan, said[-1].found)  # at today's mass
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said

@@ -1,13 +1,13 @@
 """A check of a planned flight: how it ended, what was found, what would be right, and whose rule that is."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from fieldkit.units import FOOT, MILE
+from fieldkit.quantities import written
 
 ADVICE_NOTE = "These checks are advice; the range safety officer decides."
-MPH = MILE / 3600
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
 """Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
 
@@ -22,12 +22,13 @@ SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
 class SafetyCheck:
     """One check: its name, how it ended, what was found and what would be right, and where the limit is from.
 
-    `rule` is the rule's own words where a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
+    The figures in `finding` are in SI and are shown in the reader's units (`in_units`). `rule` is the rule's
+    own words where a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
     """
 
     name: str
     verdict: Verdict
-    text: str
+    finding: str
     source: str
     rule: str = ""
     mark: str = ""
@@ -37,12 +38,18 @@ class SafetyCheck:
         """Whether it is not well, and known."""
         return self.verdict in ("caution", "unsafe")
 
-    def words(self) -> str:
-        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and source if it is not well."""
-        rule = f" {self.rule}" if self.rule and self.failed else ""
-        source = f" [{self.source}]" if self.failed else ""
+    @property
+    def text(self) -> str:
+        """What was found and what would be right, in SI."""
+        return in_units(self.finding, "SI")
+
+    def words(self, system: str = "SI", *, source: bool = True) -> str:
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and `source` if it is not well."""
+        rule = f". The rule: {self.rule}" if self.rule and self.failed else ""
+        origin = f" [{self.source}]" if source and self.failed and self.source else ""
         doubt = " (unverified)" if self.mark == "U" else ""
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {self.text}{doubt}{rule}{source}"
+        found = in_units(self.finding, system)
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{doubt}{rule}{origin}"
 
     def json(self) -> dict[str, str]:
         """Ready for JSON."""
@@ -60,17 +67,36 @@ def by_chance(chance: float) -> Verdict:
     return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
-def safety_text(lines: Sequence[SafetyCheck]) -> Iterator[str]:
-    """All lines as text, and who decides."""
-    yield from (line.words() for line in lines)
+def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
+    """All lines as text, in the units of a system, and who decides."""
+    yield from (line.words(system) for line in lines)
     yield ADVICE_NOTE
 
 
+_FIGURE = re.compile(r"⟨(\S+)\|([^|⟩]+)\|(\d)⟩")
+
+
+def figure(value: float, unit: str, digits: int = 0) -> str:
+    """A figure [SI] within a finding, to be shown in whatever units are read: it has so many digits in `unit`."""
+    return f"⟨{float(value)!r}|{unit}|{digits}⟩"
+
+
+def in_units(finding: str, system: str) -> str:
+    """A finding with its figures in the units of a system."""
+    return _FIGURE.sub(lambda one: written(float(one[1]), one[2], system, int(one[3])), finding)
+
+
 def length(metres: float) -> str:
-    """In both units, as every line has it: `284 m (932 ft)`."""
-    return f"{metres:.0f} m ({metres / FOOT:.0f} ft)"
+    """A length within a finding: `284 m` or `932 ft`."""
+    return figure(metres, "m")
+
+
+def lengths(*metres: float) -> list[str]:
+    """Lengths within one finding that are compared: with a tenth where they look the same without."""
+    digits = int(len({round(one) for one in metres}) < len(set(metres)))
+    return [figure(one, "m", digits) for one in metres]
 
 
 def speed(value: float, digits: int = 1) -> str:
-    """Of a rocket, in both units: `13.4 m/s (44 ft/s)`."""
-    return f"{value:.{digits}f} m/s ({value / FOOT:.0f} ft/s)"
+    """A speed within a finding: `13.4 m/s` or `30.0 mph`."""
+    return figure(value, "m/s", digits)

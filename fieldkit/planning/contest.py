@@ -17,7 +17,8 @@ from fieldkit.motors.names import squeeze
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck, Verdict
 from fieldkit.planning.contest_flight import judged_duration, whole_feet, why_no_score
-from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.rules import MARKS
 from fieldkit.shapes import Array, Float
@@ -183,15 +184,14 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
 class Outlook:
     """What a plan can expect: points of each flight that may be declared, as draws, and what they rest on.
 
-    `timed` counts the flights that show the descent; without any the duration is that of a usual parachute, and
-    `duration` [s] as wide as these are. `area` is the fraction of the parachute's area that has the fewest points, and
-    `points_there` what it would bring on average.
+    `fall` is what the durations [s] rest on. `area` is the fraction of the parachute's area that has the fewest
+    points, and `points_there` what it would bring on average.
     """
 
     forecast: Prediction
     points: Float[Array, "draw declared"]
     duration: Float[Array, "draw declared"]
-    timed: int
+    fall: Fall
     area: float
     points_there: float
 
@@ -207,7 +207,7 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     uncertain as it should be.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history, said[0].plan), (draws, rule.declared)
+    fall, shape = fall_of(rocket.history, said[0].plan, found), (draws, rule.declared)
     mass, density = landing_mass(said[0].plan, found), air_of(said[0].plan).density
 
     def timed(share: float) -> Float[Array, "draw declared"]:
@@ -217,7 +217,7 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     apogee = np.stack([one.apogee for one in said], axis=-1)
     best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))
     duration = timed(area)
-    return Outlook(said[0], rule.points(apogee, duration), duration, fall.flights, *best)
+    return Outlook(said[0], rule.points(apogee, duration), duration, fall, *best)
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from fieldkit.files import read_own
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
-from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
@@ -140,11 +140,19 @@ def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Dril
 
 def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0.0) -> dict[float, bool]:
     """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled, and no
-    less than `least_left` is left. [s]"""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
+    less than `least_left` is left. [s]
+
+    A delay of zero is that of a booster, which lights the next stage and has no charge for a parachute.
+    """
+    sold = sold_delays(motor)
     drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
     possible = [delay for delay in drilled if delay > 0 and delay >= least_left and delay not in sold]
     return dict.fromkeys(sold, True) | dict.fromkeys(possible, False)
+
+
+def sold_delays(motor: Motor) -> list[float]:
+    """The delays on sale after which a charge fires, the shortest first. [s]"""
+    return [delay for delay in sorted(motor.delays) if 0 < delay < PLUGGED_DELAY]
 
 
 def delays(
@@ -203,6 +211,23 @@ def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -
         return [f"{name}: no delays are listed; the best would be {middle:.1f} s."]
     if not ranked:
         return [f"{name} is sold only plugged: it has no ejection charge, so the altimeter must deploy."]
+    return [*_old_list(motor, ranked), *_out_of_range(name, middle, ranked)]
+
+
+def _old_list(motor: Motor, ranked: Sequence[Delay]) -> list[str]:
+    """What is to be known of a list of delays that documents disagree on, unless the flyer gave the longest."""
+    listed = delays_text(motor.delays).replace(" ", "")
+    if not any(one.field == "delays" and not one.applied and one.was == listed for one in motor.corrections):
+        return []
+    longest = max(one.delay for one in ranked)
+    text = (
+        f"{motor.designation}: this list of delays is an old one, and today's package may say more than {longest:g} s"
+    )
+    return [f"{text}: enter the motor with the longest delay printed on yours, as in {motor.designation}-14A."]
+
+
+def _out_of_range(name: str, middle: float, ranked: Sequence[Delay]) -> list[str]:
+    """That every delay fires too early or too late for a coast of a median time [s]."""
     short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
     if middle < short - MIN_DELAY_TOLERANCE:
         text = f"{name}: coasts {middle:.1f} s, the shortest available delay is {short:g} s: every charge fires"

@@ -1,136 +1,16 @@
-"""How fast a rocket comes down, from what its flights showed, and what that makes of a plan's way down.
-
-Under a device drag carries the weight, rho/2 v^2 Cd A = m g, so that v = c sqrt(m / rho) / sqrt(A / A0): one number
-c for a rocket and its device serves every mass, air, and fraction of the device's area (Knacke, Parachute Recovery
-Systems Design Manual, 1991, chapter 5). Duration, landing and the fit on flights rest on the same descent
-(`fieldkit.physics.descent`): the charge fires when its delay says, not at apogee.
-"""
+"""What a descent makes of a plan: its way down under what opens when, and how long it flies."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import Device, Recovery, recovery_figure, recovery_of
+from fieldkit.flight.recovery import recovery_figure, recovery_of
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import Found
-from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
-from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend, fall_by, fall_time
-from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
+from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend
+from fieldkit.planning.descent_rate import Fall, air_at_pads, landing_mass
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
-
-FLIGHT_TO_FLIGHT_SD = 0.10
-"""Standard deviation of the log descent speed from flight to flight, before any flight. [1]"""
-DESCENT_PRIOR_FLIGHTS = 4.0
-"""Number of flights that the guess of the descent speed counts for. [1]"""
-DEFAULT_DESCENT_SD = 0.30
-"""Of the log descent speed if no flight shows it: parachutes are cut for 3.5 to 7 m/s. [1]"""
-STREAMER_SPEED = 10.0
-"""Under a streamer if no flight shows it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
-DROGUE_SPEED = 20.0
-"""Under a drogue if none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
-AREA_CHANGE_SD = 0.15
-"""By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
-CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
-"""Drag coefficients among which that of a flown apogee is looked for. [1]"""
-USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
-"""At which a usual descent speed is meant [kg], [kg/m^3]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Fall:
-    """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual device.
-
-    `drogue` is that of the drogue of a rocket with two devices, None if there is none.
-    """
-
-    log_mean: float
-    spread: float
-    flights: int
-    drogue: "Fall | None" = None
-
-    def speeds(
-        self, rng: np.random.Generator, shape: tuple[int, int], mass: float, density: float, area: float = 1.0
-    ) -> Float[Array, "draw flight"]:
-        """Descent speeds near the ground of flights of a landing mass [kg] in air [kg/m^3], on a fraction of the
-        parachute's area. [m/s]
-
-        Each row is one rocket: variance and mean from their joint posterior (normal, inverse chi-square; Gelman et
-        al., Bayesian Data Analysis, 2013, section 3.3), each flight of it scattered about that mean.
-        """
-        draws, flights = shape
-        freedom = DESCENT_PRIOR_FLIGHTS + max(self.flights - 1, 0)
-        deviation = self.spread * np.sqrt(freedom / rng.chisquare(freedom, (draws, 1)))
-        centre = self.log_mean + rng.normal(size=(draws, 1)) * (
-            deviation / np.sqrt(self.flights) if self.flights else DEFAULT_DESCENT_SD
-        )
-        changed = -0.5 * np.log(area) * (1 + AREA_CHANGE_SD * rng.normal(size=(draws, 1)))
-        logs = centre + changed + deviation * rng.normal(size=(draws, flights))
-        return np.asarray(np.exp(logs) * np.sqrt(mass / density))
-
-
-def usual(device: Device = "parachute") -> Fall:
-    """The descent of a device without a flight that shows it."""
-    speed = DESCENT_SPEED if device == "parachute" else STREAMER_SPEED
-    return Fall(_pace(speed, USUAL_MASS, USUAL_DENSITY), FLIGHT_TO_FLIGHT_SD, 0)
-
-
-def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> Fall:
-    """What the clean flights of a rocket show of its descent, those on the plan's device if that is given.
-
-    A typed drogue speed of the plan is taken for what it is until flights show another.
-    """
-    wanted = recovery_of(plan) if plan is not None else None
-    told = [(flight, found) for flight, found in history if flight.clean]
-    if wanted is not None:
-        told = [one for one in told if recovery_of(one[0]).device == wanted.device]
-    shown = [_shown(flight, found) for flight, found in told]
-    device: Device = wanted.device if wanted else "parachute"
-    fall = _pooled([one[0] for one in shown], told) or usual(device)
-    if wanted is None or not wanted.dual:
-        return fall
-    flown = _pooled([one[1] for one in shown], told)
-    return Fall(fall.log_mean, fall.spread, fall.flights, flown or _typed_drogue(wanted, plan))
-
-
-def _typed_drogue(wanted: Recovery, plan: Flight | None) -> Fall:
-    """The drogue as typed, at the plan's own mass and air, or a usual one."""
-    mass = plan.dry_mass if plan and plan.dry_mass else USUAL_MASS
-    density = float(_air([plan]).density[0]) if plan else USUAL_DENSITY
-    if wanted.drogue_speed is None:
-        return Fall(_pace(DROGUE_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0)
-    return Fall(_pace(wanted.drogue_speed, mass, density), FLIGHT_TO_FLIGHT_SD, TYPED_FLIGHTS)
-
-
-TYPED_FLIGHTS = 4
-"""Flights that a typed drogue speed counts for. [1]"""
-
-
-def _pace(speed: float, mass: float, density: float) -> float:
-    """The log of c of a speed near the ground [m/s]."""
-    return float(np.log(speed) - 0.5 * np.log(mass / density))
-
-
-def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]) -> Fall | None:
-    """The fall that some speeds show [m/s], None without any."""
-    values = np.array([np.nan if speed is None else speed for speed in speeds], float)
-    known = np.isfinite(values) & (values > 0)
-    if not known.any():
-        return None
-    masses = np.array([landing_mass(flight, found) for flight, found in told])
-    density = _air([flight for flight, _ in told]).density
-    logs = np.log(values[known]) - 0.5 * np.log(masses[known] / density[known])
-    count = len(logs)
-    squares = DESCENT_PRIOR_FLIGHTS * FLIGHT_TO_FLIGHT_SD**2 + ((logs - logs.mean()) ** 2).sum()
-    return Fall(float(logs.mean()), float(np.sqrt(squares / (DESCENT_PRIOR_FLIGHTS + count - 1))), count)
-
-
-def landing_mass(flight: Flight, found: Found) -> float:
-    """Of the rocket with the motor burned out. [kg]"""
-    return (flight.dry_mass or np.nan) + found.motor.casing_mass
 
 
 def wind_profile(plan: Flight) -> WindProfile:
@@ -152,11 +32,10 @@ def descents(
     """The way down of each draw of a forecast at a descent speed near the ground [m/s].
 
     The charge fires as the delay of the plan says; if none is known, and where an altimeter opens two devices, at
-    apogee. A draw that reaches the ground before
-    it, or before anything is open, comes down ballistic.
+    apogee. A draw that reaches the ground before it, or before anything is open, comes down ballistic.
     """
     plan, recovery = said.plan, recovery_of(said.plan)
-    air = _air([plan])
+    air = air_at_pads([plan])
     wait = said.eject if _has_delay(said) and not recovery.dual else np.zeros(len(speed))
     mass, density = landing_mass(plan, said.found), float(air.density[0])
     area = np.pi / 4 * (plan.diameter or said.found.motor.diameter) ** 2
@@ -180,112 +59,3 @@ def durations(
 def _has_delay(said: Prediction) -> bool:
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
     return delay is not None and bool(np.isfinite(delay))
-
-
-def _air(flights: Sequence[Flight]) -> Air:
-    elevation, temperature, pressure, humidity = (
-        recorded(flights, name) for name in ("site_elevation", "temperature", "pressure", "humidity")
-    )
-    return pad_air(elevation, temperature, pressure, humidity)
-
-
-def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
-    """Descent speeds near the ground that a flight shows: of its last device, and of a drogue above it. [m/s]
-
-    A duration is what a stopwatch and a judge have, and it averages over the whole descent, so it counts before a
-    descent speed; with two devices the descent speed is the main's and the duration gives the drogue's.
-    """
-    if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
-        return flight.descent_speed, None
-    recovery = recovery_of(flight)
-    path = _path(flight, found, recovery)
-    left, air = flight.duration - path.rise - path.free, _air([flight])
-    if left <= 0:
-        return flight.descent_speed, None
-    if not recovery.dual or recovery.main_altitude is None:
-        return _thin_path(path.opened, air) / left, None
-    return _two_devices(flight, recovery, path.opened, left, air)
-
-
-def _two_devices(
-    flight: Flight, recovery: Recovery, opened: float, left: float, air: Air
-) -> tuple[float | None, float | None]:
-    """Speeds under main and drogue of a flight that has both open, from a height [m], for the rest of its time [s]."""
-    main, drogue = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED
-    shown: tuple[float | None, float | None] = main, None
-    for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
-        open_main = min(max((recovery.main_altitude or 0.0) - drogue * recovery.opening_time, 0.0), opened)
-        high, low = (_thin_path(height, air) for height in (opened, open_main))
-        if not main:
-            under = left - (high - low) / drogue
-            return (low / under if under > 0 else None), None
-        under = left - low / main
-        if under <= 0 or high <= low:
-            return main, None
-        drogue = (high - low) / under
-        shown = main, drogue
-    return shown
-
-
-ROUNDS = 6
-"""Of the search for a drogue's speed, each of which changes it by an opening time's part of the last. [1]"""
-
-
-def _thin_path(height: float, air: Air) -> float:
-    """The integral of the root of the density ratio from the ground to a height. [m]"""
-    steps = np.linspace(0.0, max(height, 0.0), 33)
-    thin = np.sqrt(air.density_ratio(steps))
-    return float(np.sum(np.diff(steps) * _means(thin)))
-
-
-def _means(values: Array) -> Array:
-    """Means of neighbors, for the trapezoid rule."""
-    return np.asarray(0.5 * (values[1:] + values[:-1]))
-
-
-@dataclass(frozen=True, slots=True)
-class _Path:
-    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], and the height where it opens."""
-
-    rise: float
-    free: float
-    opened: float
-
-
-def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
-    """What a flight did until something was open, from what was read and else from flying it to its apogee.
-
-    The charge fires where it was read to, else when the delay says, else at the height that was read for it, else at
-    apogee.
-    """
-    conditions = [recorded([flight], name) for name in ("site_elevation", "temperature", "pressure")]
-    gain = float(altimeter_gain(*conditions)[0])
-    height = (flight.apogee or 0.0) / gain
-    area = np.pi / 4 * (flight.diameter or found.motor.diameter) ** 2
-    plan = flight.with_changes(wind=None)
-    flown = fly(field_setup([plan], [found], (CD_GRID * area)[:, None]))
-    reached, order = flown.apogee[:, 0], np.argsort(flown.apogee[:, 0])
-
-    def at(values: Array) -> float:
-        return float(np.interp(height, reached[order], np.asarray(values)[order]))
-
-    rise = at(flown.rise_time[:, 0])
-    if flight.burn_time is not None and flight.coast_to_apogee is not None:
-        rise = flight.burn_time + flight.coast_to_apogee
-    mass, density = landing_mass(flight, found), float(_air([flight]).density[0])
-    terminal = np.array(np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area)))
-    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # burnout after lift-off
-    delay = flight.delay if flight.delay is not None else found.delay
-    if flight.apogee_to_eject is not None:
-        wait = flight.apogee_to_eject
-    elif recovery.dual:
-        wait = 0.0
-    elif delay is not None and np.isfinite(delay):
-        wait = charge + delay - rise
-    elif flight.eject_altitude is not None and flight.eject_altitude / gain < height:
-        wait = float(fall_time(np.array(height - flight.eject_altitude / gain), terminal))
-    else:
-        wait = 0.0
-    free = max(wait + recovery.opening_time, 0.0)
-    opened = height - float(fall_by(np.array(free), terminal))
-    return _Path(rise, free, max(opened, 0.0))

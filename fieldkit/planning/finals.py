@@ -7,10 +7,12 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, three
 from fieldkit.shapes import Array, Float
@@ -48,11 +50,13 @@ class Together:
 @dataclass(frozen=True, slots=True)
 class TrialFlights:
     """Flights of a plan at several masses [kg], on common draws: what the altimeter shows [m] and what a duration at
-    each area takes [s]."""
+    each area takes [s]; the `forecast` at the heaviest, and what the descent rests on."""
 
     masses: Float[Array, "mass"]
     apogee: Float[Array, "mass draw"]
     duration: Float[Array, "area mass draw"]
+    forecast: Prediction
+    fall: Fall
 
     def best(self, rule: Season) -> Together:
         """What brings the fewest points by a rule."""
@@ -66,7 +70,7 @@ class TrialFlights:
             three(self.apogee[row]),
             three(self.duration[area, row]),
             float(points[area, row]),
-            area in (0, len(AREAS) - 1) or row == 0,
+            bool(area in (0, len(AREAS) - 1) or row == 0),
         )
 
 
@@ -86,7 +90,7 @@ def trials(
     said = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
     if not np.median(said[0].apogee) > 0:
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {low * 1e3:.0f} g")
-    fall, density = fall_of(rocket.history, said[0].plan), air_of(said[0].plan).density
+    fall, density = fall_of(rocket.history, plan, found), air_of(said[0].plan).density
 
     def timed(area: float) -> Float[Array, "mass draw"]:
         speeds = [
@@ -98,7 +102,7 @@ def trials(
     fine = np.linspace(low, most, FINE_MASSES)
     apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
     duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
-    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration))
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), said[-1], fall)
 
 
 def finals_targets(rule: Season) -> list[float]:

@@ -14,9 +14,11 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult, WindProfile
 from fieldkit.planning.air import air_of
-from fieldkit.planning.descent import Fall, descents, fall_of, landing_mass, wind_profile
+from fieldkit.planning.descent import descents, wind_profile
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE
 
@@ -35,12 +37,18 @@ TRIED_DRAWS = 300
 
 @dataclass(frozen=True, slots=True)
 class Landing:
-    """Where a forecast lands: draws downwind of the pad and to the right of that [m], and how it came down."""
+    """Where a forecast lands: draws downwind of the pad and to the right of that [m], and how it came down.
+
+    `drift` is how far the descent drifts for each m/s of wind at the pad [s]; without a `wind` given it is all that is
+    known of the landing, and `along` and `across` are those of a calm.
+    """
 
     along: Float[Array, "draw"]
     across: Float[Array, "draw"]
     duration: Float[Array, "draw"]
     down: DescentResult
+    drift: Float[Array, "draw"]
+    wind: float | None
 
     @property
     def away(self) -> Float[Array, "draw"]:
@@ -58,15 +66,21 @@ class Landing:
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
+        known = self.wind is not None
         return {
-            "away_m": named(three(self.away)),
-            "downwind_m": named(three(self.along)),
-            "right_of_wind_m": named(three(self.across)),
+            "away_m": named(three(self.away)) if known else None,
+            "downwind_m": named(three(self.along)) if known else None,
+            "right_of_wind_m": named(three(self.across)) if known else None,
+            "drift_m_per_mps": named(three(self.drift)),
             "duration_s": named(three(self.duration)),
             "landing_speed_mps": named(three(self.down.landing_speed)),
             "chance_ballistic": float(self.down.ballistic.mean()),
-            "ellipse": self.ellipse().json(),
+            "ellipse": self.ellipse().json() if known else None,
         }
+
+    def wind_that_holds(self, size: float) -> float:
+        """The wind at the pad up to which 95 % of landings stay on a field of a size, the pad in its middle. [m/s]"""
+        return size / 2 / max(three(self.drift)[2], 1e-9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +123,7 @@ class LandingEllipse:
 def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
     """Where the draws of a forecast land and how long they fly, the wind of the day drawn about the one declared.
 
-    Without a wind the path of the rail alone carries them.
+    Without a wind the path of the rail alone carries them, and where they land is not known.
     """
     rng = np.random.default_rng(seed)
     count = len(said.apogee)
@@ -120,7 +134,8 @@ def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
     along = np.nan_to_num(said.drift) + stronger * (down.along * np.cos(turned) - down.across * np.sin(turned))
     sideways = np.broadcast_to(np.nan_to_num(said.across), (count,))
     across = sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
-    return Landing(along, across, said.rise_time + down.time, down)
+    calm, breeze = (descents(said, fall, speed, WindProfile(wind)).along for wind in (0.0, 1.0))
+    return Landing(along, across, said.rise_time + down.time, down, breeze - calm, said.plan.wind)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,24 +152,31 @@ class RailChoice:
 
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
-    """What angles up to the most [rad] and directions of the rail do to the landing, the nearest to the pad first."""
+    """What angles up to the most [rad] and directions of the rail do to the landing, the nearest to the pad first; none
+    where the wind is not known."""
+    if plan.wind is None:
+        return []
     ways = [("into", 0.0)]
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
     plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
     said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
-    fall = fall_of(rocket.history, plan)
+    fall = fall_of(rocket.history, plan, found)
     choices = [
         RailChoice(name, angle, three(landing(one, fall).away)) for (name, angle), one in zip(ways, said, strict=True)
     ]
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
 
 
-def profile_in_words(wind: WindProfile, heights: Sequence[float] = (0.0, 100.0, 300.0)) -> str:
-    """The wind at some heights: `4.0 m/s at the pad, 7.0 at 100 m, 8.2 at 300 m`."""
+SI = ShownUnits()
+
+
+def profile_in_words(wind: WindProfile, shown: ShownUnits = SI, heights: Sequence[float] = (0.0, 100.0, 300.0)) -> str:
+    """The wind at some heights: `4.0 m/s at the pad, 7.0 m/s at 100 m, 8.2 m/s at 300 m`."""
     along, across = wind.components(np.array(heights))
     speeds = np.hypot(along, across)
-    more = ", ".join(f"{speed:.1f} at {height:.0f} m" for speed, height in zip(speeds[1:], heights[1:], strict=True))
-    return f"{speeds[0]:.1f} m/s at the pad, {more}"
+    aloft = zip(speeds[1:], heights[1:], strict=True)
+    more = ", ".join(f"{shown.speed(speed)} at {shown.length(height)}" for speed, height in aloft)
+    return f"{shown.speed(speeds[0])} at the pad, {more}"
 
 
 __all__ = ["Landing", "LandingEllipse", "RailChoice", "landing", "profile_in_words", "rail_choices", "wind_profile"]

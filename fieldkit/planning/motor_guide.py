@@ -15,10 +15,10 @@ from fieldkit.forecast.predict import FittedForecast
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
-from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+from fieldkit.motors.motor import Motor
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.delay import tolerance
-from fieldkit.planning.descent import fall_of
+from fieldkit.planning.delay import sold_delays, tolerance
+from fieldkit.planning.descent_rate import completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
@@ -183,7 +183,7 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history, plan)
+    known, falls = {id(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     return [
         MotorChoice(
             motor,
@@ -192,7 +192,7 @@ def guide(
             said,
             id(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
-            tuple(safety_lines(said, site, fall, limits)),
+            tuple(safety_lines(said, site, completed_fall(falls, said.plan, said.found), limits)),
         )
         for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]
@@ -219,13 +219,11 @@ def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> Fitt
 
 def _nearest(motor: Motor, coast: float) -> float | None:
     """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
-    return min(sold, key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
+    return min(sold_delays(motor), key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
 def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
-    return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
+    return tuple((delay, delay - coast) for delay in sold_delays(motor) if math.isfinite(coast))
 
 
 def by_closeness(found: Sequence[MotorChoice], target: float | None) -> list[MotorChoice]:

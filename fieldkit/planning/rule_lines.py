@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import MPH, SafetyCheck, Verdict, length, worst
+from fieldkit.planning.check import SafetyCheck, Verdict, figure, length, lengths, speed, worst
 from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
@@ -86,7 +86,8 @@ def _line(
 def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | None = None) -> SafetyCheck:
     told = (row or rule).text
     verdict = "caution" if verdict == "unsafe" and told.unverified else verdict
-    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", told.words, told.mark)
+    words = f"{told.words} ({row.stated})" if row is not None and row.stated else told.words
+    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", words, told.mark)
 
 
 def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
@@ -94,10 +95,10 @@ def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
 
     def judge(rule: Rule) -> SafetyCheck:
         limit = rule.rows[0].value
-        most = f"no launch above {limit:.1f} m/s ({limit / MPH:.0f} mph)"
+        most = f"no launch above {speed(limit)}"
         if wind is None:
             return _check("ground wind", "unknown", f"not given; {most}", rule)
-        text = f"{wind:.1f} m/s ({wind / MPH:.0f} mph); {most}"
+        text = f"{speed(wind)}; {most}"
         return _check("ground wind", "ok" if wind <= limit else "unsafe", text, rule)
 
     return _line("ground wind", held.rules("ground wind"), judge)
@@ -120,21 +121,19 @@ def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
 def mass_line(held: Governed) -> SafetyCheck:
     """Mass at lift-off, propellant and total impulse against what the codes allow for a rocket of its kind."""
     build = held.build
-    found = {"mass": (build.mass, 1e3, "g"), "propellant": (build.propellant, 1e3, "g of propellant")}
-    found["impulse"] = (build.impulse, 1.0, "N s")
+    found = {"mass": (build.mass, "g", ""), "propellant": (build.propellant, "g", " of propellant")}
+    found["impulse"] = (build.impulse, "N s", "")
     lines = []
-    for name, (value, scale, unit) in found.items():
+    for name, (value, unit, what) in found.items():
         for rule in held.rules(name):
             limit = rule.rows[0].value
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
-            shown = "unknown" if math.isnan(value) else f"{value * scale:.0f}"
-            lines.append(
-                _check("mass and impulse", verdict, f"{shown} {unit}, at most {limit * scale:,.0f} {unit}", rule)
-            )
+            shown = f"{name} unknown" if math.isnan(value) else f"{figure(value, unit)}{what}"
+            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {figure(limit, unit)}{what}", rule))
     if not lines:
         return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
     last = worst(lines)
-    texts = "; ".join(one.text for one in lines)
+    texts = "; ".join(one.finding for one in lines)
     return SafetyCheck(last.name, last.verdict, texts, last.source, last.rule, last.mark)
 
 
@@ -159,14 +158,16 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
         row = rule.row(held.build.impulse, held.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
-        text = f"the code requires {length(needed)} across"
         if size is None:
-            return _check("field size", "unknown", f"{text}; field size not given", rule, row)
+            text = f"the code requires {length(needed)} across; field size not given"
+            return _check("field size", "unknown", text, rule, row)
+        wanted, own = lengths(needed, size)
+        text = f"the code requires {wanted} across"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(held)) and size >= small.rows[0].value - 1e-6:
-            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {length(size)}"
+            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
             return _check("field size", "caution", told, small)
-        return _check("field size", verdict, f"{text}; this field is {length(size)}", rule, row)
+        return _check("field size", verdict, f"{text}; this field is {own}", rule, row)
 
     wanted = held.rules("field size")
     wanted.sort(key=lambda rule: -(rule.least(held.build.impulse, held.altitude) or math.inf))
@@ -191,15 +192,16 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
         needed = rule.least(build.impulse, held.altitude, complex_rocket=build.complex)
         if row is None or needed is None:
             return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
-        text = f"people at least {length(needed)} away"
+        wanted, *own = lengths(needed) if people is None else lengths(needed, people)
+        text = f"people at least {wanted} away"
         if build.complex and row.complex is not None:
-            text += "because the rocket is complex"
+            text += " because the rocket is complex"
         if row.cleared is not None:
             text += f", {length(row.cleared)} across cleared around the pad"
         if people is None:
             return _check(name, "unknown", f"{text}; distance not given", rule, row)
         verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; they are {length(people)} away", rule, row)
+        return _check(name, verdict, f"{text}; they are {own[0]} away", rule, row)
 
     rules = held.rules(name)
     rules.sort(key=lambda rule: -(rule.least(build.impulse, held.altitude, complex_rocket=build.complex) or math.inf))
@@ -212,11 +214,12 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
 
     def judge(rule: Rule) -> SafetyCheck:
         needed = rule.least(held.build.impulse, held.altitude) or 0.0
-        text = f"uninvolved people and property at least {length(needed)} away"
+        wanted, *own = lengths(needed) if away is None else lengths(needed, away)
+        text = f"uninvolved people and property at least {wanted} away"
         if away is None:
             return _check(name, "unknown", f"{text}; distance not given", rule)
         verdict: Verdict = "ok" if away >= needed - 1e-6 else "unsafe"
-        return _check(name, verdict, f"{text}; they are {length(away)} away", rule)
+        return _check(name, verdict, f"{text}; they are {own[0]} away", rule)
 
     rules = held.rules(name)
     if not rules and held.legal == 1:
@@ -228,8 +231,8 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
 def class_line(held: Governed) -> SafetyCheck:
     """Model or high power, and the class of the law."""
     build = held.build
-    mass = "unknown mass" if math.isnan(build.mass) else f"{build.mass * 1e3:.0f} g on the pad"
-    text = f"{build.propellant * 1e3:.0f} g of propellant, {mass}, {build.impulse:.0f} N s"
+    mass = "unknown mass" if math.isnan(build.mass) else f"{figure(build.mass, 'g')} on the pad"
+    text = f"{figure(build.propellant, 'g')} of propellant, {mass}, {build.impulse:.0f} N s"
     law = held.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""

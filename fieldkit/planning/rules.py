@@ -48,13 +48,17 @@ class RuleText:
 
 @dataclass(frozen=True, slots=True)
 class RuleRow:
-    """A row of a table: up to what it goes, the figure, that of a complex rocket, and the cleared diameter. [SI]"""
+    """A row of a table: up to what it goes, the figure, that of a complex rocket, and the cleared diameter. [SI]
+
+    `stated` is the row as the table has it, in its own unit; empty for a figure that is in no table.
+    """
 
     up_to: float
     value: float
     complex: float | None
     cleared: float | None
     text: RuleText
+    stated: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +188,12 @@ def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
     return RuleText(words, printable(str(table.get("source", above.source))), str(table.get("mark", above.mark)), day)
 
 
+def _stated(row: Mapping[str, Any], value: float, unit: str) -> str:
+    """A row of a table by impulse as it is written: `100 ft, 200 ft for complex rockets, up to 640 N s`."""
+    complex_too = f", {row['complex']:,g} {unit} for complex rockets" if "complex" in row else ""
+    return f"{value:,g} {unit}{complex_too}, up to {float(row['up_to']):,g} N s"
+
+
 def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
     text, unit = _text(table, above), str(table.get("unit", "1"))
     if unit not in RULE_UNITS:
@@ -195,7 +205,8 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
         values = [row.get(name) for name in ("complex", "cleared")]
         value = float(row["at_most"] if "at_most" in row else row["at_least"])
         more = [None if one is None else float(one) * scale for one in values]
-        rows.append(RuleRow(float(row["up_to"]), value * scale, more[0], more[1], _text(row, text)))
+        stated = _stated(row, value, unit) if table.get("by") == "impulse" and unit in ("ft", "m") else ""
+        rows.append(RuleRow(float(row["up_to"]), value * scale, more[0], more[1], _text(row, text), stated))
     only = {
         "impulse": float(table.get("impulse_ns", inf)),
         "mass": float(table.get("mass_g", inf)) * 1e-3,

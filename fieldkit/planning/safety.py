@@ -15,21 +15,24 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
 from fieldkit.flight.plausibility import check
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors.motor import Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.paths import data_folder
 from fieldkit.planning import rule_lines
-from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, length, speed, worst
+from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, figure, length, speed, worst
 from fieldkit.planning.classification import build_of
-from fieldkit.planning.descent import Fall
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.landing import landing
-from fieldkit.planning.limits import Limits
+from fieldkit.planning.limits import Limit, Limits
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.rules import RuleSet, rule_sets
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, STANDARD_GRAVITY, ZERO_CELSIUS
 
+CERTIFIED_AT = 21 + ZERO_CELSIUS
+"""Temperature of motors at their certification. [K]"""
 HALF_SECOND = 0.5
 """Over which thrust is first averaged. [s]"""
 
@@ -106,20 +109,18 @@ def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
     return one if other is None else worst([one, other])
 
 
-OWN_BOUNDS = {"wind": ("ground wind", 1.0, "m/s"), "angle": ("launch angle", DEGREE, "°")}
-"""Bounds that flyers set in addition to the rules: the line, the size of the unit shown in SI, and the unit."""
+OWN_BOUNDS = {"wind": "ground wind", "angle": "launch angle"}
+"""Bounds that flyers set in addition to the rules, and the line of each."""
 
 
 def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
     """The line of a bound in the flyer's own `limits.toml`, None if there is none or nothing to hold against it."""
     if name not in limits or value is None:
         return None
-    check, scale, unit = OWN_BOUNDS[name]
     limit = limits[name]
     verdict: Verdict = "ok" if abs(value) <= limit.value else "unsafe"
-    return SafetyCheck(
-        check, verdict, f"{abs(value) / scale:.1f} {unit}, at most {limit.value / scale:.1f} {unit}", limit.source
-    )
+    most, found = (f"{one / DEGREE:.1f}°" if name == "angle" else speed(one) for one in (limit.value, abs(value)))
+    return SafetyCheck(OWN_BOUNDS[name], verdict, f"{found}, at most {most}", limit.source)
 
 
 def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> SafetyCheck:
@@ -156,23 +157,32 @@ def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
 
 def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> SafetyCheck:
     """What the code wants of the field, and whether what comes down stays on it, the pad being in its middle."""
+    found = landing(said, fall)
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        return replace(code, verdict=verdict, text=f"{code.text}; wind not given, so drift unknown")
-    _, usual, reach = three(landing(said, fall).away)
-    text = f"{code.text}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
+        drifts = f"drifts {length(three(found.drift)[1])} for {speed(1.0, 0)} of wind"
+        return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
+    _, usual, reach = three(found.away)
+    text = f"{code.finding}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
         return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")
-    return replace(code, text=text)
+    return replace(code, finding=text)
 
 
 def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
-    limit = limits["eject_speed"]
+    limit, name = limits["eject_speed"], "ejection speed"
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
-    if delay is None or not math.isfinite(delay):
-        return SafetyCheck(
-            "ejection speed", "unknown", "delay unknown, so no charge fires in this forecast", limit.source
-        )
+    recovery = recovery_of(said.plan)
+    if recovery.dual:
+        return _altimeter_ejection(said, limit)
+    if delay == PLUGGED_DELAY:
+        text = "a plugged motor has no charge: an altimeter must deploy; the landing assumes that it does at apogee"
+        return SafetyCheck(name, "caution", text, limit.source)
+    if delay is None:
+        text = "delay unknown: add it to the motor's name, as in F24-4W; the landing assumes a charge at apogee"
+        return SafetyCheck(name, "unknown", text, limit.source)
+    if delay == 0:
+        return SafetyCheck(name, "unsafe", "a booster motor (delay 0) has no charge for a parachute", limit.source)
     fired = np.isfinite(said.eject_speed)
     crashed = float(np.mean(~fired & (said.true_apogee > 0)))
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
@@ -182,16 +192,21 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
+def _altimeter_ejection(said: Prediction, limit: Limit) -> SafetyCheck:
+    """The speed at which an altimeter opens a drogue at apogee: that sideways."""
+    sideways = np.hypot(np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
+    chance = float(np.mean(sideways > limit.value))
+    text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"
+    text += f"; {chance:.0%} chance of more than {speed(limit.value, 0)}"
+    return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
+
+
 def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     cold, hot = limits["motor_cold"], limits["motor_hot"]
     value = motor_temperature(plan)
-    between = f"certified near 21 °C (70 °F), usable from {_celsius(cold.value)} to {_celsius(hot.value)}"
+    certified, coldest, hottest = (figure(value, "c") for value in (CERTIFIED_AT, cold.value, hot.value))
+    between = f"certified near {certified}, usable from {coldest} to {hottest}"
     if value is None:
         return SafetyCheck("motor temperature", "unknown", f"not given; {between}", hot.source)
     verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
-    return SafetyCheck("motor temperature", verdict, f"{_celsius(value)}; {between}", hot.source)
-
-
-def _celsius(value: float) -> str:
-    celsius = value - ZERO_CELSIUS
-    return f"{celsius:.0f} °C ({celsius * 1.8 + 32:.0f} °F)"
+    return SafetyCheck("motor temperature", verdict, f"{figure(value, 'c')}; {between}", hot.source)

@@ -6,8 +6,11 @@ from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
-from fieldkit.planning.finals import Together
-from fieldkit.units import FOOT, ZERO_CELSIUS
+from fieldkit.planning.finals import Together, TrialFlights
+from fieldkit.presentation.forecast_text import rests_in_words
+from fieldkit.presentation.landing_text import descent_in_words
+from fieldkit.quantities import ShownUnits
+from fieldkit.units import FOOT
 
 HEADERS = ("target ft", "dry g", "lift-off g", "parachute", "apogee ft", "seconds", "points")
 
@@ -28,15 +31,25 @@ def finals_rows(table: Sequence[Together], found: Found) -> list[tuple[str, ...]
     ]
 
 
-def finals_heading(plan: Flight, found: Found, rule: Season) -> Iterator[str]:
-    """Rocket, motor, season and the day's weather, over the table."""
+def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI") -> Iterator[str]:
+    """Rocket, motor, season and the day's weather in the units of a system, over the table."""
+    shown = ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     opens, closes = rule.window
     motor = f"{found.motor.maker} {found.motor.designation}"
     yield f"{name} on {motor}, season {rule.year}, window {opens:g} to {closes:g} s"
-    temperature = "standard" if plan.temperature is None else f"{plan.temperature - ZERO_CELSIUS:.0f} °C"
-    wind = "not given" if plan.wind is None else f"{plan.wind:.1f} m/s"
-    yield f"temperature {temperature}, wind {wind}; {air_of(plan).words()}"
+    temperature = "standard" if plan.temperature is None else shown.temperature(plan.temperature)
+    wind = "not given" if plan.wind is None else shown.speed(plan.wind)
+    yield f"temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
+
+
+def finals_basis(flown: TrialFlights) -> Iterator[str]:
+    """What the table rests on, and what one flight more would narrow."""
+    said, fall = flown.forecast, flown.fall
+    apogee, descent = 1 - said.narrowed(1), 1 - fall.relative_sd(1) / fall.relative_sd()
+    yield f"based on {rests_in_words(said)}; descent: {descent_in_words(fall)}"
+    narrower = f"the apogee by {apogee:.0%} and the descent speed by {descent:.0%}"
+    yield f"one more flight with a duration would narrow {narrower}"
 
 
 FINALS_NOTES = (

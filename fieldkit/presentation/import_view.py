@@ -4,13 +4,17 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import BY_NAME
+from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import spelled
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
+    from fieldkit.analysis.whole_flight import FlightCurve
     from fieldkit.importing.tables.columns_read import ColumnRead
 
+PLOT_WIDTH = 60
+"""Cells of a plot in text."""
 MOST_FLIGHTS = 20
 """Of the flights of a table so many are printed; the JSON has them all."""
 
@@ -36,7 +40,7 @@ def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
 
 def _file(one: FileView) -> dict[str, Any]:
     """One file; the readouts and events of its first flight stand above, those of all under `flights`."""
-    flights = [_flight(flight) for flight in one.flights]
+    flights = [_flight(flight) for flight in one.shown]
     first = flights[0] if flights else {"readouts": {}, "events": []}
     return {
         "file": one.file,
@@ -60,9 +64,19 @@ def _file(one: FileView) -> dict[str, Any]:
 def _flight(one: FlightView) -> dict[str, Any]:
     return {
         "flight_id": one.flight.flight_id,
+        "simulated": one.simulated,
         "readouts": {name: _readout(name, readout) for name, readout in one.readouts.items()},
         "events": [_event(event) for event in one.events],
+        "curve": _curve(one.curve),
     }
+
+
+def _curve(one: "FlightCurve | None") -> dict[str, Any] | None:
+    """The whole flight as it is drawn, from lift-off."""
+    if one is None:
+        return None
+    channels = {"time_s": one.time, "height_m": one.height, "speed_mps": one.speed, "accel_mps2": one.acceleration}
+    return {name: [round(float(value), 3) for value in values] for name, values in channels.items()}
 
 
 def _readout(name: str, one: ReadoutView) -> dict[str, Any]:
@@ -95,8 +109,16 @@ def in_a_line(one: FileView) -> str:
 
 def _apogees(one: FileView) -> str:
     """The apogee of a file's flight, or of several the lowest and the highest."""
-    found, count = one.apogees, len(one.flights)
-    flights = "" if count == 1 else ", no flight" if not count else f", {count} flights"
+    found, count = one.apogees, len(one.shown)
+    flights = (
+        ", simulation"
+        if one.simulations and not one.flights
+        else ""
+        if count == 1
+        else ", no flight"
+        if not count
+        else f", {count} flights"
+    )
     if not found:
         return flights + (", no apogee" if count else "")
     low, high = min(found), max(found)
@@ -116,12 +138,13 @@ def lines(one: FileView) -> Iterator[str]:
     yield f"  rows      {one.rows} used, {one.dropped} dropped"
     for place, column in enumerate(one.columns):
         yield f"  {'columns' if not place else '':10}{_column(column)}"
-    for flight in one.flights[:MOST_FLIGHTS]:
-        yield f"  flight    {flight.flight.flight_id}"
+    for flight in one.shown[:MOST_FLIGHTS]:
+        yield f"  {'states' if flight.simulated else 'flight':9} {flight.flight.flight_id}"
         yield from _readout_lines(flight)
         yield from _event_lines(flight)
-    if len(one.flights) > MOST_FLIGHTS:
-        yield f"  and {len(one.flights) - MOST_FLIGHTS} more flights; --json lists them all"
+        yield from _plot_lines(flight.curve)
+    if len(one.shown) > MOST_FLIGHTS:
+        yield f"  and {len(one.shown) - MOST_FLIGHTS} more flights; --json lists them all"
     for note in one.notes:
         yield f"  note      {note}"
     count = len(one.flights)
@@ -143,7 +166,25 @@ def _readout_lines(flight: FlightView) -> Iterator[str]:
         yield f"    {column.title:22}{f'{readout.value:.5g}{spread} {unit}':22}{readout.sensor:11}{stated}".rstrip()
 
 
+def _plot_lines(curve: "FlightCurve | None") -> Iterator[str]:
+    """Height, speed and acceleration of the whole flight as rows of bars, and below them where its events are."""
+    if curve is None:
+        return
+    first, last = float(curve.time[0]), float(curve.time[-1])
+    even = [first + (last - first) * (cell + 0.5) / PLOT_WIDTH for cell in range(PLOT_WIDTH)]
+    rows = list(zip(*map(curve.at, even), strict=True))
+    for title, unit, values in zip(("height", "speed", "accel"), ("m", "m/s", "m/s²"), rows, strict=True):
+        ends = f"{min(values):.4g} to {max(values):.4g} {unit}"
+        yield f"    {title:9}{sparkline(values, PLOT_WIDTH)} {ends}"
+    marks = [" "] * PLOT_WIDTH
+    for name, moment in curve.events.items():
+        if first <= moment <= last:
+            marks[min(int(PLOT_WIDTH * (moment - first) / (last - first)), PLOT_WIDTH - 1)] = name[0].upper()
+    zero = "from lift-off" if curve.from_liftoff else "on the log's clock"
+    yield f"    {'events':9}{''.join(marks)} T{first:+.0f} to T{last:+.0f} s, {zero}"
+
+
 def _event_lines(flight: FlightView) -> Iterator[str]:
     for event in flight.events:
         height = "" if event.altitude is None else f"{event.altitude:.1f} m"
-        yield f"    {event.name:12}T{event.time:+9.2f} s {height:>12}   {event.sensor}"
+        yield f"    {event.name:12} T{event.time:+9.2f} s {height:>12}   {event.sensor}"

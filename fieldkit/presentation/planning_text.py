@@ -9,78 +9,89 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
-from fieldkit.planning.check import length, speed
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
-from fieldkit.quantities import counted, measure
+from fieldkit.presentation.landing_text import descent_in_words
+from fieldkit.quantities import ShownUnits, measure, written
 from fieldkit.units import FOOT
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
 """Conditions that act on a flight, besides the air."""
 
 
-def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[str]:
+def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
     """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
-    starts from where the rocket has one among `starts`."""
-    yield f"  air       {air_of(plan).words()}"
-    wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in FLIGHT_CONDITIONS)
-    rail = f"rail {rod or f'{RAIL_LENGTH:g} m (default)'}"
-    yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail}, {f'at {angle}' if angle else 'vertical'}"
+    starts from where the rocket has one among `starts`; in the units of a system."""
+    yield f"  air       {air_of(plan).words(system)}"
+    wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
+    usual = written(RAIL_LENGTH, "m", system, 1)
+    rail = f"rail {rod or f'{usual} (default)'}"
+    blows = f"wind {wind}" if wind else "wind not given"
+    yield f"  with      {blows}, {rail}, {f'at {angle}' if angle else 'vertical'}"
     start = start_among(starts, plan)
     if start is not None and start.cd:
         yield f"  design    initial Cd {start.cd:.2f} from {start.source}"
 
 
-def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> Iterator[str]:
+def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:
     """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]
 
-    `tool` is what delays are drilled with.
+    `tool` is what delays are drilled with; figures are in the units of a `system`.
     """
+    shown = ShownUnits(system)
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
     yield f"  90 % interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
     if judged.delays:
-        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
-    yield from (f"  {_delay(one)}" for one in judged.delays)
+        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>8}  {'too fast':>8}"
+    yield from (f"  {_delay(one, shown)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
-    yield f"  Too fast: over {speed(fast, 0)}. Assumes delays vary by up to 20 %, 1.5 to 3 s (NFPA 1125)."
+    yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20 %, 1.5 to 3 s (NFPA 1125)."
 
 
-def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
-    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot."""
-    said = best.forecast
+def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
+    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot; in the
+    units of a system, points and feet of a contest as they are."""
+    said, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
-    yield f"{_named(said)}, target {length(goal.target)}"
+    yield f"{_named(said)}, target {shown.length(goal.target)}"
+    if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
+        yield f"  too heavy: the season allows at most {goal.rule.mass * 1e3:.0f} g on the pad"
     if not best.clear:
         points = "ft" if goal.rule is None else "points"
         yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} per flight is not significant"
         yield "            one more flight at the current mass would help; below is the effect of the change"
     yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'remove'} {abs(best.add) * 1e3:.0f} g"
-    yield f"  apogee    {length(p50)} as the altimeter will show it"
-    yield f"  90 %      {length(p05)} to {length(p95)}"
-    yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
-    yield f"  within {goal.within / FOOT:.0f} ft  {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
-    yield f"  mean miss {best.there.error / FOOT:.0f} ft ({best.today.error / FOOT:.0f} ft without change)"
+    yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
+    yield f"  90 %      {shown.lengths(p05, p95)}"
+    yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
+    yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
+    errors = [shown.length(one.error) for one in (best.there, best.today)]
+    yield f"  mean miss {errors[0]} ({errors[1]} without change)"
     if best.there.points is not None and best.today.points is not None:
         yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
-    yield f"  1 g more  {best.slope / FOOT / 1e3:+.1f} ft ({best.slope / 1e3:+.2f} m)"
+    slope = shown.length(best.slope / 1e3, 1)
+    yield f"  1 g more  {'' if slope.startswith('-') else '+'}{slope}"
     yield f"  based on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
-        least, most = (length(height) for height in best.reach)
+        least, most = (shown.length(height) for height in best.reach)
         yield f"  Out of reach: with these masses the median altimeter apogee is {least} to {most}."
 
 
-def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | None = None) -> Iterator[str]:
-    """Points and score to expect, the duration behind them, and the parachute that would bring the fewest."""
+def outlook_in_words(
+    ahead: Outlook, rule: Season, area: float, cut: float | None = None, system: str = "SI"
+) -> Iterator[str]:
+    """Points and score to expect, the duration behind them, and the parachute that would bring the fewest; heights in
+    feet, as contests have them, the true one in the units of a system."""
     said = ahead.forecast
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
@@ -98,11 +109,11 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     low, middle, high = (height / FOOT for height in three(said.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
     yield f"  apogee    {middle:.0f} ft on the altimeter, 90 % interval {low:.0f} to {high:.0f}, {aimed}"
-    yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
+    yield f"  true      {ShownUnits(system).length(three(said.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
-    yield f"  descent   {_descent(ahead.timed)}"
+    yield f"  descent   {descent_in_words(ahead.fall)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
@@ -112,21 +123,15 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
 
 
-def _delay(one: Delay) -> str:
+def _delay(one: Delay, shown: ShownUnits) -> str:
     low, middle, high = one.after_apogee
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
     if not isfinite(middle):
         return f"{name:<7}  the rocket hits the ground first"
     return (
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
-        f"  {f'{one.speed[1]:.0f} m/s':>6}  {one.too_fast:>8.0%}"
+        f"  {shown.speed(one.speed[1], 0):>8}  {one.too_fast:>8.0%}"
     )
-
-
-def _descent(timed: int) -> str:
-    if not timed:
-        return "no flight with a duration or descent speed: assumes a typical parachute, 5 m/s ± 30 %"
-    return f"fitted to {counted(timed, 'flight')} with a duration or descent speed"
 
 
 def _named(said: Prediction) -> str:

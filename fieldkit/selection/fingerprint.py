@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.flight import READOUTS
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import shown
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.trial import Trial

@@ -6,20 +6,20 @@ with each effect where it is most at home.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.start import repeated
 from fieldkit.inference.history.columns import families
 from fieldkit.inference.history.evidence import Trials, used_readouts
 from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve
-from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, trained_prior, untrained_effects
+from fieldkit.model.hyperprior import certified
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.scoring.score import Score, forecasts_of, score
@@ -75,13 +75,6 @@ class QuickLook:
         return next((one.after for one in self.candidates if one.effect == first), self.before)
 
 
-def repeated(flight: Flight) -> Flight:
-    """The plan to fly the same again a week later."""
-    name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
-    return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
-
-
 def quick_look(
     rocket: str,
     flown: Sequence[tuple[Flight, Found]],
@@ -96,7 +89,7 @@ def quick_look(
         (*(found for _, found in flown), motor),
         tuple(bool(used) for used in used_in_fit),
         certified(),
-        learned(),
+        trained_prior(network),
     )
     said = quick_answer(history, quick_candidates, network)
     truth, seen = said.summary.data.values[:, 0], said.summary.data.seen[:, 0]

@@ -119,7 +119,7 @@ def _checked_part(members: Members, checked_sets: Collection[Members]) -> Member
 
 def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:
     """The plain fit, which the trials help to find, and every candidate tried beside it."""
-    plain = fit(model, data, odd_flights=True)
+    plain = fit(model, data, outlier_flights=True)
     count = sum(len(family) for family in families.values())
     for turn in range(MAX_SEARCHES):
 

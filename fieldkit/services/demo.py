@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.inference.network.flights import Inferred, Model, infer
+from fieldkit.inference.network.flights import Inferred, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
@@ -15,8 +15,7 @@ from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
 from fieldkit.services.imports import bring_in
-
-ENSEMBLES: tuple[Model, ...] = ("field", "paper")
+from fieldkit.services.inferred import FlightInference
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +44,10 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
     bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
     flights = ledger.flights()
     on_progress("inferring", 0.1)
-    inferred, by_paper = (infer(flights, motors, model).inferred for model in ENSEMBLES)
+    inferred, by_paper = (
+        FlightInference(ledger, motors).infer(flights).inferred,
+        infer(flights, motors, "paper").inferred,
+    )
     rocket = which_rocket(ledger, None)
     on_progress("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))

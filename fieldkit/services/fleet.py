@@ -37,22 +37,29 @@ def fleet_prior(
 
     `on_progress` hears of each rocket that is fitted again.
     """
+    return fleet_priors(ledger, motors, [rocket], on_progress)[rocket]
+
+
+def fleet_priors(
+    ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
+) -> "dict[str, SharedPrior | None]":
+    """`fleet_prior` of several rockets, each of them fitted once at most."""
     from fieldkit.inference.laplace.fleet import shared_prior
 
     own = learned()
-    others = _by_rocket(ledger, motors, rocket)
-    fits = []
-    for number, (name, flown) in enumerate(others.items()):
-        on_progress(name, number / len(others))
-        fits.append(_rocket_fit(ledger, name, flown, own))
-    return shared_prior(fits)
+    flown = {name: one for name, one in _by_rocket(ledger, motors).items() if [name] != list(rockets)}
+    fits = {}
+    for number, (name, one) in enumerate(flown.items()):
+        on_progress(name, number / len(flown))
+        fits[name] = _rocket_fit(ledger, name, one, own)
+    return {rocket: shared_prior([fit for name, fit in fits.items() if name != rocket]) for rocket in rockets}
 
 
-def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list[tuple[Flight, Found]]]:
-    """The flights of all other rockets that show something, rocket by rocket."""
+def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight, Found]]]:
+    """The flights that show something, rocket by rocket."""
     found: dict[str, list[tuple[Flight, Found]]] = {}
     for flight, motor in followed(ledger.flights(), motors):
-        if flight.rocket != rocket and flight.clean and flight.readouts():
+        if flight.clean and flight.readouts():
             found.setdefault(flight.rocket, []).append((flight, motor))
     return found
 

@@ -1,12 +1,34 @@
-"""Drag and thrust of a ledger's flights, each under its number in the ledger."""
+"""Drag and thrust of single flights, by the model that forecasts are made with or an ensemble with a prior of its own.
+
+Each flight is taken by itself, with what the flyer's other rockets show: the network of whole histories is asked about
+a history of that one flight. The field ensemble, which sees nothing but the flight, warns of readouts unlike those it
+was trained with.
+"""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
 
 from fieldkit.errors import NoFlights
-from fieldkit.inference.network.flights import Inferred, Model, infer
+from fieldkit.flight import Flight
+from fieldkit.inference.network.flights import Inferences, Inferred, infer
 from fieldkit.ledger import Ledger
+from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Catalogue
+from fieldkit.progress import ReportProgress, no_op, part
+from fieldkit.services.fleet import fleet_priors
+from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.history import QuickAnswer
+    from fieldkit.model.shared_prior import SharedPrior
+
+Model = Literal["history", "field", "paper"]
+"""What can be asked: the network of whole histories, the field ensemble, the reference paper's."""
+FIT_SHARE = 0.5
+"""Part of the progress that fitting the other rockets takes, where none is cached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +45,70 @@ class InferredFlights:
             yield warning, [id for id, one in zip(self.ids, self.inferred, strict=True) if warning in one.warnings]
 
 
-def infer_flights(ledger: Ledger, motors: Catalogue, ids: Sequence[str], model: Model) -> InferredFlights:
-    """Ask an ensemble for flights of a ledger, by default all. Raises NoFlights."""
+def infer_flights(
+    ledger: Ledger, motors: Catalogue, ids: Sequence[str], model: Model = "history", on_progress: ReportProgress = no_op
+) -> InferredFlights:
+    """Cd and alpha of flights of a ledger, by default of all. Raises NoFlights, DamagedModel."""
     flights = ledger.flights(ids=ids or None)
     names = dict(zip(map(id, flights), ledger.ids(flights), strict=True))
     if not flights:
         raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
-    found = infer(flights, motors, model)
+    found = (
+        FlightInference(ledger, motors).infer(flights, on_progress)
+        if model == "history"
+        else infer(flights, motors, model)
+    )
     return InferredFlights(found.inferred, [names[id(one.flight)] for one in found.inferred], found.left_out)
+
+
+class FlightInference:
+    """Asks the network about flights of a ledger; what other rockets show is worked out once for each rocket."""
+
+    def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
+        self._ledger, self._motors = ledger, motors
+        self._shared: dict[str, SharedPrior | None] = {}
+
+    def infer(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> Inferences:
+        """Cd and alpha of each flight that can be judged; Cd is nan without a diameter. Raises DamagedModel."""
+        guarded = infer(flights, self._motors, "field")
+        asked = [one.flight for one in guarded.inferred]
+        answers = self.answers(asked, on_progress)
+        inferred, left_out = [], list(guarded.left_out)
+        for one, said in zip(guarded.inferred, answers, strict=True):
+            if np.isfinite([*said.log_cd, *said.log_alpha]).all():
+                inferred.append(_with_answer(one, said))
+            else:
+                left_out.append(f"flight {one.flight.flight_id}, its readouts do not go together")
+        return Inferences(tuple(inferred), tuple(left_out))
+
+    def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
+        """What the network says of each flight by itself; all have to be of a kind that `infer` does not leave out."""
+        from fieldkit.forecast.at_once import each_at_once
+
+        rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
+        if rockets:
+            self._shared |= fleet_priors(self._ledger, self._motors, rockets, part(on_progress, 0.0, FIT_SHARE))
+        shared = [self._shared[flight.rocket] for flight in flights]
+        on_progress("inferring", FIT_SHARE)
+        return each_at_once([(flight, self._motors.resolve(flight.motor)) for flight in flights], shared)
+
+
+def _with_answer(one: Inferred, said: "QuickAnswer") -> Inferred:
+    cd, cd_sd = _log_normal(*said.log_cd) if one.flight.diameter else (np.nan, np.nan)
+    alpha, alpha_sd = _log_normal(*said.log_alpha)
+    return replace(one, cd=cd, cd_sd=cd_sd, alpha=alpha, alpha_sd=alpha_sd, model=said.model)
+
+
+def _log_normal(mean: float, sd: float) -> tuple[float, float]:
+    """Mean and standard deviation of a log-normal distribution, from those of the logarithm."""
+    middle = float(np.exp(mean + sd**2 / 2))
+    return middle, middle * float(np.sqrt(np.expm1(sd**2)))
+
+
+def draws(flight: Flight, said: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+    """Draws of a flight's drag area [m^2] and thrust factor [1] as the network has them."""
+    sds = np.array([said.log_cd[1], said.log_alpha[1]])
+    covariance = np.outer(sds, sds) * np.array([[1.0, said.correlation], [said.correlation, 1.0]])
+    means = (said.log_cd[0], said.log_alpha[0])
+    log_cd, log_alpha = np.random.default_rng(0).multivariate_normal(means, covariance, count).T
+    return np.exp(log_cd) * reference_area([flight])[0], np.exp(log_alpha)

@@ -9,9 +9,9 @@ from fieldkit.flight import Column, Flight
 from fieldkit.flight.plausibility import middles
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger
-from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
 from fieldkit.services.day_weather import typed_weather
+from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
 """Questions whose answers belong to the day."""

@@ -8,8 +8,8 @@ from itertools import chain, islice
 
 from fieldkit.flight import TAGS
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import sites
 from fieldkit.motors import Catalogue, Motor, is_cluster
+from fieldkit.services.sites import sites
 
 MAX_PICKS = 8
 """Answers that are offered at once."""

@@ -7,12 +7,12 @@ from fieldkit.flight import Flight
 from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown, start_of
 from fieldkit.services.plausible_flights import implausible_flights, plausible
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 SHORTLIST = "shortlist"
@@ -48,7 +48,14 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
     return _with_recovery(plan, history)
 
 
-INHERITED_RECOVERY = ("recovery", "drogue_speed", "main_altitude", "opening_time")
+INHERITED_RECOVERY = (
+    "recovery",
+    "drogue_speed",
+    "main_altitude",
+    "main_speed",
+    "parachute_diameter",
+    "opening_time",
+)
 """What of its recovery a plan takes from the last flight of its configuration that says it."""
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import completed, start_among
-from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.forecast.at_once import answer_at_once, fit_in_use, prepare_at_once
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
@@ -67,8 +67,10 @@ def predict_quickly(
         whole = completed(plan, before, start_among(ledger.starts(plan.rocket), plan))
         found = motors.resolve(plan.motor)
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
-        said = forecast_at_once(history, (whole, found), shared=shared)
-        checked = check(said)
+        used = [flight.clean for flight in before]
+        ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
+        (said,) = answer_at_once(ready, ready.flown)
+        checked = check(said, fit_in_use(ready))
         fitted = None if checked.agrees else predict_plans(ledger, motors, [plan], keep=False)[0]
         made.append(QuickForecast(whole, found, said, checked, fitted))
     return made

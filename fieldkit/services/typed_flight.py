@@ -8,6 +8,7 @@ from threading import Lock
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
+from fieldkit.flight.start import repeated
 from fieldkit.forecast.at_once import FlownFlights, answer_at_once, prepare_at_once
 from fieldkit.inference.history.features import PreparedHistory
 from fieldkit.inference.network.history import QuickAnswer
@@ -15,7 +16,6 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Catalogue, Found, is_cluster
-from fieldkit.selection.quick_look import repeated
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 

@@ -24,7 +24,7 @@ from fieldkit.tui.choosing import Choosing
 from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import gone, terminal
-from fieldkit.tui.memory import keep_from_collector
+from fieldkit.tui.memory import PassedBy
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
@@ -93,6 +93,7 @@ class FieldkitApp(Choosing):
         """What nobody foresaw and was survived."""
         self._crashes: dict[str, Crash] = {}
         self._stays = stays
+        self._passed_by = PassedBy()
         self._opened: dict[str, PageScreen] = {}
         self._length: int | None = None
         self._hides = True
@@ -148,7 +149,7 @@ class FieldkitApp(Choosing):
             self.screen.go_to_row(self._back.row)
             self._back = None
         if self._stays:
-            keep_from_collector()
+            self._passed_by.extend()
         if self._stays and not self._readied:
             self._readied = True
             self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
@@ -160,7 +161,7 @@ class FieldkitApp(Choosing):
         for name in (*pages(), *pages()):
             await asyncio.sleep(PAUSE)
             await self._open_unseen(name)
-        keep_from_collector()
+        self._passed_by.extend()
 
     async def _open_unseen(self, name: str) -> None:
         """Open a page and the screens above it, and come back before anything is painted; keys wait meanwhile."""

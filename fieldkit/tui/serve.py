@@ -4,20 +4,26 @@ Beyond this computer nobody gets in without a token, and a page of another origi
 token, who asks for this computer by a name that is not its own: a page may have its own name lead to this computer.
 """
 
+import asyncio
 import hmac
 import ipaddress
+import json
 import logging
 import socket
 import sys
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
 from shlex import join
 from subprocess import list2cmdline
+from typing import Any
 from urllib.parse import urlsplit
 
-from aiohttp import web
+from aiohttp import WSCloseCode, WSMsgType, web
+from textual_serve.app_service import AppService
 from textual_serve.server import Server
 
 from fieldkit.safe_text import printable
+from fieldkit.tui import listening
 
 COOKIE = "fieldkit"
 PHONE_LETTERS = "10"
@@ -35,14 +41,21 @@ HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
+    "Server": "fieldkit",
 }
-"""Headers of every response; the link contains the token and is not sent anywhere else."""
+"""Headers of every response, a refusal too; the link contains the token and is not sent anywhere else."""
 MAX_LOG_LINE = 500
 """Size limit of a line of the log. [character]"""
 MAX_APPS = 8
 """Apps that run at once, each a process of its own. [1]"""
 MAX_COLUMNS, MAX_ROWS = 500, 200
 """Of a terminal in a browser. [cells]"""
+MAX_MESSAGE = 1 << 20
+"""Size limit of what a page sends at once: what was pasted. [byte]"""
+HEARTBEAT = 15.0
+"""How often it is asked whether a page is still there. [s]"""
+PATIENCE = 5.0
+"""How long an app may take to end when its page has gone. [s]"""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -66,6 +79,48 @@ def address(host: str) -> str:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect(("192.0.2.1", 9))  # sends nothing: it only asks which way a packet would leave
         return str(probe.getsockname()[0])
+
+
+def heard(text: str) -> tuple[str, Any] | None:
+    """What a page says: its kind, and what belongs to it; None for what no page of ours says."""
+    try:
+        said = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    match said:
+        case ["stdin", str(keys)]:
+            return "stdin", keys.encode(errors="replace")
+        case ["resize", {"width": int(width), "height": int(height)}]:
+            return "resize", (min(max(width, 1), MAX_COLUMNS), min(max(height, 1), MAX_ROWS))
+        case ["ping", payload]:
+            return "ping", payload
+        case ["blur" | "focus" as kind, *_]:
+            return kind, None
+    return None
+
+
+async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, service: AppService) -> bool:
+    """Pass what a page says on to its app; whether it was something."""
+    match said:
+        case "stdin", keys:
+            await service.send_bytes(keys)
+        case "resize", (width, height):
+            await service.set_terminal_size(width, height)
+        case "ping", payload:
+            await page.send_json(["pong", payload])
+        case "blur", _:
+            await service.blur()
+        case "focus", _:
+            await service.focus()
+    return said is not None
+
+
+async def _end(service: AppService) -> None:
+    """End an app; one that does not listen any more loses its keys, at which it ends itself."""
+    try:
+        await asyncio.wait_for(service.stop(), PATIENCE)
+    except TimeoutError:
+        service.stdin.close()
 
 
 def within(text: str, most: int) -> int:
@@ -103,8 +158,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             f"http://{address(host)}:{port}",
         )
         self.token = token
-        self.running = 0
-        """Apps that are open. [1]"""
+        self.open: set[web.WebSocketResponse] = set()
+        """The sockets of pages that show an app."""
 
     def initialize_logging(self) -> None:
         """Log what failed in a line: nothing that a stranger sends reaches the terminal as it is."""
@@ -112,16 +167,44 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         for handler in logging.getLogger().handlers:
             handler.setFormatter(OneLine())
 
+    def serve(self, debug: bool = False) -> None:
+        """Answer until Ctrl-C. Raises OSError where it cannot listen."""
+        self.initialize_logging()
+        with suppress(KeyboardInterrupt):
+            asyncio.run(self._serve())
+
+    async def _serve(self) -> None:
+        await listening.serve(await self._make_app(), self.host, self.port)
+
+    async def on_shutdown(self, app: web.Application) -> None:
+        """End the apps that are open."""
+        for one in tuple(self.open):
+            await one.close()
+
     async def handle_websocket(self, request: web.Request) -> web.WebSocketResponse:
-        """Run an app for a page, in a terminal of a size that there is."""
-        size = {"width": MAX_COLUMNS, "height": MAX_ROWS}
-        asked = {name: request.query.get(name, "") for name in size}
-        bounded = {name: str(within(asked[name], most)) for name, most in size.items() if asked[name]}
-        self.running += 1
+        """Run an app for a page, until the page goes or says what no page of ours says."""
+        page = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=MAX_MESSAGE)
+        self.open.add(page)
         try:
-            return await super().handle_websocket(request.clone(rel_url=request.rel_url.update_query(bounded)))
+            await page.prepare(request)
+            service = AppService(
+                self.command,
+                write_bytes=page.send_bytes,
+                write_str=page.send_str,
+                close=page.close,
+                download_manager=self.download_manager,
+            )
+            asked = (request.query.get("width", "80"), request.query.get("height", "24"))
+            await service.start(within(asked[0], MAX_COLUMNS), within(asked[1], MAX_ROWS))
+            try:
+                async for message in page:
+                    if message.type is WSMsgType.TEXT and not await _passed_on(heard(message.data), page, service):
+                        await page.close(code=WSCloseCode.POLICY_VIOLATION)
+            finally:
+                await _end(service)
         finally:
-            self.running -= 1
+            self.open.discard(page)
+        return page
 
     @property
     def link(self) -> str:
@@ -135,7 +218,11 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
             return await self.guard(request, handler)
 
+        async def headed(_: web.Request, response: web.StreamResponse) -> None:
+            response.headers.update(HEADERS)
+
         app.middlewares.append(guarded)
+        app.on_response_prepare.append(headed)
         return app
 
     def is_ours(self, asked: str) -> bool:
@@ -155,13 +242,11 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
-        if request.path == "/ws" and self.running >= MAX_APPS:
+        if request.path == "/ws" and len(self.open) >= MAX_APPS:
             raise web.HTTPServiceUnavailable(text=f"{MAX_APPS} apps are open already; close one")
         response = await handler(request)
         if isinstance(response, web.Response) and response.content_type == "text/html":
             response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)
-        if not response.prepared:
-            response.headers.update(HEADERS)
         if self.token and not response.prepared:
             response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
         return response

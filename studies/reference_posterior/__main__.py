@@ -15,9 +15,9 @@ import numpy as np
 from fieldkit.model.hyperprior import learned
 from fieldkit.shapes import Array
 from studies.reference_posterior.cases import SEED, cases
+from studies.reference_posterior.readouts import linear
 from studies.reference_posterior.sampler import FIGURES, Case, fitted, quantiles, said_by_fit, sampled, target_of
 from studies.reference_posterior.summaries import Reference, off, read, stored, summarized, write
-from studies.reference_posterior.target import linear
 
 DRAWS = 40_000
 """Of the fit's forecast, when it is compared."""

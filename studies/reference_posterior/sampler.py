@@ -11,12 +11,14 @@ from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import Model, base_model, bent
+from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import bent
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 from studies.reference_posterior import hamiltonian
-from studies.reference_posterior.target import Readouts, Target, target
+from studies.reference_posterior.readouts import Readouts
+from studies.reference_posterior.target import Target, target
 
 CHAINS = 128
 WARM_UP = 150

@@ -4,53 +4,19 @@ Terms, the random effects of every flight, and the two scales are all unknown, n
 residuals are Student t. The simulator flies as it does in a forecast, not coarsely.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from fieldkit.inference.laplace.linearization import STEPS, Tangent
-from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, compared
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, bent, shown
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter
+from fieldkit.model.simulated_readouts import bent
 from fieldkit.shapes import Array, Flags, Float
+from studies.reference_posterior.readouts import EJECTION, STEP_SIZES, Readouts, side_slopes, simulated
 
-STEP_SIZES = {**STEPS, "opening": 0.1, "delay": 0.02}
-"""Steps to both sides, over which the force takes the readouts as linear."""
-MIN_TIME_FROM_APOGEE = 0.4
-"""How long before and after apogee the charge fires, at least, where slopes before and after it are taken. [s]"""
 EXACT_STEP = 1e-4
 """Step of an exact force. [1] or [s]"""
-EJECTION = OBSERVED_READOUTS.index("apogee_to_eject")
-
-Readouts = Callable[[Array, Mapping[str, Array]], Array]
-"""Compared readouts by terms [draw term] and random effects of flights [draw flight], as [draw flight readout]."""
-
-
-def simulated(model: Model) -> Readouts:
-    """The readouts as the simulator has them."""
-
-    def read(values: Array, scatter: Mapping[str, Array]) -> Array:
-        readings = shown(model, values, scatter)
-        return compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
-
-    return read
-
-
-def linear(model: Model, near: Tangent) -> Readouts:
-    """The readouts as the fit has them, linear about its last point."""
-    slopes = {str(term.bends): near.slope[..., i] for i, term in enumerate(model.terms) if term.weight.all()}
-    slopes |= {str(kind.bends): near.scatter_slope[..., i] / kind.sd for i, kind in enumerate(model.scatter)}
-
-    there = np.nan_to_num(near.values)  # what the simulator does not give is not compared
-
-    def read(values: Array, scatter: Mapping[str, Array]) -> Array:
-        moved = np.einsum("fot,dt->dfo", near.slope, values - near.at)
-        for name, change in scatter.items():
-            moved = moved + change[..., None] * slopes[name]
-        return np.asarray(there + moved)
-
-    return read
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,36 +222,9 @@ def target(
         raise ValueError(f"found terms that bend something else, expected {', '.join(kinds)} and readouts alone")
     exact, at = simulated(replace(model, coarse=False)), np.asarray(at, float)
     flown = exact(at[None], {})[0]
-    slopes = np.stack([_slopes(exact, at, delay) for delay in _delays(model, exact, at)])
-    return Target(model, data, readouts or exact, data.seen & np.isfinite(flown), kinds, slopes, student)
-
-
-def _delays(model: Model, exact: Readouts, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], ...]:
-    """By how much the logarithm of each flight's delay is moved for its charge to fire after, and before, apogee."""
-    step = np.full((2, len(model.flights)), 0.02) * [[0], [1]]
-    here, moved = exact(np.stack([at, at]), {"delay": step})[..., EJECTION]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        here = here - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0]
-        rate = (moved - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0] - here) / 0.02
-        sides = (
-            (np.maximum(here, MIN_TIME_FROM_APOGEE) - here) / rate,
-            (np.minimum(here, -MIN_TIME_FROM_APOGEE) - here) / rate,
-        )
-    return tuple(np.clip(np.nan_to_num(side, posinf=0.0, neginf=0.0), -0.5, 0.5) for side in sides)
-
-
-def _slopes(
-    exact: Readouts, at: Float[Array, "term"], delay: Float[Array, "flight"]
-) -> Float[Array, "flight readout kind"]:
-    """What readouts change by with everything that is bent, the delays being moved."""
-    count = 2 * len(STEP_SIZES)
-    rows = {kind: np.zeros((count, len(delay))) for kind in STEP_SIZES}
-    for number, (kind, step) in enumerate(STEP_SIZES.items()):
-        rows[kind][2 * number], rows[kind][2 * number + 1] = step, -step
-    rows["delay"] = rows["delay"] + delay
-    flown = exact(np.repeat(at[None], count, axis=0), rows)
-    steps = np.array(list(STEP_SIZES.values()))
-    return np.asarray(np.nan_to_num(np.moveaxis(flown[::2] - flown[1::2], 0, -1) / (2 * steps)))
+    return Target(
+        model, data, readouts or exact, data.seen & np.isfinite(flown), kinds, side_slopes(model, exact, at), student
+    )
 
 
 def _ends(term: Term) -> tuple[float, float]:

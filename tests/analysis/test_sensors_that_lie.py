@@ -12,8 +12,9 @@ from bench.recorders.record import written
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.disturbed_heights import undisturbed
-from fieldkit.analysis.possible import doubted, possible
+from fieldkit.analysis.possible import doubted, known_well, possible
 from fieldkit.analysis.records import Figure
+from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
 from fieldkit.importing.recognize import open_log
@@ -253,3 +254,67 @@ def test_heights_of_a_warm_day_are_those_of_the_standard_atmosphere_beside_satel
     truth = flown(LARGE)
     recorded = measure(beside_satellites(truth, 0.0, warm=1.06))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
+
+
+def test_zeros_between_the_samples_of_a_slow_sensor_are_no_heights() -> None:
+    truth = flown(SMALL)
+    series, *_ = recording(truth, wait=2.0)
+    time = np.arange(series.time[0], series.time[-1], 0.01)
+    slow = np.arange(time.size) % 10 == 0
+    height = np.where(slow, np.interp(time, series.time, series.altitude), 0.0)
+    recorded = measure((Series(time=time, altitude=height),))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
+
+
+@pytest.mark.parametrize("late", [0.15, 0.25])
+def test_an_acceleration_that_was_worked_out_and_comes_late_is_left_out(late: float) -> None:
+    truth = flown(SMALL)
+    series, *_ = recording(truth, wait=2.0)
+    slowed = np.interp(series.time - late, truth.time, truth.acceleration, left=0.0, right=0.0)
+    width = np.ones(9) / 9
+    derived = np.convolve(np.where(series.time > truth.ejection, 0.0, slowed), width, "same")
+    recorded = measure((replace(series, acceleration=derived),))
+    assert any("too late" in note for note in recorded.notes)
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "avg_accel")
+
+
+def test_an_accelerometer_that_flies_past_the_top_is_not_believed() -> None:
+    truth = flown(LARGE)
+    series, *_ = recording(truth, wait=2.0)
+    there = series.time > 0.4
+    time = series.time[there]
+    felt = np.interp(time, truth.time, truth.felt, left=GRAVITY, right=GRAVITY) + 2.0 * GRAVITY
+    assert series.altitude is not None
+    recorded = measure((Series(time=time, altitude=series.altitude[there], felt=felt),))
+    assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], rel=0.01)
+
+
+def test_a_drone_is_no_rocket() -> None:
+    time = np.arange(0.0, 200.0, 0.1)
+    climb = np.interp(time, [0, 10, 25, 100, 130, 200], [0, 0, 110, 112, 0, 0])
+    for seed in range(4):
+        noise = np.random.default_rng(seed).normal(0, 0.4, time.size)
+        assert measure((Series(time=time, altitude=climb + noise),)).notes == (NO_FLIGHT,)
+
+
+def test_what_is_known_to_no_better_than_half_of_it_is_not_measured() -> None:
+    figures = {"peak_accel": Figure(300.0, 160.0, "pressure"), "burn_time": Figure(1.0, 0.2, "pressure")}
+    known, notes = known_well(figures)
+    assert known.keys() == {"burn_time"}
+    assert "peak acceleration" in notes[0]
+
+
+def test_a_whole_flight_is_drawn_from_lift_off_to_landing() -> None:
+    truth = flown(SMALL)
+    recorded = measure(recording(truth, wait=2.0))
+    curve = flight_curve(recorded)
+    assert curve is not None
+    assert curve.from_liftoff
+    assert curve.time[0] == pytest.approx(-1.0, abs=0.2)
+    assert curve.time[-1] == pytest.approx(curve.events["landing"] + 1, abs=0.5)
+    height, speed, acceleration = curve.at(curve.events["apogee"])
+    assert height == pytest.approx(truth.readouts()["apogee"], rel=0.01)
+    assert abs(speed) < 2
+    assert acceleration == pytest.approx(-GRAVITY, abs=4)
+    sinks = curve.speed[(curve.time > curve.events["landing"] - 10) & (curve.time < curve.events["landing"] - 3)]
+    assert sinks.mean() == pytest.approx(-recorded.figures["descent_speed"].value, rel=0.2)

@@ -63,6 +63,22 @@ def test_every_command_of_the_tree_is_called_or_left_out_with_a_reason() -> None
     assert not called & session.LEFT_OUT.keys()
 
 
+def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out() -> None:
+    lines = [*session.lines(), *session.more()]
+    uncalled = [
+        (name, option)
+        for name, option in session.files()
+        if name not in session.LEFT_OUT and not any(session.named(words) == name and option in words for words in lines)
+    ]
+    assert uncalled == [("score", "--hyperprior"), ("motors", "--compare")]  # which are read
+
+
+@pytest.mark.slow
+def test_every_line_of_the_bench_goes_through_where_nothing_is_wrong(tmp_path: Path) -> None:
+    with ledgers.at_home(tmp_path / "home"):
+        assert len(session.calls(tmp_path)) > 60
+
+
 traced = pytest.mark.skipif(not calls.can_trace(), reason="there is no strace that may look at a process here")
 
 
@@ -124,9 +140,25 @@ def url(server: servers.Server) -> str:
 def test_laptops_on_a_server_that_dies_lose_nothing_that_was_acknowledged(
     server: servers.Server, tmp_path: Path
 ) -> None:
-    outcome = laptops.mixed_work(server, tmp_path / "laptops", 2, seconds=4.0, kills=1, seed=5)
+    outcome = laptops.mixed_work(server, tmp_path / "laptops", 2, commands=20, kills=1, seed=5)
     assert outcome.faults == []
     assert outcome.counts["acknowledged"] > 5
+
+
+@pytest.mark.postgres
+def test_laptops_lose_nothing_when_a_standby_takes_over(server: servers.Server) -> None:
+    folder = server.folder.with_name("laptops")
+    outcome = laptops.failed_over(server, folder, 2, commands=20, seed=5)
+    assert outcome.faults == []
+    assert outcome.counts["acknowledged"] > 10
+
+
+@pytest.mark.postgres
+@pytest.mark.parametrize("of_the_server", [False, True])
+def test_a_ledger_of_the_first_schema_on_a_server_that_dies_is_as_before(
+    server: servers.Server, of_the_server: bool
+) -> None:
+    assert servers.crashes(server, "migrate", 1, seed=1, of_the_server=of_the_server).faults == []
 
 
 @pytest.mark.postgres

@@ -107,7 +107,7 @@ def test_it_says_checked_by_the_fit_only_where_it_is_and_else_the_fit_answers(
     effective: float,
     agrees: bool,
 ) -> None:
-    monkeypatch.setattr(quick_look, "check", lambda said: Check(k, 0.5, effective, 400))
+    monkeypatch.setattr(quick_look, "check", lambda said, linear: Check(k, 0.5, effective, 400))
     command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra"]
     document, line = answered(command, capsys)
     assert document["check"]["agrees"] is agrees

@@ -12,7 +12,8 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.hyperprior import FROM_LOGS, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 from tests import seasons
 

@@ -24,12 +24,22 @@ def test_learned_and_start_have_the_same_effects() -> None:
     assert all(sd > 0 for sd in learned().sds.values())
 
 
+def test_a_card_of_before_has_no_word_on_means_and_readouts_from_samples() -> None:
+    card = learned().json()
+    del card["mean_sds"]
+    card["sds"] = {name: sd for name, sd in card["sds"].items() if not name.endswith(".logged")}
+    found = read_card(json.dumps(card), "old.json")
+    assert found.fleet_sd("drag") == found.sd("drag", "fleet")
+    assert found.sd("top_speed", "logged") == START.sd("top_speed", "logged")
+
+
 @pytest.mark.parametrize(
     ("change", "wanted"),
     [
         ({"sds": {"drag.rocket": -0.1}}, "negative"),
         ({"sds": {"drag.rocket": float("nan")}}, "negative or not finite"),
         ({"sds": {"drag.moon": 0.1}}, "unknown effect 'drag.moon'"),
+        ({"mean_sds": {"drag": -0.1}}, "negative"),
         ({"noise": {}}, "expected a hyperprior"),
         ({"tail": "many"}, "expected a hyperprior"),
     ],

@@ -390,3 +390,25 @@ def test_a_table_without_headers_is_mapped_by_number_and_known_again_by_its_shap
 )
 def test_headers_are_no_row_of_a_table_without_them(header: str) -> None:
     assert shape(header.split(",")) == ()
+
+
+def test_a_list_of_launches_by_others_is_one_of_flights() -> None:
+    table = (
+        "launch_no;engine;liftoff_mass_g;wind_speed_mps;altitude_m;flight_time_s;date\n"
+        "1;F39-6T;650;2,5;245,3;44,1;01.05.2024\n"
+    )
+    got = intake(table)
+    (flight,) = got.flights
+    assert (flight.flight_id, flight.motor, flight.apogee, flight.duration) == ("1", "F39-6T", 245.3, 44.1)
+    assert flight.wind == 2.5
+    assert flight.date_time is not None
+    assert flight.date_time.date().isoformat() == "2024-05-01"
+    assert flight.dry_mass is not None
+    assert 0.55 < flight.dry_mass < 0.62
+    assert "liftoff_mass" in {column.channel for column in got.recognition.columns}
+
+
+def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
+    (flight,) = intake("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
+    assert flight.date_time is None
+    assert flight.extra["Date"] == "5/1/2024"

@@ -433,3 +433,39 @@ def test_two_tables_side_by_side_keep_a_clock_each() -> None:
 def test_two_tables_of_heights_side_by_side_are_two_flights() -> None:
     log = beside("Time (s),Altitude (m)", "{t:.3f},{felt}")
     assert len([item for item in parsers()["mapped_table"].read(log) if isinstance(item, Reading)]) == 2
+
+
+def test_a_time_of_day_goes_on_for_hours_and_over_midnight() -> None:
+    rows = [
+        ((86400 - 60 + n / 10) % 86400, max(0.0, 80 * (n / 10 - 150) - 4.9 * (n / 10 - 150) ** 2)) for n in range(3000)
+    ]
+    text = "Clock,Altitude (m)\n" + "".join(
+        f"{int(t // 3600):02}:{int(t % 3600 // 60):02}:{t % 60:05.2f},{h:.1f}\n" for t, h in rows
+    )
+    (series,), _ = found(text.encode())
+    assert len(series.time) == 3000
+    assert series.time[-1] - series.time[0] == pytest.approx(299.9)
+
+
+def test_the_magnitude_beside_three_axes_is_not_taken_for_the_axis() -> None:
+    rng = np.random.default_rng(1)
+    rows = []
+    for n in range(900):
+        felt = 1.0 if n < 200 else 8.0 if n < 220 else -0.5 if n < 300 else 1.0
+        x, y, z = 0.02 * rng.normal(), felt, 0.02 * rng.normal()
+        rows.append(f"{n / 20:.2f},{x:.3f},{y:.3f},{z:.3f},{np.hypot(np.hypot(x, y), z):.3f},{n // 9}\n")
+    (series,), _ = found(("Time (s),X (g),Y (g),Z (g),Accel (g),Altitude (ft)\n" + "".join(rows)).encode())
+    assert series.felt_total is not None
+    assert series.felt is not None
+    assert series.felt.min() < 0
+
+
+def test_an_accelerometer_whose_log_begins_in_flight_has_no_guessed_unit() -> None:
+    rows = []
+    for n in range(1500):
+        felt = 90.0 - n / 2 if n < 60 else 1.0 if n < 300 else 6.0
+        rows.append(f"{n / 50:.2f},0.1,{felt:.2f},0.1,{max(0.0, 20 + 60 * (n / 50) - 4.9 * (n / 50) ** 2):.1f}\n")
+    (series,), line = found(("time,ax,ay,az,altitude (m)\n" + "".join(rows)).encode())
+    assert series.felt is None
+    assert series.felt_total is None
+    assert "'ay'" in line

@@ -9,13 +9,14 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.linearization import coast_times
-from fieldkit.model.rocket_model import COARSE_SETTINGS, shown
+from fieldkit.model.simulated_readouts import COARSE_SETTINGS, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
-from fieldkit.planning.descent import durations, usual
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import usual
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +31,10 @@ from fieldkit.planning.contest import (
 )
 from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration
-from fieldkit.planning.descent import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
+from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
 from fieldkit.planning.finals import finals_table, finals_targets, trials
 from fieldkit.planning.forecasts import Rocket
+from fieldkit.presentation.finals_text import finals_basis
 from fieldkit.presentation.planning_text import ballast_in_words
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
@@ -180,7 +182,7 @@ def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_s
     )
     rule, rocket = season(2027), Rocket(history, (), None, 0)
     as_flown = outlook(rule, rocket, plan, found, draws=200)
-    assert as_flown.timed == 4
+    assert as_flown.fall.flights == 4
     assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
     smaller = outlook(rule, rocket, plan, found, as_flown.area, draws=200)
     assert smaller.points.mean() == pytest.approx(as_flown.points_there, rel=0.02)
@@ -334,6 +336,26 @@ def test_ballast_is_left_alone_where_the_gain_is_not_clear() -> None:
     assert not near.clear
     assert "no change" in " ".join(ballast_in_words(near, goal))
     assert legal.mass + found.motor.loaded_mass <= 0.65 + 1e-9
+
+
+def test_a_rocket_over_the_limit_of_the_season_is_told_to_lose_weight() -> None:
+    found, rule = catalogue().resolve("F39T-6"), season(2027)
+    heavy = Flight(rocket="Comet", dry_mass=0.62, diameter=0.066)
+    best = ballast(Rocket((), (), None, 0), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)
+    assert best.too_heavy
+    assert best.clear
+    words = " ".join(ballast_in_words(best, Goal(rule.target, 3.0, "points", rule)))
+    assert "at most 650 g on the pad" in words
+    assert "no change" not in words
+
+
+def test_the_table_of_finals_says_what_one_flight_would_narrow() -> None:
+    found, rule = catalogue().resolve("F39T-6"), season(2027)
+    plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=6.0)
+    words = " ".join(finals_basis(trials(Rocket((), (), None, 0), plan, found, rule)))
+    apogee, descent = (int(number) for number in re.findall(r"by (\d+)%", words)[-2:])
+    assert 10 < apogee < 80
+    assert descent == 55  # from 30 % and 10 % to 10 % and 10 %, as the root of the sum of squares
 
 
 def test_the_card_of_finals_is_one_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

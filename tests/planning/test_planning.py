@@ -14,7 +14,6 @@ from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import Site, keep_site, site_of
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.air import air_of
@@ -22,7 +21,7 @@ from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered, tolerance
-from fieldkit.planning.descent import Fall
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
@@ -32,6 +31,7 @@ from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer
 from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.sites import Site, keep_site, site_of
 from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
@@ -275,6 +275,20 @@ def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, moto
     own.write_text("[AeroTech]\ntakes_off_s = 3\n")
     with pytest.raises(BadValue, match=r"drills\.toml"):
         drill_of(reload, own)
+
+
+def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catalogue) -> None:
+    """29 reloads of H and I carry fixed lists of old; those sold with 14 s today have theirs."""
+    heavy = Flight(rocket="Comet", dry_mass=1.2, diameter=0.057)
+
+    def words(name: str) -> str:
+        return " ".join(delays(Rocket((), (), None, 0), heavy, motors.resolve(name), 15.0, draws=40).words)
+
+    assert "the longest delay printed on yours, as in I284W-14A" in words("I284W")
+    assert "printed" not in words("I284W-14A")
+    assert "printed" not in words("H242T")
+    assert max(motors.resolve("H242T").motor.delays) == 14
+    assert offered(motors.resolve("C6-5").motor) == {3.0: True, 5.0: True, 7.0: True}  # not that of the booster C6-0
 
 
 @pytest.mark.parametrize(("mass", "motor", "text"), [(0.25, "F67W", "early"), (1.2, "F67W", "late")])

@@ -1,6 +1,7 @@
 """Recovery as flown: the descent is fitted on what flights showed, and used in durations and landings."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,16 +12,22 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_of
+from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Found, catalogue
+from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, WindProfile, descend
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
-from fieldkit.planning.descent import Fall, descents, durations, fall_of, landing_mass, usual
+from fieldkit.planning.check import SafetyCheck
+from fieldkit.planning.descent import descents, durations
+from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass, usual
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.landing import landing, rail_choices
+from fieldkit.planning.landing import RailChoice, landing, rail_choices
+from fieldkit.planning.limits import limits
+from fieldkit.planning.safety import safety_lines
+from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.services.planning import completed_plan
 from fieldkit.settings import Settings
 
@@ -81,12 +88,46 @@ def test_two_devices_are_told_apart_by_the_main_speed_and_the_duration() -> None
 def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_tell_it() -> None:
     plan = PLAN.with_changes(extra={"recovery": "streamer"})
     fall = fall_of([(flown(5.0, 6.0), FOUND)], plan)
-    assert fall == usual("streamer")
+    assert (fall.flights, fall.log_mean) == (0, pytest.approx(usual("streamer").log_mean))
     assert np.exp(fall.log_mean - usual().log_mean) == pytest.approx(2.0)
     with pytest.raises(BadValue, match="parachute, streamer"):
         recovery_of(Flight(extra={"recovery": "hope"}))
     with pytest.raises(BadValue, match="main_altitude"):
         recovery_of(Flight(extra={"drogue_speed_mps": "20"}))
+
+
+@pytest.mark.parametrize("mass", [0.1, 1.5, 12.0])
+def test_a_parachute_of_which_nothing_is_known_suits_the_mass_under_it(mass: float) -> None:
+    """OpenRocket's stored simulations of 0.07 to 12.7 kg all land at 4.4 to 7.2 m/s: a flyer buys one that does."""
+    plan = PLAN.with_changes(dry_mass=mass)
+    fall = fall_of([], plan, FOUND)
+    rng = np.random.default_rng(2)
+    speeds = fall.speeds(rng, (4000, 1), landing_mass(plan, FOUND), 1.225)
+    assert float(np.median(speeds)) == pytest.approx(5.0, rel=0.02)
+
+
+def test_a_typed_speed_or_diameter_of_the_parachute_counts_until_flights_on_it_show_another() -> None:
+    def lands(plan: Flight, *history: Flight) -> float:
+        fall = fall_of([(flight, FOUND) for flight in history], plan, FOUND)
+        rng = np.random.default_rng(3)
+        return float(np.median(fall.speeds(rng, (4000, 1), landing_mass(plan, FOUND), 1.225)))
+
+    typed, other = (PLAN.with_changes(extra={"main_speed_fps": text}) for text in ("26", "13"))
+    assert lands(typed) == pytest.approx(26 * 0.3048, rel=0.02)
+    assert lands(typed, flown(5.0, 6.0)) == pytest.approx(26 * 0.3048, rel=0.02)  # on another parachute
+    same = flown(6.0, 6.0).with_changes(extra=typed.extra)
+    assert lands(typed, same) == pytest.approx(6.0, rel=0.04)
+    assert lands(other, same) == pytest.approx(13 * 0.3048, rel=0.02)
+    wide = PLAN.with_changes(extra={"parachute_diameter_in": "18"})
+    weight, area = landing_mass(PLAN, FOUND) * 9.80665, np.pi / 4 * (18 * 0.0254) ** 2
+    assert lands(wide) == pytest.approx(np.sqrt(2 * weight / (1.225 * 0.75 * area)), rel=0.02)
+    with pytest.raises(BadValue, match="main_speed: found -2"):
+        recovery_of(PLAN.with_changes(extra={"main_speed_mps": "-2"}))
+
+
+def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:
+    narrowed = [usual().relative_sd(more) for more in (0, 1, 4)]
+    assert narrowed == pytest.approx([np.hypot(0.3, 0.1), np.hypot(0.1, 0.1), np.hypot(0.1, 0.05)])
 
 
 def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> None:
@@ -105,6 +146,54 @@ def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
     dual = replace(high, plan=PLAN.with_changes(extra={"main_altitude_m": "150", "drogue_speed_mps": "20"}))
     alone, with_drogue = (float(np.median(landing(one, fall_of([], one.plan)).away)) for one in (high, dual))
     assert with_drogue < 0.45 * alone
+
+
+def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_metre_a_second_is_not(said: Prediction) -> None:
+    """Under a parachute that opens at apogee the drift is the descent time times the mean wind on the way."""
+    calm = replace(said, plan=PLAN.with_changes(wind=None))
+    fall = fall_of([], calm.plan, FOUND)
+    found = landing(calm, fall)
+    shown = found.json()
+    assert (shown["away_m"], shown["downwind_m"], shown["ellipse"]) == (None, None, None)
+    height, time = np.median(calm.true_apogee), np.median(found.duration - calm.rise_time)
+    profile = WindProfile(1.0).components(np.linspace(0.0, height, 200))[0].mean()
+    assert np.median(found.drift) == pytest.approx(time * profile, rel=0.05)
+    words = " ".join(landing_in_words(calm, found, fall, [], Site(size=300.0)))
+    assert "unknown without the wind" in words
+    assert " 0 m from the pad" not in words
+    assert rail_choices(NEW, calm.plan, FOUND, 0.1) == []
+    held = landing(replace(said, plan=PLAN.with_changes(wind=found.wind_that_holds(300.0))), fall)
+    assert np.mean(held.down.along < 150.0) == pytest.approx(0.95, abs=0.02)
+    line = next(one for one in safety_lines(calm, Site(size=400.0), fall, limits()) if one.name == "field size")
+    assert line.verdict == "unknown"
+    assert "wind not given; drifts" in line.text
+
+
+def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(said: Prediction) -> None:
+    def line(**changes: object) -> SafetyCheck:
+        one = replace(said, plan=said.plan.with_changes(**changes))
+        lines = safety_lines(one, Site(), fall_of([], one.plan, FOUND), limits())
+        return next(check for check in lines if check.name == "ejection speed")
+
+    dual = line(extra={"main_altitude_m": "150"}, delay=PLUGGED_DELAY)
+    assert dual.verdict == "ok"
+    assert "altimeter opens the drogue at apogee" in dual.text
+    assert line(delay=PLUGGED_DELAY).verdict == "caution"
+    assert "plugged" in line(delay=PLUGGED_DELAY).text
+    assert line(delay=0.0).verdict == "unsafe"  # a booster has no charge
+
+
+def test_figures_are_in_the_units_of_the_flyer_alone(said: Prediction) -> None:
+    lines = safety_lines(said, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
+    metric, american = (
+        [one.words(system).partition(". The rule")[0].partition(" [")[0] for one in lines[:-1]]
+        for system in ("SI", "US")
+    )
+    assert not [line for line in metric if re.search(r"\d (ft|mph|°F|oz)\b", line)]
+    assert not [line for line in american if re.search(r"\d (m|m/s|°C|g)\b", line)]
+    down = landing(said, usual())
+    words = [*landing_in_words(said, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0))], Site(size=300.0), "US")]
+    assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
 
 
 def test_the_ellipse_holds_nine_landings_in_ten(said: Prediction) -> None:
@@ -158,7 +247,7 @@ def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     assert document["rail"][0]["away_m"]["p50"] <= document["rail"][-1]["away_m"]["p50"]
     assert main([*ledger, *plan]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "9.0 at 300 m" in out
+    assert "9.0 m/s at 300 m" in out
     assert "recommended rail" in out
 
 

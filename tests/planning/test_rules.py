@@ -11,12 +11,12 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import keep_site, put_site, site_of
 from fieldkit.motors import catalogue
 from fieldkit.planning import rule_lines
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
 from fieldkit.planning.rule_lines import Governed, governed
 from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
+from fieldkit.services.sites import keep_site, put_site, site_of
 from fieldkit.units import FOOT
 
 pytestmark = pytest.mark.fast
@@ -133,14 +133,16 @@ def test_25_degrees_are_too_much_for_high_power_alone() -> None:
 def test_an_f_in_a_field_of_300_feet_is_not_well() -> None:
     line = rule_lines.field_line(held("F24W"), 300 * FOOT)
     assert line.verdict == "unsafe"
-    assert "305 m (1000 ft)" in line.text
+    assert "requires 305 m across" in line.text
+    assert "requires 1000 ft across" in line.words("US")
+    assert "(1,000 ft, up to 80 N s)" in line.rule  # as the table has it, whatever units are shown
     assert rule_lines.field_line(held("F24W"), 1000 * FOOT).verdict == "ok"
     assert rule_lines.field_line(held("F24W", rules="NAR contest"), 300 * FOOT).verdict == "ok"  # when it is one
 
 
 def test_high_power_wants_1500_feet_or_half_the_altitude() -> None:
     tall = held("J350W", 3.0, altitude=4000 * FOOT)
-    assert "610 m (2000 ft)" in rule_lines.field_line(tall, 1900 * FOOT).text
+    assert "requires 2000 ft across" in rule_lines.field_line(tall, 1900 * FOOT).words("US")
     assert rule_lines.field_line(tall, 1900 * FOOT).verdict == "unsafe"
     assert rule_lines.field_line(held("J350W", 3.0), 1500 * FOOT).verdict == "ok"
 
@@ -159,7 +161,7 @@ def test_people_stand_as_far_as_the_table_says_and_twice_that_for_a_cluster() ->
     assert rule_lines.distance_line(one, None).verdict == "unknown"
     many = replace(one, build=replace(one.build, complex=True))
     assert rule_lines.distance_line(many, 100 * FOOT).verdict == "unsafe"
-    assert "15 m (50 ft) across cleared" in rule_lines.distance_line(one, None).text
+    assert "50 ft across cleared" in rule_lines.distance_line(one, None).words("US")
     assert rule_lines.distance_line(held("C6-5"), 15 * FOOT).verdict == "ok"
     assert rule_lines.distance_line(held("C6-5", rules="Tripoli"), 15 * FOOT).verdict == "unsafe"
 

@@ -8,7 +8,8 @@ import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 from fieldkit.selection.covariates import known_before
 from fieldkit.selection.diagnose import diagnose

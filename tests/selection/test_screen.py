@@ -23,7 +23,7 @@ LINEAR = ("altimeter_scale", "mass_offset", "motor_thrust", "wear", "base_drag")
 
 def families() -> tuple[object, dict[str, list[Candidate]]]:
     model = measured(season())
-    plain = fit(model, observe(model.flights, [True] * 16), odd_flights=True)
+    plain = fit(model, observe(model.flights, [True] * 16), outlier_flights=True)
     every = by_effect(list(effect_candidates(model, np.ones(16, bool))))
     return plain, {name: every[name] for name in LINEAR}
 

@@ -11,7 +11,8 @@ import pytest
 from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
-from fieldkit.model.rocket_model import Model, Term, base_model, shown
+from fieldkit.model.rocket_model import Model, Term, base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.selection import verdict as verdicts

@@ -75,7 +75,7 @@ def ledger(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
     return path
 
 
-@pytest.mark.parametrize("model", ["field", "paper"])
+@pytest.mark.parametrize("model", ["history", "field", "paper"])
 def test_infer_gives_every_flight_drag_and_thrust(model: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", ledger, "infer", "--model", model, "--json"]) == 0
     flights = json.loads(capsys.readouterr().out)["flights"]

@@ -12,8 +12,9 @@ from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
 from fieldkit.shapes import Array
 from studies.generated_ledgers import Recipe, ledger
 from studies.reference_posterior.hamiltonian import effective_size, sample, split_r_hat
+from studies.reference_posterior.readouts import linear
 from studies.reference_posterior.summaries import excess_crps
-from studies.reference_posterior.target import Target, linear, target
+from studies.reference_posterior.target import Target, target
 
 
 def test_chains_find_a_normal_distribution_by_a_force_that_is_off() -> None:

@@ -11,6 +11,7 @@ from textual.widgets import Input, Static
 
 from fieldkit import capture
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
+from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS
 from fieldkit.ledger import Ledger
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
@@ -155,14 +156,57 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
         assert "is read with m, then time=its column; altitude=its column [m]" in told(pilot, "#said")
-        await press(pilot, "m", *typed("time=quux;height=frob"), "enter")
-        assert "✗ error columns: found the channel 'height', expected one of" in words(pilot)
-        await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
+        await press(pilot, "m", *typed("quux"), "down", *typed("frobb"))
+        assert "found no column 'frobb'" in words(pilot)
+        await press(pilot, "backspace", "ctrl+s")
         assert "would bring 1 flight" in told(pilot, "#said")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "1 imported" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
+        assert "would bring 1 flight" in told(pilot, "#said")
+        await press(pilot, "M")
+        assert "time=quux; altitude=frob" in words(pilot)
+        await press(pilot, "x")
+        assert "time=quux" not in words(pilot)
+        await press(pilot, "escape")
+        assert "would bring" not in told(pilot, "#said")
+
+
+async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None:
+    (file.parent / "field" / "one.csv").write_text("which;what;how high\nComet;C6-5;210\nComet;C6-5;215\n")
+    keys, place = list[str](), 0
+    for name, column in {"rocket": "which", "motor": "what", "apogee": "how high"}.items():
+        at = FLIGHT_COLUMNS.index(name)
+        keys += [*["down"] * (at - place), *typed(column)]
+        place = at
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down", "m", "ctrl+t")
+        assert "found no table of numbers" in words(pilot)
+        await press(pilot, "m", *keys, "backspace")
+        assert "found no column 'how hig'" in words(pilot)
+        await press(pilot, *typed("h [ft]"), "ctrl+s")
+        assert "would bring 2 flights" in told(pilot, "#said")
+
+
+async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
+    rows = "".join(f"{n / 10:.1f},{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+    (file.parent / "field" / "one.csv").write_text("time (s),altitude (m)\n" + rows)
+    async with opened(file, (100, 40)) as pilot:
+        await press(pilot, "3", "down", "l")
+        seen = words(pilot)
+        assert "apogee" in told(pilot, "#cursor")
+        assert "height [m]" in seen
+        before = told(pilot, "#cursor")
+        await press(pilot, "right")
+        assert told(pilot, "#cursor") != before
+        await press(pilot, "home")
+        assert "apogee" in told(pilot, "#cursor")
+        await press(pilot, "tab")
+        facts = told(pilot, "#facts")
+        for what in ("altitude (m)", "1 flight, 0 rejected", "Apogee", "baro", "format", "140 used"):
+            assert what in facts
+        await press(pilot, "escape")
         assert "would bring 1 flight" in told(pilot, "#said")
 
 
@@ -377,7 +421,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             await press(pilot, "n")
             seen = words(pilot)
             assert "! the cable was pulled" in seen
-            assert "it is back on /dev/ttyUSB1" in seen
+            assert "reconnected on /dev/ttyUSB1" in seen
             assert "2,000 bytes 100 samples 1 damaged" in seen
             assert "highest 123.4 m" in seen
             await press(pilot, "enter", "y")

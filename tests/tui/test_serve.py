@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,13 @@ from aiohttp import (
     ClientConnectionError,
     ClientSession,
     ClientWebSocketResponse,
+    WSCloseCode,
     WSMsgType,
     WSServerHandshakeError,
     web,
 )
 
-from fieldkit.tui import serve
+from fieldkit.tui import listening, serve
 from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
 from tests.pressing import ROOT, season
 
@@ -125,16 +126,91 @@ async def test_what_a_stranger_sends_is_refused_in_a_line(
     assert not [record for record in caplog.records if record.exc_info]
 
 
-async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(unused_tcp_port: int) -> None:
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("?token=a+token", 200),
+        ("", 403),
+        ("nothing?token=a+token", 404),
+        ("static/none?token=a+token", 404),
+        ("download/none?token=a+token", 404),
+        ("ws?token=a+token", 503),
+    ],
+)
+async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(
+    unused_tcp_port: int, path: str, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serve, "MAX_APPS", 0)
     runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
     try:
         async with ClientSession() as flyer:
-            answer = await flyer.get(f"http://127.0.0.1:{unused_tcp_port}/", params={"token": "a token"})
+            answer = await flyer.get(f"http://127.0.0.1:{unused_tcp_port}/{path}")
     finally:
         await runner.cleanup()
+    assert answer.status == status
     assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
     expected = {"X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store"}
     assert expected.items() <= dict(answer.headers).items()
+    assert "aiohttp" not in answer.headers["Server"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('["stdin", "q"]', ("stdin", b"q")),
+        ('["stdin", "\\ud800"]', ("stdin", b"?")),
+        ('["resize", {"width": 80, "height": 24}]', ("resize", (80, 24))),
+        ('["resize", {"width": 100000, "height": -5}]', ("resize", (500, 1))),
+        ('["ping", 3]', ("ping", 3)),
+        ('["blur"]', ("blur", None)),
+        *((text, None) for text in ("", "{}", "[]", '["stdin", 5]', '["stdin"]', '["resize", "x"]', '["more"]')),
+        ('["resize", {"width": 1e9, "height": 1}]', None),
+        ("[" * 100_000, None),
+    ],
+)
+def test_what_a_page_says_is_bounded_or_nothing(text: str, said: object) -> None:
+    assert serve.heard(text) == said
+
+
+async def test_no_stranger_takes_every_connection(unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listening, "MAX_OF_ADDRESS", 3)
+    app = await GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)._make_app()
+    serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port))
+    try:
+        async with asyncio.timeout(PATIENCE), ClientSession() as http:
+            await listening_(http, f"http://127.0.0.1:{unused_tcp_port}/")
+        held = [await asyncio.open_connection("127.0.0.1", unused_tcp_port) for _ in range(3)]
+        reading, writing = await asyncio.open_connection("127.0.0.1", unused_tcp_port)
+        assert await reading.read() == b""
+        writing.close()
+        for _, one in held:
+            one.close()
+            await one.wait_closed()
+        async with asyncio.timeout(PATIENCE), ClientSession() as http:
+            assert "token" in await listening_(http, f"http://127.0.0.1:{unused_tcp_port}/")
+    finally:
+        serving.cancel()
+        with suppress(asyncio.CancelledError):
+            await serving
+
+
+class Transport(asyncio.BaseTransport):
+    """A connection that may be closing."""
+
+    closing = False
+
+    def is_closing(self) -> bool:
+        return self.closing
+
+
+def test_who_has_gone_leaves_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listening, "MAX_CONNECTIONS", 2)
+    connections, here = listening.Connections(), [Transport(), Transport()]
+    for one in here:
+        connections.came(one, "10.0.0.1")
+    assert not connections.has_room("10.0.0.2")
+    here[0].closing = True
+    assert connections.has_room("10.0.0.2")
 
 
 async def test_no_more_apps_run_at_once_than_a_laptop_bears(
@@ -188,7 +264,7 @@ def child(
             process.terminate()
 
 
-async def listening(http: ClientSession, url: str) -> str:
+async def listening_(http: ClientSession, url: str) -> str:
     """What a server says, once it does."""
     while True:
         try:
@@ -255,7 +331,7 @@ async def browsing(http: ClientSession, folder: Path) -> AsyncIterator[Browser]:
     with child([str(CHROMIUM), *flags, "about:blank"], {}):
         while not port.exists() or not port.read_text().strip():
             await asyncio.sleep(0.1)
-        pages = json.loads(await listening(http, f"http://127.0.0.1:{port.read_text().splitlines()[0]}/json/list"))
+        pages = json.loads(await listening_(http, f"http://127.0.0.1:{port.read_text().splitlines()[0]}/json/list"))
         url = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
         async with http.ws_connect(url, max_msg_size=0) as socket:
             yield Browser(socket)
@@ -264,7 +340,7 @@ async def browsing(http: ClientSession, folder: Path) -> AsyncIterator[Browser]:
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: str, tmp_path: Path) -> None:
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
-        page = await listening(http, served)
+        page = await listening_(http, served)
         assert VIEWPORT in page
         async with browsing(http, tmp_path / "chromium") as browser:
             await browser.phone()
@@ -286,10 +362,47 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
     assert first != second
 
 
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+async def test_a_browser_keeps_to_what_the_headers_say(served: str, tmp_path: Path) -> None:
+    refused = """new Promise(done => {
+        document.addEventListener("securitypolicyviolation", event => done(event.effectiveDirective));
+        fetch("http://127.0.0.1:9/").catch(() => 0);
+    })"""
+    framed = """new Promise(done => {
+        const frame = document.createElement("iframe");
+        frame.onload = () => done(frame.contentDocument === null ? "refused" : "framed");
+        frame.src = location.href;
+        document.body.append(frame);
+    })"""
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
+        await listening_(http, served)
+        async with browsing(http, tmp_path / "chromium") as browser:
+            await browser.call("Network.enable")
+            await browser.call("Page.navigate", url=served)
+            await browser.until(b"Flights", b"Astra")
+            elsewhere = await browser.call("Runtime.evaluate", expression=refused, awaitPromise=True)
+            cookie = await browser.call("Runtime.evaluate", expression="document.cookie")
+            inside = await browser.call("Runtime.evaluate", expression=framed, awaitPromise=True)
+    assert elsewhere["result"]["value"] == "connect-src"
+    assert cookie["result"]["value"] == ""
+    assert inside["result"]["value"] == "refused"
+
+
+async def test_who_says_what_no_page_says_is_shown_out(served: str) -> None:
+    base, query = served.split("/?")
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
+        await listening_(http, served)
+        async with http.ws_connect(f"{base}/ws?width=80&height=24&{query}", origin=base) as socket:
+            await socket.send_str('["stdin", 5]')
+            async for _ in socket:
+                pass
+            assert socket.close_code == WSCloseCode.POLICY_VIOLATION
+
+
 async def test_the_app_comes_through_the_socket(served: str) -> None:
     shown = b""
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
-        assert "fieldkit" in await listening(http, served)
+        assert "fieldkit" in await listening_(http, served)
         base, query = served.split("/?")
         async with http.ws_connect(f"{base}/ws?width=80&height=24&{query}", origin=base) as socket:
             async for message in socket:
@@ -323,7 +436,7 @@ async def test_apps_end_when_their_server_is_killed(unused_tcp_port: int, tmp_pa
         link = next(line.decode().split()[1] for line in process.stderr if line.startswith(b"open http"))
         base, query = link.split("/?")
         async with asyncio.timeout(PATIENCE), ClientSession() as http:
-            await listening(http, link)
+            await listening_(http, link)
             async with http.ws_connect(f"{base}/ws?width=80&height=24&{query}", origin=base) as socket:
                 shown = b""
                 async for message in socket:

@@ -20,6 +20,7 @@ class Channel:
 
     `name` is a field of `Series` or a name of the parser's own, `header` the log's name for messages. A row whose
     `needed` cell is no number is damaged, any other absent cell is nan. `suffix` ends every cell: `F` of `76.7F`.
+    A `clock` is written `1:02:03.5`, in seconds or with a date before it, and becomes seconds.
     """
 
     name: str
@@ -28,12 +29,23 @@ class Channel:
     needed: bool = False
     header: str = ""
     suffix: str = ""
+    clock: bool = False
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its cells are bare numbers."""
+        return not (self.suffix or self.clock)
+
+
+_CLOCK = re.compile(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", re.ASCII)
 
 
 def number_in(cell: str, channel: Channel) -> float | None:
     """The number of a cell, nan if it is absent and may be, None if it is no number."""
     if cell.lower() in ABSENT_MARKS:
         return None if channel.needed else math.nan
+    if channel.clock:
+        return _seconds(cell)
     if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
         return None
     try:
@@ -41,6 +53,15 @@ def number_in(cell: str, channel: Channel) -> float | None:
     except ValueError:
         return None
     return value if abs(value) <= MAX_CELL_VALUE else None
+
+
+def _seconds(cell: str) -> float | None:
+    """The seconds of `1:02:03.5` or `02:03.5`, after a date or not; None for anything else. [s]"""
+    match = _CLOCK.fullmatch(cell)
+    if not match:
+        return None
+    hours, minutes, seconds = match.groups()
+    return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
 
 
 def converter(channel: Channel) -> Callable[[str], float]:

@@ -31,6 +31,7 @@ SUFFICIENT_CHANNELS = (
 """Besides time, one of these makes a table worth reading."""
 REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
 """Channels that are never left out for lack of a unit."""
+_HOUR = 3600.0
 LIMIT = 1e12
 """No sample is this far from zero; what is, was damaged. [any unit but of time]"""
 
@@ -133,25 +134,15 @@ def missing_channel(channels: set[str]) -> str:
 
 def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     """The numbers of a picked column, without those that no sensor gives; a clock's are in seconds."""
-    if pick.unit == "clock":
-        words, which = table.words[f"{pick.place}"]
-        return np.array([_seconds(word) for word in words])[which]
     values = table.values[f"{pick.place}"]
+    if pick.unit == "clock":
+        return _over_midnight(values)
     return _running_on(values) if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
 
 
 def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
     """Values in a unit as SI values."""
     return values * unit.factor + unit.offset
-
-
-def _seconds(word: str) -> float:
-    """The seconds of `1:02:03.5` or `02:03.5`, after a date or not; nan for anything else. [s]"""
-    match = re.fullmatch(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", word, re.ASCII)
-    if not match:
-        return float("nan")
-    hours, minutes, seconds = match.groups()
-    return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
 
 
 def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
@@ -186,6 +177,13 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
     apart = apart[np.isfinite(apart)]
     reach = np.nanmax(np.abs(to_si(units[0], values)), initial=0.0)
     return len(apart) > 0 and float(np.percentile(apart, 90)) <= 0.02 * reach
+
+
+def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A time of day that went on over midnight, or minutes that went on over the hour. [s]"""
+    span = _HOUR if float(np.nanmax(clock, initial=0.0)) < _HOUR else 24 * _HOUR
+    over = np.diff(clock, prepend=clock[:1]) < -0.9 * span
+    return np.asarray(clock + np.cumsum(over) * span)
 
 
 def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:

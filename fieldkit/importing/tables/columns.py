@@ -68,8 +68,8 @@ def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> 
     if separator is None or not can_be_plain(log, reader.channels, separator, reader.words, comment):
         yield from blocks(log, after)
         return
-    for first, block in byte_blocks(log, after):
-        numbers = plain_numbers(block, reader.channels, separator, decimal, reader.widths)
+    for first, block, ends in byte_blocks(log, after):
+        numbers = plain_numbers(block, ends, reader.channels, separator, decimal, reader.widths)
         if numbers is None:
             yield from ((first + number - 1, lines) for number, lines in blocks(bytes(block)))
         else:

@@ -30,13 +30,14 @@ _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 class ColumnRole:
     """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
 
-    `unit` is empty if cells bring theirs.
+    `unit` is empty if cells bring theirs; `loose` where the name may mean something else as well.
     """
 
     spelled: str
     field: str = ""
     unit: str = ""
     beside: ReadoutColumn | None = None
+    loose: bool = False
 
     @property
     def key(self) -> str:
@@ -99,10 +100,43 @@ def plain(spelled: str) -> str:
 
 
 @cache
+def _known_names() -> Mapping[str, Mapping[str, str]]:
+    """Other names of columns and fieldkit's own: those that hold anywhere, beside a motor, and of masses."""
+    known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
+    return {part: {other: name for name, others in names.items() for other in others} for part, names in known.items()}
+
+
 def synonyms() -> Mapping[str, str]:
     """Other names of columns, and fieldkit's own."""
-    known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
-    return {other: name for name, others in known.items() for other in others}
+    return _known_names()["anywhere"]
+
+
+def mass_names(name: str) -> frozenset[str]:
+    """What a mass that is no field of a flight is called: the one at lift-off, or that of the motor."""
+    return frozenset({name, *(other for other, own in _known_names()["masses"].items() if own == name)})
+
+
+def beside_a_motor(names: Sequence[str]) -> list[str]:
+    """The names of columns, with fieldkit's own for those that mean one in a table that names motors.
+
+    `Altitude (ft)` is of a sample in a log and the apogee in a list of launches: only such a list has a motor in
+    every row.
+    """
+    if "motor" not in {role_of(name, strict=False).field for name in names}:
+        return list(names)
+    taken = {role_of(name, strict=False, taken=()).field for name in names}
+    told = []
+    for name in names:
+        words = plain(name)
+        for other, own in _known_names()["beside_a_motor"].items():
+            if (words == other or words.startswith(f"{other}_")) and own not in taken:
+                role = role_of(own + words.removeprefix(other), strict=False)
+                if role.field == own:
+                    taken.add(own)
+                    name = own + words.removeprefix(other)
+                    break
+        told.append(name)
+    return told
 
 
 def _ours(words: str, taken: Collection[str]) -> str:

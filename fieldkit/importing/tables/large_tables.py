@@ -30,14 +30,15 @@ def can_be_plain(
         and separator is not None
         and not words
         and not comment
-        and not any(channel.suffix for channel in channels)
+        and all(channel.is_plain for channel in channels)
         and encodings(log[:2])[0] == "utf-8"
         and b"\n" in log[:BLOCK]
     )
 
 
-def byte_blocks(log: bytes, after: int) -> Iterator[tuple[int, memoryview]]:
-    """The lines of a log below row `after` in blocks that end with a line, each with the number of its first line."""
+def byte_blocks(log: bytes, after: int) -> Iterator[tuple[int, memoryview, int]]:
+    """The lines of a log below row `after` in blocks that end with a line, each with the number of its first line and
+    how many ends of lines are in it."""
     start, number = 0, 1
     while number <= after:
         start = log.find(b"\n", start) + 1
@@ -48,19 +49,25 @@ def byte_blocks(log: bytes, after: int) -> Iterator[tuple[int, memoryview]]:
     while start < len(log):
         end = log.rfind(b"\n", start, start + BLOCK) + 1 if start + BLOCK < len(log) else len(log)
         end = end or log.find(b"\n", start) + 1 or len(log)
-        yield number, view[start:end]
-        number += log.count(b"\n", start, end)
+        ends = log.count(b"\n", start, end)
+        yield number, view[start:end], ends
+        number += ends
         start = end
 
 
 def plain_numbers(
-    block: memoryview, channels: Sequence[Channel], separator: str, decimal: str, widths: Collection[int] | None
+    block: memoryview,
+    ends: int,
+    channels: Sequence[Channel],
+    separator: str,
+    decimal: str,
+    widths: Collection[int] | None,
 ) -> Float[Array, "row channel"] | None:
-    """The numbers of a block, a row for each of its lines; None where it is not plain."""
+    """The numbers of a block with so many ends of lines, a row for each of its lines; None where it is not plain."""
     import pandas
 
     content = bytes(block)
-    lines = content.count(b"\n") + (not content.endswith(b"\n"))
+    lines = ends + (not content.endswith(b"\n"))
     needed = [place for place, channel in enumerate(channels) if channel.needed]
     if not needed or b"\0" in content or b'"' in content:
         return None
@@ -85,9 +92,10 @@ def plain_numbers(
         return None
     if len(table) != lines or any(kind.kind not in "if" for kind in table.dtypes):
         return None
-    columns = [table.iloc[:, places.index(channel.place)] for channel in channels]
-    numbers = np.stack([column.to_numpy(float) for column in columns], axis=1)
-    if np.isnan(numbers[:, needed]).any() or (np.abs(numbers) > MAX_CELL_VALUE).any():
+    whole = table.to_numpy(float)
+    order = [places.index(channel.place) for channel in channels]
+    numbers = whole if order == list(range(whole.shape[1])) else whole[:, order]
+    if np.isnan(numbers[:, needed]).any() or np.nanmax(np.abs(numbers), initial=0.0) > MAX_CELL_VALUE:
         return None
     return numbers
 

@@ -130,7 +130,9 @@ class Rows:
         """Keep the rows of lines that all hold numbers where they should. Raises ValueError if one does not."""
         if not lines:
             return
-        converters: dict[int | str, Callable[[str], float]] = {c.place: converter(c) for c in self.channels if c.suffix}
+        converters: dict[int | str, Callable[[str], float]] = {
+            c.place: converter(c) for c in self.channels if not c.is_plain
+        }
         numbers = self._load(coming, [channel.place for channel in self.channels], "f8", converters or None)
         if len(numbers) != len(lines):
             raise ValueError("a quotation mark spans lines")
@@ -192,6 +194,7 @@ class Rows:
             value = number_in(cell, channel)
             if value is None:
                 expected = f"a number with {channel.suffix}" if channel.suffix else "a number"
+                expected = "a time of day such as 12:04:05.3" if channel.clock else expected
                 place = channel.header or channel.name
                 return DamagedLog(f"found {shown(cell)}, expected {expected}", row=row, column=place)
             numbers.append(value)

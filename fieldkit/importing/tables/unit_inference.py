@@ -25,9 +25,11 @@ _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.
 """Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
 
 
-_REST_SAMPLES, _BOOST_PART = 20, 0.4
-"""A rest is looked for in pieces of at most so many samples, for some loggers keep no more of the pad; a boost is such
-a part of what was strongest. [1]"""
+_REST_SAMPLES, _LEAST_REST = 20, 5
+"""A rest is looked for in pieces of at most and at least so many samples: some loggers keep no more of the pad. [1]"""
+_BOOST_PART, _MAX_REST_PART, _REST_SPREAD = 0.4, 0.7, 0.3
+"""A boost is such a part of what was strongest, a rest no more than the second; nothing but a rest differs by less than
+the third, to its level. [1]"""
 _LIFTS, _MOST_GRAVITIES = 1.5, 400.0
 """What lifts a rocket off is felt as more than the first, and nothing that flies as more than the second. [g]"""
 
@@ -84,25 +86,27 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
 def rest(acceleration: Float[Array, "time"]) -> float:
     """What an accelerometer shows where it is quietest before it shows most, as it stands.
 
-    After a landing it lies on its side, as quietly as before and with another part of gravity along its axis. A log
-    that shows most in its beginning has its rest later.
+    After a landing it lies on its side, as quietly as before and with another part of gravity along its axis, so only
+    what comes before counts; nan where a log begins in flight, for what is steadiest in it may be the thrust.
     """
     values = acceleration[np.isfinite(acceleration)]
-    length = max(min(len(values) // 40, _REST_SAMPLES), 5)
-    pieces = values[: len(values) // length * length].reshape(-1, length)
-    if not len(pieces):
-        return float("nan")
-    away = np.abs(pieces.mean(axis=1) - np.median(values))
-    before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
-    before = before if len(before) else pieces
-    return float(before[before.std(axis=1).argmin()].mean())
+    for length in dict.fromkeys((max(min(len(values) // 40, _REST_SAMPLES), _LEAST_REST), _LEAST_REST)):
+        pieces = values[: len(values) // length * length].reshape(-1, length)
+        if not len(pieces):
+            continue
+        means = pieces.mean(axis=1)
+        for usual in (float(np.median(values)), float(means[0])):
+            away = np.abs(means - usual)
+            before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
+            if len(before) and abs(usual) < _MAX_REST_PART * float(np.abs(means).max()):
+                return float(before[before.std(axis=1).argmin()].mean())
+        if np.ptp(values) <= _REST_SPREAD * abs(float(np.median(values))):  # a log of a rest alone
+            return float(np.median(values))
+    return float("nan")
 
 
 def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:
-    """The unit in which an accelerometer at rest feels one g, and more than at rest in a boost.
-
-    A log that begins in flight has no rest: what is steadiest in it may be the thrust.
-    """
+    """The unit in which an accelerometer at rest feels one g, and more than at rest in a boost; None without a rest."""
     at_rest = abs(rest(acceleration))
     finite = np.abs(acceleration[np.isfinite(acceleration)])
     least, most = np.quantile(finite, (0.05, 0.995)).tolist() if len(finite) else (0.0, 0.0)

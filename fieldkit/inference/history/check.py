@@ -27,7 +27,8 @@ from fieldkit.inference.laplace.posterior import term_sds
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.inference.network.history_parts import LEVELS, STANDARD
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import Model, shown
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
@@ -57,13 +58,14 @@ class Check:
         return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
 
 
-def check(said: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
+def check(said: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the network's draws for the plan of a history by the one model that forecasts are made with; more of them
-    where the weights of the first cannot be relied on.
+    where the weights of the first cannot be relied on. `linear` is its linear fit, by default the one that the network
+    corrected.
 
     Raises ValueError for a history of several plans.
     """
-    linear = said.summary.forecast
+    linear = linear or said.summary.forecast
     if len(linear.model.flights) != linear.flown + 1:
         raise ValueError(f"found {len(linear.model.flights) - linear.flown} plans, expected one")
     rng = np.random.default_rng(seed)

@@ -7,43 +7,17 @@ Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior ov
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import erfc
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from fieldkit.inference.history.bounded_strength import strength_posterior
 from fieldkit.inference.history.linear_fit import LinearFit
-from fieldkit.inference.history.response import started
+from fieldkit.inference.history.placed_effects import Direction, PlacedEffect, directions
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.rocket_model import Term
-from fieldkit.physics.effect import Effect, effects
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
-
-START_SD = 0.25
-"""Standard deviation of a strength about each of its starts, over that start. [1]"""
-
 
 _NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "pull")
 """Fields of trials that are one number each."""
-INSIDE_SDS = 5.0
-"""Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
-
-
-MIN_MASS = 1e-250
-"""Mass between two bounds below which it is treated as zero. [1]"""
-_ERFC = np.frompyfunc(erfc, 1, 1)
-
-
-@runtime_checkable
-class PlacedEffect(Protocol):
-    """A candidate: an effect in a place, or a pattern (whose `effect` is empty), with its terms on every flight."""
-
-    @property
-    def effect(self) -> str: ...
-    @property
-    def terms(self) -> tuple[Term, ...]: ...
-    @property
-    def log_share(self) -> float: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,55 +52,6 @@ class Trials:
         return np.asarray(self.log_bayes + self.log_share)
 
 
-@dataclass(frozen=True, slots=True)
-class _Column:
-    """One direction in which a strength moves the readouts."""
-
-    number: int
-    family: str
-    log_share: float
-    shift: Float[Array, "flight readout"]
-    mean: float
-    sd: float
-    low: float
-    high: float
-    unit: float
-
-
-def _columns(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[list[_Column], list[list[_Column]]]:
-    """Directions of candidates with one strength; of those with several, all of each together."""
-    names = {id(effect): name for name, effect in effects().items()}
-    moved = linear.moved
-    single: list[_Column] = []
-    several: list[list[_Column]] = []
-    for number, candidate in enumerate(candidates):
-        found: list[_Column] = []
-        for term in candidate.terms:
-            if not isinstance(term.bends, Effect):
-                shift = term.weight[:, None] * moved[term.bends]
-                found.append(_column(number, candidate, term, shift))
-                continue
-            name = names[id(term.bends)]
-            if not term.bends.starts:
-                shift = term.weight[:, None] * moved[started(name, 0)]
-                found.append(_column(number, candidate, term, shift))
-                continue
-            density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
-            for place, start in enumerate(term.bends.starts):
-                shift = term.weight[:, None] * moved[started(name, place)]
-                part = candidate.log_share + float(np.log(density[place] / sum(density)))
-                single.append(_Column(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start))
-        if len(found) == 1:
-            single.append(found[0])
-        elif found:
-            several.append(found)
-    return single, several
-
-
-def _column(number: int, candidate: PlacedEffect, term: Term, shift: Array) -> _Column:
-    return _Column(number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0)
-
-
 def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
     """Readouts that evidence is weighed by: the apogee, and what any flight shows."""
     some = np.asarray(seen.any(axis=0))
@@ -154,7 +79,7 @@ class _Weights:
         """The likeliest pair of scales."""
         return int(np.argmax(self.log_weight))
 
-    def stacked(self, columns: Sequence[_Column]) -> Float[Array, "flight readout column"]:
+    def stacked(self, columns: Sequence[Direction]) -> Float[Array, "flight readout column"]:
         """Shifts of what was observed."""
         shifts = [column.shift[: len(self.usable)][:, self.used] for column in columns]
         return np.where(self.usable[..., None], np.stack(shifts, axis=-1), 0.0)
@@ -181,28 +106,28 @@ def _weights(fit: Fit) -> _Weights:
 
 def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
     """The evidence for every candidate beside a linear fit."""
-    single, several = _columns(linear, candidates)
+    single, several = directions(linear, candidates)
     weights = _weights(linear.fit)
     plans = len(linear.model.flights) - linear.flown
     parts = [_single(linear, weights, single)] if single else []
     return _joined([*parts, *(_several(weights, columns, plans) for columns in several)], weights.usable.size, plans)
 
 
-def _single(linear: LinearFit, weights: _Weights, columns: Sequence[_Column]) -> Trials:
+def _single(linear: LinearFit, weights: _Weights, columns: Sequence[Direction]) -> Trials:
     """Candidates with one strength."""
     shift, best = weights.stacked(columns), weights.best
     weighed = weights.weighed(shift)
     a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
     b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
     prior = [np.array([getattr(column, name) for column in columns]) for name in ("mean", "sd", "low", "high")]
-    bayes, mean, sd = _normal(a, b, *prior)
+    bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
     share = np.exp(joint - log_bayes)
     middle = (share * mean).sum(axis=0)
     own_a = np.einsum("foc,foc->fc", shift, weighed[best])
     own_b = np.einsum("foc,fo->fc", shift, weights.pulled[best])
-    without = _normal(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
+    without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
     taken = np.einsum("fot,foc->tc", weights.slope, weights.sharp[best] @ shift, optimize=True)
     ahead = np.stack([column.shift[linear.flown :, 0] for column in columns], axis=-1)
     return Trials(
@@ -223,31 +148,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Sequence[_Column]) ->
     )
 
 
-def _normal(a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """Log Bayes factor, posterior mean and standard deviation of a strength."""
-    precision = a + 1 / sd**2
-    middle = (b + mean / sd**2) / precision
-    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
-    spread = 1 / np.sqrt(precision)
-    near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
-    bayes = bayes - _log_mass(mean, sd, low, high)
-    if near.any():
-        ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
-        bayes[near] += _log_mass(middle[near], spread[near], *ends)
-        middle[near] = np.clip(middle[near], *ends)
-    return bayes, middle, spread
-
-
-def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
-    """Log of the mass of a normal distribution between two bounds."""
-    above, below = (high - mean) / sd, (low - mean) / sd
-    mirrored = below > 0  # where both would be near 1
-    above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
-    mass = 0.5 * (_ERFC(-above * np.sqrt(0.5)) - _ERFC(-below * np.sqrt(0.5))).astype(float)
-    return np.asarray(np.log(np.maximum(mass, MIN_MASS)))
-
-
-def _several(weights: _Weights, columns: Sequence[_Column], plans: int) -> Trials:
+def _several(weights: _Weights, columns: Sequence[Direction], plans: int) -> Trials:
     """A candidate with a strength of its own in each of several groups; its strength is their root mean square."""
     shift = weights.stacked(columns)
     weighed = weights.weighed(shift)
@@ -307,7 +208,7 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     gram = trials.shift[:, some].T @ trials.weighed[:, some]
     b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
     a = np.diagonal(gram)
-    alone = _normal(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
+    alone = strength_posterior(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
     p, q = a + 1 / sd**2, b + mean / sd**2
     det = p[:, None] * p[None, :] - gram**2
     det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])

@@ -11,9 +11,10 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
-from fieldkit.inference.history.evidence import PlacedEffect, Trials, weigh
+from fieldkit.inference.history.evidence import Trials, weigh
 from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
 from fieldkit.inference.history.moments import Moments, moments
+from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out

@@ -16,8 +16,8 @@ from fieldkit.inference.history.response import (
     part_of,
     tangent,
 )
-from fieldkit.inference.laplace.fit import outlier_weights
 from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior, Scale
 from fieldkit.model.readout_data import Data, observe

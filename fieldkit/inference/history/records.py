@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.evidence import PlacedEffect
+from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.shared_prior import SharedPrior

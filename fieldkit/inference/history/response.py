@@ -13,7 +13,8 @@ from fieldkit.flight import Flight
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.shapes import Array, Float

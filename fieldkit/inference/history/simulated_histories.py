@@ -7,22 +7,23 @@ deviations other than the hyperprior's, and patterns that no effect stands for: 
 many flights, smooth functions of what was written down.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
-from fieldkit.inference.history.evidence import PlacedEffect
+from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
+from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, bent, shared_names, shown
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.physics.effect import Prior, effects
-from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 SELECTION_WORLD = 0.55
@@ -42,7 +43,6 @@ ROCKETS_PER_BATCH = 25
 BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
 """Standard deviation of the strengths of effects that are always there a little: those that act in flight, and those
 of something that is written down. [1]"""
-_PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,48 +151,7 @@ def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float
         odds = np.exp([candidate.log_share for candidate in family])
         placed.append(family[int(rng.choice(len(family), p=odds / odds.sum()))])
     strange = rng.uniform() < inclusion[UNEXPLAINED] and len(one.rocket.used_in_fit) >= MIN_FLIGHTS_OF_PATTERN
-    return _Lacks(tuple(placed), _pattern(rng, one.rocket) if strange else {})
-
-
-def _pattern(rng: np.random.Generator, rocket: DrawnRocket) -> dict[str, Float[Array, "flight"]]:
-    """A shift of drag, mass or thrust with something that was written down, or with the order of flying."""
-    kinds: Sequence[Callable[[np.random.Generator, DrawnRocket], Array]] = (_step, _day, _periodic, _smooth, _smooth)
-    shape = kinds[int(rng.integers(len(kinds)))](rng, rocket)
-    bends = str(rng.choice(list(_PATTERN_SIZES), p=[0.6, 0.25, 0.15]))
-    low, high = _PATTERN_SIZES[bends]
-    size = float(np.exp(rng.uniform(np.log(low), np.log(high)))) * float(rng.choice([-0.7, 1.0], p=[0.3, 0.7]))
-    return {bends: size * shape}
-
-
-def _step(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    count = len(rocket.used_in_fit)
-    return np.where(np.arange(count + 1) >= rng.integers(1, count), 1.0, 0.0)
-
-
-def _day(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    days = [
-        flight.date_time.date().isoformat() if flight.date_time else str(i // 4)
-        for i, flight in enumerate(rocket.flights)
-    ]
-    return np.array([day == days[int(rng.integers(len(days) - 1))] for day in days], float)
-
-
-def _periodic(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    every = int(rng.integers(2, 5))
-    return np.where(np.arange(len(rocket.flights)) % every == rng.integers(every), 1.0, 0.0)
-
-
-def _smooth(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    """A smooth random function of the hour, the order or a condition, of standard deviation one half."""
-    hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in rocket.flights])
-    columns = [hours, np.arange(len(hours), dtype=float)]
-    columns += [recorded(rocket.flights, name) for name in ("temperature", "wind", "pressure")]
-    usable = [column for column in columns if np.isfinite(column).all() and np.ptp(column) > 0]
-    along = usable[int(rng.integers(len(usable)))]
-    along = (along - along.mean()) / along.std()
-    waves = rng.normal(size=(3, 1)) * along * rng.uniform(0.3, 1.2) + rng.uniform(0, 2 * np.pi, (3, 1))
-    shape = (rng.normal(size=(3, 1)) * np.cos(waves)).sum(axis=0)
-    return np.asarray(0.5 * (shape - shape.mean()) / max(float(shape.std()), 1e-6))
+    return _Lacks(tuple(placed), unexplained_pattern(rng, one.rocket) if strange else {})
 
 
 def _background() -> list[str]:

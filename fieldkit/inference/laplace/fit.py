@@ -9,27 +9,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.inference.laplace.damped_steps import DampedSteps
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
-from fieldkit.inference.laplace.odd_flights import readouts_used
-from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
-from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
+from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
+from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float, Int, Integers
 
 ROUNDS = 5
 """Times the point of linearization is moved."""
-CONVERGENCE_TOLERANCE = 0.03
-"""Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
-FORECAST_TOLERANCE = 0.2
-"""Convergence tolerance for a forecast, in posterior standard deviations: hundredths of its interval. [1]"""
 MAX_LOG_EVIDENCE_BEHIND = 8.0
 """Log evidence behind the best of the fits run together beyond which a fit is abandoned. [nat]"""
 DISTINCT_STEP = 1e-4
 """Difference of a term from which on two points are distinct. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is started. [s]"""
-NEGLIGIBLE_SCALE_WEIGHT = 0.01
-"""Posterior weight of a pair of scales below which it has no part in the weights of flights. [1]"""
 ROBUST_ROUNDS = 2
 """Times the point is moved after the weights of outliers have settled."""
 TRUST_ROUNDS = 4
@@ -67,13 +62,13 @@ def fit(
     rounds: int = ROUNDS,
     *,
     near: bool = False,
-    odd_flights: bool = False,
+    outlier_flights: bool = False,
 ) -> Fit:
     """The posterior of a model given data, linearized where it ends up; `start` is where to begin.
 
     Without a start it is started from several opening times of the parachute, for what that does has a kink
     where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs, with
-    `odd_flights` the noise of single flights follows a Student t.
+    `outlier_flights` the noise of single flights follows a Student t.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -82,7 +77,7 @@ def fit(
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
     lanes = [Lane(every, begin) for begin in starts]
-    weight = np.ones(len(data.seen)) if odd_flights else None
+    weight = np.ones(len(data.seen)) if outlier_flights else None
     fits = fit_lanes(model, data, lanes, launch_angle_slope(model, at), rounds, near=near, flight_weight=weight)
     return max(fits, key=lambda result: result.log_evidence)
 
@@ -105,7 +100,7 @@ def fit_lanes(
     `flight_weight` to begin from, the noise of single flights follows a Student t.
     """
     parts = [model.only(lane.terms) for lane in lanes]
-    walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
+    walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
     joined: dict[int, int] = {}
@@ -128,7 +123,7 @@ def fit_lanes(
             for i in moving
             if (turn <= 0 or _above(results[i], best[lanes[i].kind] - MAX_LOG_EVIDENCE_BEHIND))
             and _above(results[i], worth)
-            and (walks[i].goes_on(results[i], near=near) or turn < 0)
+            and (walks[i].advance(results[i], near=near) or turn < 0)
         ]
         joined |= _joined(lanes, walks, moving)
         moving = [i for i in moving if i not in joined]
@@ -181,7 +176,7 @@ def _settled(result: Fit) -> Fit:
     return solve(result.model, result.data, result.tangent, result.flight_weight)
 
 
-def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
+def _joined(lanes: Sequence[Lane], walks: Sequence[DampedSteps], moving: Sequence[int]) -> dict[int, int]:
     """Lanes that are where an earlier one of the same terms is, each with that one: from there both take the same
     steps."""
     first: dict[tuple[object, ...], int] = {}
@@ -202,50 +197,16 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
     return result is not None and result.log_evidence > log_evidence
 
 
-class _Walk:
-    """The way of a lane's point to its posterior mean.
-
-    Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
-    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
-    readout is off by is as linear anywhere, and gets there at once.
-    """
-
-    def __init__(self, at: Array) -> None:
-        self.at = at
-        self._last, self._share = np.zeros_like(at), np.ones_like(at)
-
-    def goes_on(self, result: Fit | None, *, near: bool = False) -> bool:
-        """Move the point toward the posterior mean; False if it is at the mean."""
-        assert result is not None
-        terms = result.model.terms
-        sds = np.array([term.sd for term in terms])
-        best = int(np.argmax(result.log_weight))
-        wanted = result.mean[best]
-        target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
-        bent = np.array([term.bends not in OBSERVED_READOUTS for term in terms])
-        close = (
-            FORECAST_TOLERANCE * np.sqrt(np.diagonal(result.covariance[best])) if near else CONVERGENCE_TOLERANCE * sds
-        )
-        move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
-        turned = np.sign(move * self._last)
-        self._share = np.minimum(self._share * 2.0**turned, 1.0)
-        move = self._last = self._share * move
-        if np.all(np.abs(move) < close, where=bent):
-            return False
-        self.at = self.at + move
-        return True
-
-
 def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
     """A fit made again without each of some flights, all side by side, from where it ended with all of them."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = whole.tangent.scatter_slope[..., -1]
     likely = probable_scales(whole)
     found = [solve(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, likely) for row in rows]
-    walks = [_Walk(whole.tangent.at) for _ in rows]
+    walks = [DampedSteps(whole.tangent.at) for _ in rows]
     moving = list(range(len(rows)))
     for _ in range(rounds):
-        moving = [i for i in moving if walks[i].goes_on(found[i])]
+        moving = [i for i in moving if walks[i].advance(found[i])]
         if not moving:
             break
         for i, tangent in zip(
@@ -279,50 +240,10 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
 
 
-def flight_weights(result: Fit) -> Float[Array, "flight"]:
-    """Expected precision of each flight over that of an ordinary one, as a fit has it. [1]"""
-    weight = np.ones(len(result.data.seen)) if result.flight_weight is None else result.flight_weight
-    scales = np.flatnonzero(result.weights > NEGLIGIBLE_SCALE_WEIGHT)
-    nu, told, sharpness = result.model.hyperprior.tail, result.told, result.told.sharpness[scales]
-    offset = result.mean[scales] - np.array([term.mean for term in result.model.terms])
-    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
-    square = (left * (sharpness @ left[..., None])[..., 0]).sum(axis=-1)
-    spread = (told.slope.reshape(told.miss.size, -1) @ result.covariance[scales]).reshape(len(left), *told.slope.shape)
-    open_square = ((sharpness @ told.slope) * spread).sum(axis=(-2, -1))
-    expected = result.weights[scales] / result.weights[scales].sum() @ (square + open_square) / weight
-    count = readouts_used(result.data, result.tangent)
-    return np.asarray((nu + count) / (nu + expected))
-
-
-def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
-    """Expected precision of every residual over that of an ordinary one, as the fit has it. [1]"""
-    nu = result.model.hyperprior.tail
-    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
-    return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
-
-
-def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
-    """Posterior mean square of every residual, over its variance before outliers count for less. [1]
-
-    With N = S S' + D the noise of a flight's readouts, D the part of the residuals, and r the miss of the terms: a
-    residual is D N^-1 r, and what scatter and terms leave open of it is D - D N^-1 D + D N^-1 A C A' N^-1 D.
-    """
-    told, data, variance = result.told, result.data, residual_variance(result.model, result.data)
-    own = np.where(data.seen, variance / data.trust, 0.0)
-    offset = result.mean - np.array([term.mean for term in result.model.terms])
-    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
-    gain = own[..., None] * told.sharpness  # D N^-1
-    mean = (gain @ left[..., None])[..., 0]
-    spread = gain @ told.slope
-    known = np.einsum("sfot,stu,sfou->sfo", spread, result.covariance, spread, optimize=True)
-    unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
-    return np.asarray((mean**2 + unexplained + known) / variance)
-
-
 def _followed(result: Fit) -> Fit:
     """The fit relinearized at its posterior mean; the fit itself if it was linearized there."""
-    walk, angle_slope = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
-    if not walk.goes_on(result, near=True):
+    walk, angle_slope = DampedSteps(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    if not walk.advance(result, near=True):
         return result
     (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], angle_slope)
     return solve(result.model, result.data, near)

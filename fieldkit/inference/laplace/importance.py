@@ -16,11 +16,12 @@ import numpy as np
 from numpy.random import Generator
 
 from fieldkit.inference.laplace.leave_one_out import own_variance
-from fieldkit.inference.laplace.odd_flights import readouts_used
+from fieldkit.inference.laplace.outlier_flights import readouts_used
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit, bounds_log_mass, flight_evidence, prior_precision
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import Model, shown
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 500

@@ -9,13 +9,15 @@ groups can determine is held near a stated start: each variance has a scaled inv
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import fit_robustly, outlier_weights, standardized_squares
+from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import FlownFlights, independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
@@ -76,19 +78,40 @@ def learn_hyperprior(
     """The hyperprior that makes the flights of some flyers most likely, near a start.
 
     Effects that the start does not have stay out; so does the standard deviation of the reading scale, which one device
-    cannot show. `begin` is where to begin, by default at the start.
+    cannot show. `begin` is where to begin, by default at the start. With it comes how well each mean is known.
     """
-    found = begin or start
+    start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
         linear = [[_linearized(flown, found) for flown in fleet] for fleet in fleets]
         for step in range(steps):
             on_progress("learning", (round_ + step / steps) / rounds)
             found, linear = _step(linear, found, start)
-    return found
+    together = [_posteriors([_linearized(flown, found) for flown in fleet], found)[1] for fleet in fleets]
+    return replace(found, mean_sds=MappingProxyType(mean_sds(together, found)))
+
+
+def mean_sds(flyers: Sequence[SharedPrior], hyperprior: Hyperprior) -> dict[str, float]:
+    """Standard deviation of each mean over flyers, given the posterior of every flyer's fleet. [1] or [s]
+
+    A flyer's fleet is normal about the means, with the variances T between flyers. If its flights turn that into the
+    covariance V, they are worth the precision T^-1 - T^-1 V T^-1 for the means (Woodbury); before any flyer each mean
+    is known to `MEAN_SD`.
+    """
+    quantities = [quantity for quantity in hyperprior.means if hyperprior.sd(quantity, "fleet")]
+    between = np.array([hyperprior.sd(quantity, "fleet") ** 2 for quantity in quantities])
+    precision = np.diag(np.full(len(quantities), 1 / MEAN_SD**2))
+    for flyer in flyers:
+        known = flyer.only([fleet_term(quantity) for quantity in quantities])
+        rows = [quantities.index(name.partition(" of ")[0]) for name in known.names]
+        gained = np.diag(between[rows]) - known.covariance
+        precision[np.ix_(rows, rows)] += gained / np.outer(between[rows], between[rows])
+    variances = np.diag(np.linalg.inv(precision))
+    return {quantity: float(np.sqrt(variance)) for quantity, variance in zip(quantities, variances, strict=True)}
 
 
 def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
-    """Log marginal likelihood of all flights, near the mode of each rocket's terms. [nat]"""
+    """Log marginal likelihood of all flights given the means, near the mode of each rocket's terms. [nat]"""
+    hyperprior = replace(hyperprior, mean_sds={})
     return float(sum(joint_evidence([_alone(_fitted(flown, hyperprior)) for flown in fleet]) for fleet in fleets))
 
 

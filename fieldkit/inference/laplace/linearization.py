@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
-from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.physics.effect import Effect
 from fieldkit.shapes import Array, Flags, Float
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.inference.laplace.odd_flights import log_tail, readouts_used
+from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
@@ -125,7 +125,7 @@ def solve(
     """The normal posterior for every pair of scales, the readouts linear about a point.
 
     `flight_weight` is the expected precision of each flight as a whole over that of an ordinary one (see
-    `fieldkit.inference.laplace.odd_flights`). With `which` the result has those pairs of scales
+    `fieldkit.inference.laplace.outlier_flights`). With `which` the result has those pairs of scales
     alone, for a fit that is still on its way.
     """
     told = flight_evidence(model, data, near, flight_weight, which)

@@ -1,5 +1,6 @@
 """A whole history answered at once: which effects are there, what the plan will reach, what it flies with."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +13,7 @@ from fieldkit.inference.history.features import HistorySummary, effect_names, fe
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
 from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
+from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.shapes import Array, Float
 
@@ -58,6 +60,17 @@ def load_history() -> "Ensemble":
     from fieldkit.inference.network.ensemble import load
 
     return checked(load(NAME))
+
+
+def trained_prior(ensemble: "Ensemble | None" = None) -> Hyperprior:
+    """The learned hyperprior of the histories that a history network was trained on, by default the shipped one: the
+    fit that it corrects is by that one, whichever forecasts are made with since. Raises DamagedModel."""
+    return _prior_of(json.dumps((ensemble or load_history()).card.get("forecast_prior")))
+
+
+@cache
+def _prior_of(card: str) -> Hyperprior:
+    return read_card(card, f"the card of {NAME}")
 
 
 def checked(ensemble: "Ensemble") -> "Ensemble":

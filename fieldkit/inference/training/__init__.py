@@ -2,19 +2,28 @@
 
 from collections.abc import Callable
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import FieldkitError
+from fieldkit.inference.training.shipping import claim
 
 EXTRA = ("torch", "onnx")
 """What only training needs."""
+RECIPES = ("paper", "field", "history")
 
 
-def trainer(recipe: str) -> Callable[..., dict[str, Any]]:
-    """The function that trains by a recipe. Raises FieldkitError if the extra is not installed."""
+def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
+    """The function that trains by a recipe into a folder, which is looked at before torch is imported for seconds.
+
+    Raises FieldkitError if the extra is not installed or the folder cannot be had.
+    """
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:
         raise FieldkitError(f"training needs {' and '.join(missing)}: pip install 'fieldkit[train]'")
+    if recipe not in RECIPES:
+        raise FieldkitError(f"found the recipe {recipe!r}, expected one of: {', '.join(RECIPES)}")
+    claim(out)
     if recipe == "field":
         from fieldkit.inference.training.field import train_field
 
@@ -23,8 +32,6 @@ def trainer(recipe: str) -> Callable[..., dict[str, Any]]:
         from fieldkit.inference.training.history import train_history
 
         return train_history
-    if recipe != "paper":
-        raise FieldkitError(f"found the recipe {recipe!r}, expected paper, field or history")
     from fieldkit.inference.training.paper import train_paper
 
     return train_paper

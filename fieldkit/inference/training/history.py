@@ -215,6 +215,7 @@ def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan, inclusion: 
             "hyperprior": f"certified in {SELECTION_WORLD:.0%}, on which inclusion is trained; else the learned one",
         },
         "hyperpriors": {one.kind: _digest(one.json()) for one in (certified(), learned())},
+        "forecast_prior": learned().model_json(),
         "features": list(feature_names(names)),
         "outputs": ["inclusion", "none", "unexplained", "log_apogee", "log_cd", "log_alpha"],
         "parts": [MEMBERS, width(len(names))],

@@ -102,7 +102,7 @@ def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: 
         flight=flight,
         readouts=_rows(flight, READOUTS),
         circumstances=_rows(flight, (*SETUP, *CONDITIONS)),
-        learned=_learned(flight, motors),
+        learned=_learned(ledger, flight, motors),
         forecast=forecast,
         trace=_trace(ledger, id),
         record=np.array([one.apogee or np.nan for one in own], float),
@@ -122,12 +122,12 @@ def _rows(flight: Flight, columns: Sequence[Column]) -> Rows:
     return tuple(rows)
 
 
-def _learned(flight: Flight, motors: Catalogue) -> Rows:
+def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
     """Drag and thrust by this flight alone."""
-    from fieldkit.inference.network.flights import infer
+    from fieldkit.services.inferred import FlightInference
 
     try:
-        (one,) = infer([flight], motors).inferred
+        (one,) = FlightInference(ledger, motors).infer([flight]).inferred
     except (FieldkitError, ValueError):
         return ()
     rows = []

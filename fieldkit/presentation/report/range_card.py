@@ -8,27 +8,32 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
+from fieldkit.planning.check import ADVICE_NOTE, SEVERITY, SafetyCheck
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing
+from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
+from fieldkit.units import UNITS
 
-LINE = 92
+LINE = 108
 """Of the safety lines. [letters]"""
 SHOWN_LANDINGS = 200
 """Points on the map. [1]"""
 
 
-def range_card(words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str) -> bytes:
-    """The card as a picture of a page."""
+def range_card(
+    words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str = "SI"
+) -> bytes:
+    """The card as a picture of a page, in the units of a system."""
     figure = Figure(figsize=(8.27, 11.69))
     figure.text(0.06, 0.965, _plain(words[0]), fontsize=14, fontweight="bold", va="top")
     figure.text(
         0.06, 0.935, "\n".join(_wrapped(line, 60) for line in words[1:]), fontsize=7.5, va="top", family="monospace"
     )
-    safety = "\n".join(_wrapped(line.words(), LINE) for line in lines)
+    worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
+    safety = "\n".join(_wrapped(line.words(system), LINE) for line in worst_first)
     figure.text(0.06, 0.62, "Safety lines", fontsize=11, fontweight="bold", va="top")
-    figure.text(0.06, 0.60, f"{safety}\n\n{ADVICE_NOTE}", fontsize=7, va="top", family="monospace")
-    _map(figure, found, site)
+    figure.text(0.06, 0.60, f"{safety}\n\n{ADVICE_NOTE}", fontsize=7.5, va="top", family="monospace")
+    _map(figure, found, site, ShownUnits(system).length_unit)
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=130)
     return content.getvalue()
@@ -43,19 +48,24 @@ def _plain(text: str) -> str:
     return printable(text).replace("$", r"\$")
 
 
-def _map(figure: Figure, found: Landing, site: Site) -> None:
-    """Pad, landings, ellipse and field, the wind blowing up the page."""
+def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
+    """Pad, landings, ellipse and field, the wind blowing up the page; nothing where the wind is not known."""
+    if found.wind is None:
+        figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")
+        return
     axes = figure.add_axes((0.63, 0.66, 0.32, 0.24))
-    axes.scatter(found.across[:SHOWN_LANDINGS], found.along[:SHOWN_LANDINGS], s=3, color="0.5", linewidths=0)
-    outline = found.ellipse().outline()
+    scale = 1 / UNITS["length"][unit].to_si(1.0)
+    some = slice(SHOWN_LANDINGS)
+    axes.scatter(scale * found.across[some], scale * found.along[some], s=3, color="0.5", linewidths=0)
+    outline = scale * found.ellipse().outline()
     axes.plot(outline[:, 1], outline[:, 0], color="black", linewidth=1.2, label=f"{ELLIPSE_LEVEL:.0%} of landings")
     axes.plot(0, 0, marker="^", color="black", linestyle="none", label="pad")
     if site.size is not None:
         turn = np.linspace(0, 2 * np.pi, 90)
-        half = site.size / 2
+        half = scale * site.size / 2
         axes.plot(half * np.cos(turn), half * np.sin(turn), color="black", linestyle=":", linewidth=1, label="field")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("right of the wind [m]", fontsize=7)
-    axes.set_ylabel("downwind [m]", fontsize=7)
+    axes.set_xlabel(f"right of the wind [{unit}]", fontsize=7)
+    axes.set_ylabel(f"downwind [{unit}]", fontsize=7)
     axes.tick_params(labelsize=6)
     axes.legend(fontsize=6, loc="lower right", framealpha=1.0)

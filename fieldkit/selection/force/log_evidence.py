@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.analysis import Recorded
-from fieldkit.model.rocket_model import bent
+from fieldkit.model.simulated_readouts import bent
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
 from fieldkit.selection.force.one_flight import FoundTerm

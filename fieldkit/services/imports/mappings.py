@@ -1,11 +1,94 @@
 """The columns that a flyer named once: those that are remembered, put right, or forgotten."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
-from fieldkit.importing import ColumnChoice
-from fieldkit.importing.tables.mapping import edit, forget, is_of_flights, remembered
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.importing import HEAD, ColumnChoice
+from fieldkit.importing.tables.mapping import choice_for, edit, forget, is_of_flights, read_choice, remembered
 
-__all__ = ["edit", "forget", "in_words", "list_mappings"]
+__all__ = ["TableColumns", "edit", "forget", "in_words", "list_mappings", "table_columns"]
+
+
+@dataclass(frozen=True, slots=True)
+class TableColumns:
+    """The columns of a table: their names, the first cell of each, and what they are read as today.
+
+    `of` is what its rows are, `samples` or `flights`; `read_as` maps channels or fields to columns, as they are typed.
+    """
+
+    of: str
+    names: tuple[str, ...]
+    first: tuple[str, ...]
+    read_as: Mapping[str, str]
+
+    def checked(self, channel: str, text: str) -> str:
+        """A column as it was typed for a channel. Raises BadValue for one that is not there."""
+        if not text:
+            return ""
+        read_choice([f"{channel}={text}"])
+        bare = text.partition(" [")[0].strip()
+        known = {name.casefold() for name in self.names} | {f"#{n}" for n in range(1, len(self.names) + 1)}
+        if not {text.casefold(), bare.casefold()} & known:
+            raise BadValue(f"found no column {text!r}")
+        return text
+
+
+def table_columns(path: Path, of: str = "") -> TableColumns:
+    """The columns of the table in a file; `of` says what its rows are where the flyer does.
+
+    Raises FieldkitError for a file that holds no table.
+    """
+    from fieldkit.importing.recognize import table_of
+    from fieldkit.services.imports.gather import read_file
+
+    head = table_of(read_file(path), path.name)[:HEAD]
+    if of != "flights":
+        try:
+            return _of_samples(head, certain=of == "samples")
+        except DamagedLog:
+            if of == "samples":
+                raise
+    return _of_flights(head)
+
+
+def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
+    """The columns of a table of samples. Raises DamagedLog where it is none, as far as that can be told."""
+    from fieldkit.importing.tables.column_choice import guessed
+    from fieldkit.importing.tables.layout import layout_of
+
+    layout = layout_of(head)
+    picks = guessed(layout)
+    if not certain and layout.named and "time" not in {pick.channel for pick in picks} and _looks_of_flights(head):
+        raise DamagedLog("found columns of flights")
+    choice = choice_for(layout.headers, remembered())
+    read_as = {pick.channel.rstrip("?"): layout.headers[pick.place] for pick in reversed(picks)}
+    return TableColumns("samples", layout.headers, layout.first, choice.channels if choice else read_as)
+
+
+def _of_flights(head: bytes) -> TableColumns:
+    """The columns of a table of flights."""
+    from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
+    from fieldkit.importing.tables.text import decode, first_names, first_row, rows
+
+    names, first = table_names(head), first_names(head)
+    if not shape(first):
+        text = decode(head)
+        separator = max((",", ";", "\t"), key=lambda one: len(first_row(text, one)[1]))
+        below = (cells for row, cells in rows(text, separator) if row > first_row(text, separator)[0])
+        cells = next((one for one in below if not isinstance(one, DamagedLog) and any(one)), [])
+        first = tuple(cell.strip() for cell in cells)
+    choice = choice_for(names, [one for one in remembered() if is_of_flights(one)])
+    roles = ((role_of(name, strict=False).field, name) for name in reversed(names))
+    return TableColumns("flights", names, first, choice.channels if choice else {f: name for f, name in roles if f})
+
+
+def _looks_of_flights(head: bytes) -> bool:
+    """Whether a column of a table is one of flights."""
+    from fieldkit.importing.tables.flight_headings import role_of, table_names
+
+    return any(role_of(name, strict=False).field for name in table_names(head))
 
 
 def list_mappings() -> Sequence[ColumnChoice]:

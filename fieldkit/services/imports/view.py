@@ -4,7 +4,7 @@ Numbers are in the units of their columns, as in the flight table.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fieldkit import units
@@ -14,6 +14,7 @@ from fieldkit.importing.reading import Intake
 
 if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
+    from fieldkit.analysis.whole_flight import FlightCurve
     from fieldkit.importing.tables.columns_read import ColumnRead
 
 
@@ -45,6 +46,15 @@ class FlightView:
     readouts: Mapping[str, ReadoutView]
     events: tuple[EventView, ...]
     recorded: "Recorded | None"
+    simulated: bool = False
+    """Whether it is a simulation, which is looked at and not stored."""
+
+    @property
+    def curve(self) -> "FlightCurve | None":
+        """Height, speed and acceleration of the whole flight, as they are drawn; None without samples."""
+        from fieldkit.analysis.whole_flight import flight_curve
+
+        return flight_curve(self.recorded) if self.recorded else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,11 +71,18 @@ class FileView:
     flights: tuple[FlightView, ...]
     notes: tuple[str, ...]
     rejected: int
+    simulations: tuple[FlightView, ...] = ()
+    """What it states of flights that nobody flew: they are not among those that would be stored."""
+
+    @property
+    def shown(self) -> tuple[FlightView, ...]:
+        """The flights and the simulations in it."""
+        return self.flights + self.simulations
 
     @property
     def apogees(self) -> tuple[float, ...]:
         """The apogees of its flights, where they have one. [m]"""
-        return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
+        return tuple(one.readouts["apogee"].value for one in self.shown if "apogee" in one.readouts)
 
 
 def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
@@ -83,7 +100,17 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
         tuple(flight_view(flight, by_id.get(flight.flight_id)) for flight in flights),
         tuple(notes),
         len(intake.rejected),
+        tuple(_simulation_view(one, number) for number, one in enumerate(intake.simulated, start=1)),
     )
+
+
+def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
+    """What a simulation states of its flight, as if it were stored."""
+    from fieldkit.analysis import columns
+
+    fields, _ = columns(recorded, {})
+    flight = Flight().with_changes(**fields, flight_id=f"simulation {number}")
+    return replace(flight_view(flight, recorded), simulated=True)
 
 
 def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
@@ -96,7 +123,7 @@ def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded |
     scale = units.unit(column.quantity, column.unit)
     sd = flight.sd.get(column.name)
     said = flight.extra.get(column.stated_header)
-    figure = recorded.figures.get(column.name) if recorded and sd is not None else None
+    figure = recorded.figures.get(column.name) if recorded and (sd is not None or not said) else None
     known = flight.source.get(column.name) or ("device" if said or flight.extra.get("log_format") else "typed")
     sensor = sensor_of(figure.source) if figure else known
     spread = None if sd is None else scale.from_si(sd) - scale.from_si(0)

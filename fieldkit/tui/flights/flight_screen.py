@@ -14,8 +14,8 @@ from textual.widgets import Static
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
+from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
 from fieldkit.tui.flights import logged
-from fieldkit.tui.flights.flight_facts import ForecastFacts, forecast_facts, or_why, said_by
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.help import Help
@@ -256,7 +256,7 @@ def hills(flight: Flight, resources: "Resources") -> Hills:
     """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
     from fieldkit.tui.widgets.plots import draw_density
 
-    said = said_by(flight, resources.motors)
+    said = drag_facts(flight, resources.ledger, resources.motors)
     drawn = tuple(
         (
             place,

@@ -75,8 +75,8 @@ def _interval(one: "ListedFlight") -> Interval | None:
 def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
     """The profile of each flight that has a log, by its number."""
     from fieldkit.presentation.home_text import sparkline
+    from fieldkit.services.flight_facts import or_why
     from fieldkit.tui.asking import go_on
-    from fieldkit.tui.flights.flight_facts import or_why
     from fieldkit.tui.flights.log_plot import Drawn, drawn
 
     found: dict[str, str] = {}

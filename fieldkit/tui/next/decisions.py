@@ -56,7 +56,7 @@ class Decision:
         takes_off = tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
-        words = tuple(delays_in_words(judged, fast, tool))
+        words = tuple(delays_in_words(judged, fast, tool, self.system))
         return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
@@ -74,7 +74,7 @@ class Decision:
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
         more = allowed(rule, said.plan, said.found, day.length) if rule else ()
-        answer = Answer(tuple(ballast_in_words(best, goal)), self._beside(said, more))
+        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
         return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
     def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
@@ -87,7 +87,7 @@ class Decision:
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
-        words = (*outlook_in_words(ahead, rule, area, day.cut), *self._scored(ledger, rule, day))
+        words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
         return decision_plots.of_points(answer, ahead.points.ravel())
 
@@ -144,12 +144,16 @@ class Decision:
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.planning.check import safety_text
-        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
-        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
-        return (*conditions_in_words(said.plan, self.rocket.starts), "", *safety_text([*lines, *more]))
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
+        return (
+            *conditions_in_words(said.plan, self.rocket.starts, self.system),
+            "",
+            *safety_text([*lines, *more], self.system),
+        )
 
 
 def _missed(found: "ScoreReport", system: str) -> Iterator[str]:

@@ -47,7 +47,7 @@ class ForecastCard(VerticalScroll):
         system = settings.units
         title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
         middle = number(cards.APOGEE, one.apogee, system)
-        more, checks = next_words.figures(plan, one, system), next_words.checks(one)
+        more, checks = next_words.figures(plan, one, system), next_words.checks(one, system)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))

@@ -94,12 +94,12 @@ def read_plan(resources: "Resources") -> Plan | None:
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
     """
     from fieldkit.errors import ImpossibleFlight
-    from fieldkit.ledger.sites import site_of
     from fieldkit.paths import data_folder
     from fieldkit.planning.limits import limits
     from fieldkit.planning.motor_guide import Wanted, mount_of
     from fieldkit.services import launch_day
     from fieldkit.services.planning import completed_plan, rocket_of
+    from fieldkit.services.sites import site_of
 
     ledger = resources.ledger
     flights = ledger.flights()

@@ -56,18 +56,21 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
         ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
         ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
         ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
-        ("air", air_of(said.plan).words()),
+        ("air", air_of(said.plan).words(system)),
         ("rests on", plan.rests_on),
         ("narrows", narrows(said)),
         ("note", "; ".join([*said.found.notes, *said.left_out])),
     ]
 
 
-def checks(one: "MotorChoice") -> Pairs:
-    """The safety lines, each with its figures and its limit."""
-    from fieldkit.planning.check import ADVICE_NOTE, MARKS
+def checks(one: "MotorChoice", system: str) -> Pairs:
+    """The safety lines, each with its figures and its limit, in the units of a system."""
+    from fieldkit.planning.check import ADVICE_NOTE, MARKS, in_units
 
-    lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
+    lines = [
+        (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_units(line.finding, system)}")
+        for line in one.lines
+    ]
     return [*lines, ("", ADVICE_NOTE)]
 
 

@@ -150,8 +150,8 @@ class PlanScreen(PageScreen):
         plot.show(answer.draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:
-        from fieldkit.ledger.sites import site_of
         from fieldkit.services.contest_day import day_of
+        from fieldkit.services.sites import site_of
 
         ledger, plan = self.resources.ledger, self._decision.plan
         day = day_of(ledger, self._season)
@@ -196,8 +196,8 @@ class PlanScreen(PageScreen):
 
     def action_day(self) -> None:
         """Type what was announced and declared, and how large the field is."""
-        from fieldkit.ledger.sites import site_of
         from fieldkit.services.contest_day import day_of
+        from fieldkit.services.sites import site_of
 
         ledger, season, name = self.resources.ledger, self._season, self._decision.plan.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
@@ -218,8 +218,8 @@ class PlanScreen(PageScreen):
         self._view = 2 if day != known[0] and self._view == 0 else self._view
 
         def work() -> None:
-            from fieldkit.ledger.sites import put_site
             from fieldkit.services.contest_day import keep_day
+            from fieldkit.services.sites import put_site
 
             keep_day(self.resources.ledger, season, day)
             if site != known[1]:

@@ -13,8 +13,8 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.quantities import spelled, unit_of
+from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
@@ -27,6 +27,7 @@ from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.flights import Inferred
+    from fieldkit.services.inferred import FlightInference
     from fieldkit.tui.flights.flight_screen import FlightScreen
 
 FLIGHTS_PER_BATCH = 200
@@ -88,6 +89,7 @@ class FlightsScreen(PageScreen):
         self._rows: dict[str, Row] = {}
         self._hay: dict[str, str] = {}
         self._asked: set[str] = set()
+        self._inference: FlightInference | None = None
         self._sort, self._down = 1, True
         self._rest: Timer | None = None
 
@@ -114,6 +116,7 @@ class FlightsScreen(PageScreen):
         self._refill()
 
     def _have(self, rows: list[Row]) -> None:
+        self._inference = None  # other rockets may have flown
         known = {row.id: row for row in self._rows.values() if row.drag is not None}
         for row in rows:
             if (before := known.get(row.id)) and before.flight == row.flight:
@@ -135,10 +138,12 @@ class FlightsScreen(PageScreen):
             self.field_app.settled()
 
     def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
-        from fieldkit.inference.network.flights import infer
+        from fieldkit.services.inferred import FlightInference
 
+        if self._inference is None:
+            self._inference = FlightInference(self.resources.ledger, self.resources.motors)
         owners = {id(row.flight): row for row in rows}
-        found = infer([row.flight for row in rows], self.resources.motors).inferred
+        found = self._inference.infer([row.flight for row in rows]).inferred
         return [(owners[id(one.flight)], one) for one in found]
 
     def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:

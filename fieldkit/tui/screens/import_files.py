@@ -16,6 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
+from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.help import Help
 from fieldkit.tui.imports.import_look import (
     UP,
@@ -39,6 +40,7 @@ from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.services.imports import Receipt
+    from fieldkit.services.imports.mappings import TableColumns
 
 
 class ImportScreen(PageScreen):
@@ -54,8 +56,15 @@ class ImportScreen(PageScreen):
         "of several altimeters in one flight.",
         (
             ("format", "The parser that recognised the file, by what is in it. F names another one."),
+            (
+                "look",
+                "L draws the flight from lift-off with a cursor, and lists columns, readouts, events, what is stored.",
+            ),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
-            ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
+            (
+                "columns",
+                "m asks which column of a table is what; M lists what was named before, to change or forget it.",
+            ),
             ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
             (
                 "design",
@@ -72,7 +81,11 @@ class ImportScreen(PageScreen):
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("F", "format", "Format", tooltip="Name the parser to read with"),
         Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
+        Binding("l", "look", "Look", tooltip="The log as it is drawn, its columns, readouts and events"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
+        Binding(
+            "M", "mappings", "Mappings", tooltip="Columns that were named before: change or forget them", show=False
+        ),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
         Binding("r", "reload", "Look again", tooltip="List the folder and read the file again", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
@@ -203,6 +216,17 @@ class ImportScreen(PageScreen):
         """The folder above."""
         self.go(self._folder.parent, self._folder)
 
+    def action_look(self) -> None:
+        """Show the file under the cursor as it was read: plots with a cursor, columns, readouts, events."""
+        look = self._look
+        if look is None or look.receipt is None or not look.receipt.files:
+            self.complain(look.trouble if look is not None and look.trouble else "There is no file here to look into")
+            return
+        from fieldkit.tui.flights.log_view import LogView, looks_at
+
+        system = self.resources.settings.units
+        self.app.push_screen(LogView([one for file in look.receipt.files for one in looks_at(file, system)], system))
+
     def action_format(self) -> None:
         """Name a parser."""
         from fieldkit.importing.recognize import parsers
@@ -238,16 +262,39 @@ class ImportScreen(PageScreen):
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""
-        from fieldkit.importing.tables.headings import QUANTITIES
+        path = self.query_one("#files", Table).current
+        if path is None or path == UP or path.is_dir():
+            self.complain("There is no table here")
+            return
+        self._ask_columns(path, "")
 
-        known = ", ".join(QUANTITIES)
-        about = f"CHANNEL=COLUMN, separated by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
-        self.app.push_screen(AskText("Columns", "; ".join(self._reading.columns), about), self._mapped)
+    def _ask_columns(self, path: Path, of: str) -> None:
+        """Ask what the columns of a file are, whose rows are `of` samples or of flights."""
+        from fieldkit.services.imports.mappings import table_columns
 
-    def _mapped(self, text: str | None) -> None:
-        if text is not None:
-            columns = tuple(part.strip() for part in text.split(";") if part.strip())
-            self._read_as(replace(self._reading, columns=columns))
+        self.ask(or_why(partial(table_columns, path, of)), partial(self._have_columns, path), "columns")
+
+    def _have_columns(self, path: Path, columns: "TableColumns | str") -> None:
+        from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm
+
+        if isinstance(columns, str):
+            self.complain(columns)
+            return
+
+        def answered(values: dict[str, object] | None) -> None:
+            if values is not None and OTHER_ROWS in values:
+                self._ask_columns(path, "flights" if columns.of == "samples" else "samples")
+            elif values is not None:
+                named = tuple(f"{name}={column}" for name, column in values.items() if column)
+                self._read_as(replace(self._reading, columns=named))
+
+        self.app.push_screen(MappingForm(columns), answered)
+
+    def action_mappings(self) -> None:
+        """The columns that were named before."""
+        from fieldkit.tui.imports.mapping_form import MappingList
+
+        self.app.push_screen(MappingList(self.complain), lambda _: self._examine())
 
     def action_folder(self) -> None:
         """Type a path."""

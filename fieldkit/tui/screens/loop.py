@@ -13,8 +13,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
+from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.asking import go_on
-from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Page, PageScreen

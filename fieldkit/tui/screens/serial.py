@@ -185,24 +185,14 @@ class CaptureScreen(PageScreen):
     def _happened(self, message: Happened) -> None:
         """Show one event."""
         from fieldkit import capture
+        from fieldkit.presentation.capture_text import event_line
 
-        match message.event:
-            case None:
-                self._capturing = False
-            case capture.PortOpened(port, device, file):
-                self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
-            case capture.Recognised(device):
-                self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Instruction(text):
-                self._say(text)
-            case capture.FlightsListed(flights, chosen):
-                self._say(f"{len(flights)} flights in memory, reading {len(chosen)}")
-            case capture.Lost(_, why):
-                self._say(f"! {why}; all that came is kept, waiting for it to come back")
-            case capture.Back(port):
-                self._say(f"it is back on {port}")
-            case capture.Progress():
-                self._progress(message.event)
+        if message.event is None:
+            self._capturing = False
+        elif isinstance(message.event, capture.Progress):
+            self._progress(message.event)
+        elif line := event_line(message.event):
+            self._say(f"! {line}" if isinstance(message.event, capture.Lost) else line)
 
     def _say(self, text: str) -> None:
         self._said = [*self._said, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
@@ -211,10 +201,10 @@ class CaptureScreen(PageScreen):
 
     def _progress(self, progress: "Progress") -> None:
         """Counts, the fraction done, and the altitude if a stream contains it."""
+        from fieldkit.presentation.capture_text import counts
         from fieldkit.tui.widgets.plots import Plot
 
-        parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
-        parts += [f"{progress.damaged:,} damaged"] if progress.damaged else []
+        parts = counts(progress)
         if progress.share is not None:
             bar = "█" * round(progress.share * 20)
             parts.append(f"[{bar:20}] {progress.share:.0%}")

@@ -132,7 +132,7 @@ class SetupScreen(PageScreen):
         self._show()
 
     def _read(self) -> LedgerNames:
-        from fieldkit.ledger.sites import sites
+        from fieldkit.services.sites import sites
 
         flights = self.resources.ledger.flights()
         ids = self.resources.ledger.ids(flights)

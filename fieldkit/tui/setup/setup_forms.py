@@ -77,7 +77,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
     site = site_form.answered(was, values, texts, system)
 
     def work() -> int:
-        from fieldkit.ledger.sites import SITES, with_site
+        from fieldkit.services.sites import SITES, with_site
 
         ledger = page.resources.ledger
         beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}

@@ -7,7 +7,8 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.history.records import History
 from fieldkit.model.hyperprior import certified, learned
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 
 MOTORS = ("F24-4W", "E35-5W")

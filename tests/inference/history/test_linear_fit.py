@@ -22,7 +22,8 @@ from fieldkit.inference.history.response import (
 )
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.inference.network.history import response_of
-from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates

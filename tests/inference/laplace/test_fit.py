@@ -12,14 +12,16 @@ from jaxtyping import config as shapes
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.inference.laplace.fit import _Walk, fit
+from fieldkit.inference.laplace.damped_steps import DampedSteps
+from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
-from fieldkit.model.rocket_model import Model, Term, base_model, shown, with_shared
+from fieldkit.model.rocket_model import Model, Term, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 
 SETS = 40
@@ -137,18 +139,18 @@ def test_a_fit_settles_where_ejection_meets_apogee(seed: int) -> None:
 
 def test_a_step_that_turns_back_goes_half_as_far() -> None:
     settled = fits()[0]
-    walk = _Walk(settled.tangent.at)
+    walk = DampedSteps(settled.tangent.at)
     wanted = settled.mean[int(np.argmax(settled.log_weight))]
     walk.at, sd = wanted - 0.5 * term_sds(model())[0], term_sds(model())[0]
-    assert walk.goes_on(settled)
+    assert walk.advance(settled)
     np.testing.assert_allclose(walk.at, wanted, atol=1e-12)
     walk.at = wanted + 0.4 * sd
-    assert walk.goes_on(settled)
+    assert walk.advance(settled)
     free = [term.low == -np.inf for term in model().terms]
     np.testing.assert_allclose(((walk.at - wanted) / sd)[free], 0.2, atol=1e-9)
-    assert walk.goes_on(settled)
+    assert walk.advance(settled)
     np.testing.assert_allclose(((walk.at - wanted) / sd)[free], 0.0, atol=1e-9)
-    assert not walk.goes_on(settled)
+    assert not walk.advance(settled)
 
 
 # Recovery

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import genpareto
 
-from fieldkit.inference.laplace.fit import fit, flight_weights, refits_without
+from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, sampled
+from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
@@ -25,7 +26,7 @@ def fitted(readouts: int = 6) -> Fit:
     """The plain model fitted to a season, with so many of its readouts."""
     model, data = _season()
     seen = data.seen & (np.arange(len(OBSERVED_READOUTS)) < readouts)
-    return fit(model, replace(data, seen=seen), odd_flights=True)
+    return fit(model, replace(data, seen=seen), outlier_flights=True)
 
 
 def _season() -> tuple[Model, Data]:
@@ -68,7 +69,7 @@ def test_an_odd_flight_counts_for_little() -> None:
     result = fitted()
     values = result.data.values.copy()
     values[3, :2] -= 0.5
-    odd = fit(result.model, replace(result.data, values=values), odd_flights=True)
+    odd = fit(result.model, replace(result.data, values=values), outlier_flights=True)
     weight = flight_weights(odd)
     assert weight[3] < 0.35
     assert np.median(np.delete(weight, 3)) > 0.8

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
+from fieldkit.inference.laplace.learning import MEAN_SD, evidence, learn_hyperprior, mean_sds
 from fieldkit.model.hyperprior import START, Hyperprior, Scale
-from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.model.rocket_model import base_model, fleet_term
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
 ROCKETS, FLIGHTS = 8, 4
@@ -60,3 +62,36 @@ def test_what_is_learned_makes_the_flights_more_likely() -> None:
 def test_effects_that_the_start_does_not_have_stay_out() -> None:
     assert set(taught(0.3, 0.02).sds) == set(START.sds)
     assert taught(0.3, 0.02).reading.log_sd == START.reading.log_sd
+
+
+def fleets_known_to(variance: float, flyers: int) -> list[SharedPrior]:
+    quantities = [quantity for quantity in START.means if START.sd(quantity, "fleet")]
+    names = tuple(fleet_term(quantity) for quantity in quantities)
+    between = np.array([START.sd(quantity, "fleet") ** 2 for quantity in quantities])
+    return [SharedPrior(names, np.zeros(len(names)), np.diag(variance * between))] * flyers
+
+
+def test_a_mean_that_no_flyer_shows_is_as_well_known_as_before() -> None:
+    for sd in mean_sds(fleets_known_to(1.0, 3), START).values():
+        assert sd == pytest.approx(MEAN_SD)
+
+
+@pytest.mark.parametrize("flyers", [1, 3, 1000])
+def test_a_mean_is_known_as_well_as_flyers_who_are_known_exactly_agree(flyers: int) -> None:
+    """Of n draws from a normal distribution, and a normal prior."""
+    for quantity, sd in mean_sds(fleets_known_to(0.0, flyers), START).items():
+        between = START.sd(quantity, "fleet")
+        assert sd == pytest.approx((flyers / between**2 + 1 / MEAN_SD**2) ** -0.5)
+
+
+def test_a_new_flyer_may_differ_by_both() -> None:
+    card = replace(START, mean_sds={"top_speed": 0.12})
+    assert card.fleet_sd("top_speed") == pytest.approx(np.hypot(START.sd("top_speed", "fleet"), 0.12))
+    assert card.fleet_sd("burn_time") == START.sd("burn_time", "fleet")
+    assert card.fleet_sd("delay") == 0.0
+
+
+def test_what_is_learned_says_how_well_it_knows_each_mean() -> None:
+    found = taught(0.3, 0.02)
+    assert set(found.mean_sds) == set(found.means) == {"drag", "apogee"}
+    assert found.mean_sds["drag"] < MEAN_SD

@@ -208,10 +208,10 @@ def test_inference_wakes_onnxruntime_late_and_torch_never() -> None:
     assert found.stdout.split() == ["False", "False"]
 
 
-def test_training_without_its_extra_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_training_without_its_extra_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(training, "EXTRA", ("no_such_library",))
     with pytest.raises(FieldkitError, match=r"no_such_library: pip install 'fieldkit\[train\]'"):
-        training.trainer("paper")
+        training.trainer("paper", tmp_path / "out")
 
 
 def test_loading_is_quick(benchmark: BenchmarkFixture) -> None:

@@ -37,24 +37,23 @@ class ForecastFacts:
     by: str
 
 
-def said_by(flight: Flight, motors: "Catalogue") -> DragFacts:
-    """The posterior of a flight. Raises FieldkitError where it can have none."""
+def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFacts:
+    """The posterior of a flight by itself. Raises FieldkitError where it can have none."""
     import numpy as np
 
     from fieldkit.errors import ImpossibleFlight
-    from fieldkit.flight.plausibility import implausible
-    from fieldkit.inference.network.field_ensemble import infer_field
+    from fieldkit.inference.network.flights import infer
+    from fieldkit.services.inferred import FlightInference, draws
 
-    if flight.dry_mass is None or not flight.readouts():
-        raise ImpossibleFlight("drag and thrust need the dry mass and at least one readout")
-    motor = motors.resolve(flight.motor)
-    if reason := implausible(flight, motor.motor):
-        raise ImpossibleFlight(reason)
-    found = infer_field([flight], [motor])
-    area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
+    guarded = infer([flight], motors, "field")
+    if not guarded.inferred:
+        raise ImpossibleFlight(guarded.left_out[0])
+    (said,) = FlightInference(ledger, motors).answers([flight])
+    area, thrust = draws(flight, said, DRAWS)
+    warnings = guarded.inferred[0].warnings
     if flight.diameter:
-        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
-    return DragFacts(area * 1e4, "drag area cm²", thrust, found.warnings[0])
+        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, warnings)
+    return DragFacts(area * 1e4, "drag area cm²", thrust, warnings)
 
 
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:

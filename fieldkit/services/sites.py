@@ -4,7 +4,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight.site import SITE_LENGTHS, Site
-from fieldkit.ledger.ledger import Ledger
+from fieldkit.ledger import Ledger
 
 SITES = "sites"
 """Name under which the ledger keeps them."""

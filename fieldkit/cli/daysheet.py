@@ -1,0 +1,99 @@
+"""`fieldkit daysheet`: the plans of a day on one sheet."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.options import takes_plan
+from fieldkit.cli.planning import Given, PlanContext, field_of, own_limits, planned_table, planning, system
+from fieldkit.cli.screen import complain, progress
+from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.cli.targets import Force, settled
+from fieldkit.quantities import counted
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+
+app = typer.Typer()
+
+
+def daysheet(
+    context: typer.Context,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write: .pdf, .png, .svg.", show_default=False)],
+    flights: Annotated[
+        Path | None, typer.Option(help="Table of planned flights; without it the one plan that is given.")
+    ] = None,
+    title: Annotated[str, typer.Option(help="Heading of the sheet.")] = "",
+    force: Force = False,
+    **given: str | None,
+) -> None:
+    """Write the sheet of a day: forecast, landing, and safety of every planned flight, with room for results."""
+    import datetime
+
+    from fieldkit import files
+    from fieldkit.planning.planned_flight import planned_flight
+    from fieldkit.presentation.report.day_sheet import day_sheet
+    from fieldkit.presentation.report.finals_card import check_card
+
+    check_card(out)
+    force = settled(out, force)
+    if flights is not None and given.get("motor"):
+        raise typer.BadParameter("use --flights or --motor, not both")
+    with plans_of_day(context, flights, given) as plans:
+        planned = [planned_flight(one.rocket, one.flight, one.motor(), one.site, one.limits) for one in plans]
+    heading = title or f"Day sheet, {datetime.date.today().isoformat()}"
+    files.write(out, day_sheet(heading, plans[0].site, planned, out.suffix.lower(), system()), force=force)
+    complain(f"{out}: the day sheet of {counted(len(planned), 'flight')}")
+
+
+takes_plan(daysheet)
+app.command()(daysheet)
+
+
+@contextmanager
+def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> Iterator[list[PlanContext]]:
+    """The plans of a table, each for its rocket, with the conditions, site, and descent that are given where a row says
+    nothing; without a table the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
+    from fieldkit.errors import BadValue
+    from fieldkit.services.planning import rocket_of
+
+    if table is None:
+        with planning(context, given) as plan:
+            yield [plan]
+        return
+    check = MotorCheck()
+    with open_ledger(context) as ledger, progress("planning") as on_progress:
+        rows = planned_table(table, check)
+        if not rows:
+            raise BadValue(f"{table.name}: found no planned flights, expected a row for each")
+        plans = []
+        for number, row in enumerate(rows):
+            on_progress(f"{row.rocket or row.flight_id}", number / len(rows))
+            flight = _completed_row(ledger, check.catalogue, row, given)
+            rocket = rocket_of(ledger, check.catalogue, flight.rocket)
+            site = field_of(ledger, flight, given)
+            plans.append(PlanContext(ledger, check.catalogue, flight, rocket, site, own_limits()))
+        yield plans
+
+
+def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: Given) -> "Flight":
+    """A row of a table of plans with what is given for the day, and what is known of its rocket."""
+    from fieldkit.flight import CONDITIONS, MOTOR_TEMPERATURE
+    from fieldkit.flight.recovery import RECOVERY_NAMES, recovery_header
+    from fieldkit.importing.manual_entry import read_changes
+    from fieldkit.services.planning import completed_plan
+    from fieldkit.settings import read_settings
+
+    names = ("site", *(column.name for column in CONDITIONS))
+    day = read_changes(row, {name: text for name in names if (text := given.get(name)) is not None})
+    open_ones = {name: value for name, value in day.items() if not getattr(row, name)}
+    extra = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
+    if warm := given.get("motor_temperature"):
+        extra[MOTOR_TEMPERATURE] = warm
+    row = row.with_changes(**open_ones, extra={**extra, **row.extra})
+    return completed_plan(ledger, motors, row, read_settings())

@@ -1,0 +1,56 @@
+"""Draws of a model's terms from the posterior of a fit."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.inference.laplace.posterior import Fit, term_sds
+from fieldkit.model.rocket_model import Model, fleet_term
+from fieldkit.shapes import Array, Float, Int, Integers
+
+
+def term_draws(
+    model: Model, fitted: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
+    """Draws of every term: those that act on flown flights from their posterior, the others from their prior.
+
+    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn. Those of
+    one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others as
+    alone.
+    """
+    own, which = _sampled(result, draws, rng)
+    sds = term_sds(model)[which]
+    values = np.empty((draws, len(model.terms)))
+    values[:, fitted] = own
+    random_draws: dict[str, Float[Array, "draw"]] = {}
+    for i in sorted(set(range(len(model.terms))) - set(fitted)):
+        term = model.terms[i]
+        kind = _level(term.name)
+        random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
+        values[:, i] = np.clip(term.mean + sds[:, i] * random_draws[kind], term.low, term.high)
+    return values, _scales(result, which)
+
+
+def _level(name: str) -> str:
+    """What terms of one random effect have in common: `thrust of` for that of every motor."""
+    if name == fleet_term(name.partition(" of ")[0]):
+        return name
+    first, between, _ = name.partition(" on " if " on " in name else " of ")
+    return first + between
+
+
+def _sampled(
+    result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
+    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
+    which = rng.choice(len(result.weights), size=draws, p=result.weights)
+    roots = np.linalg.cholesky(result.covariance)
+    values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
+    lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
+    return np.clip(values, lows, highs), which
+
+
+def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 2"]:
+    """By what the scatter and the readings of a flight to come are scaled."""
+    scatter, reading, _ = result.model.hyperprior.scales()
+    return np.stack([scatter[which], reading[which]], axis=-1)

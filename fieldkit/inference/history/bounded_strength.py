@@ -1,0 +1,39 @@
+"""A strength with a normal prior between bounds, which moves readouts in proportion: its posterior in closed form."""
+
+from math import erfc
+
+import numpy as np
+
+from fieldkit.shapes import Array
+
+INSIDE_SDS = 5.0
+"""Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
+MIN_MASS = 1e-250
+"""Mass between two bounds below which it is treated as zero. [1]"""
+_ERFC = np.frompyfunc(erfc, 1, 1)
+
+
+def strength_posterior(
+    a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array
+) -> tuple[Array, Array, Array]:
+    """Log Bayes factor, posterior mean and standard deviation of a strength."""
+    precision = a + 1 / sd**2
+    middle = (b + mean / sd**2) / precision
+    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
+    spread = 1 / np.sqrt(precision)
+    near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
+    bayes = bayes - _log_mass(mean, sd, low, high)
+    if near.any():
+        ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
+        bayes[near] += _log_mass(middle[near], spread[near], *ends)
+        middle[near] = np.clip(middle[near], *ends)
+    return bayes, middle, spread
+
+
+def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
+    """Log of the mass of a normal distribution between two bounds."""
+    above, below = (high - mean) / sd, (low - mean) / sd
+    mirrored = below > 0  # where both would be near 1
+    above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
+    mass = 0.5 * (_ERFC(-above * np.sqrt(0.5)) - _ERFC(-below * np.sqrt(0.5))).astype(float)
+    return np.asarray(np.log(np.maximum(mass, MIN_MASS)))

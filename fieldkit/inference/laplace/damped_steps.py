@@ -1,0 +1,46 @@
+"""Damped Gauss-Newton: the steps of a point of linearization to the posterior mean."""
+
+import numpy as np
+
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.shapes import Array
+
+CONVERGENCE_TOLERANCE = 0.03
+"""Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
+FORECAST_TOLERANCE = 0.2
+"""Convergence tolerance for a forecast, in posterior standard deviations: hundredths of its interval. [1]"""
+
+
+class DampedSteps:
+    """The way of a lane's point to its posterior mean.
+
+    Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
+    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
+    readout is off by is as linear anywhere, and gets there at once.
+    """
+
+    def __init__(self, at: Array) -> None:
+        self.at = at
+        self._last, self._share = np.zeros_like(at), np.ones_like(at)
+
+    def advance(self, result: Fit | None, *, near: bool = False) -> bool:
+        """Move the point toward the posterior mean; False if it is at the mean."""
+        assert result is not None
+        terms = result.model.terms
+        sds = np.array([term.sd for term in terms])
+        best = int(np.argmax(result.log_weight))
+        wanted = result.mean[best]
+        target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
+        bent = np.array([term.bends not in OBSERVED_READOUTS for term in terms])
+        close = (
+            FORECAST_TOLERANCE * np.sqrt(np.diagonal(result.covariance[best])) if near else CONVERGENCE_TOLERANCE * sds
+        )
+        move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
+        turned = np.sign(move * self._last)
+        self._share = np.minimum(self._share * 2.0**turned, 1.0)
+        move = self._last = self._share * move
+        if np.all(np.abs(move) < close, where=bent):
+            return False
+        self.at = self.at + move
+        return True

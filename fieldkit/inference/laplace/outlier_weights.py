@@ -1,0 +1,50 @@
+"""How much flights and readouts count in a fit whose noise follows a Student t: less, the farther off they are."""
+
+import numpy as np
+
+from fieldkit.inference.laplace.outlier_flights import readouts_used
+from fieldkit.inference.laplace.posterior import Fit, residual_variance
+from fieldkit.shapes import Array, Float
+
+NEGLIGIBLE_SCALE_WEIGHT = 0.01
+"""Posterior weight of a pair of scales below which it has no part in the weights of flights. [1]"""
+
+
+def flight_weights(result: Fit) -> Float[Array, "flight"]:
+    """Expected precision of each flight over that of an ordinary one, as a fit has it. [1]"""
+    weight = np.ones(len(result.data.seen)) if result.flight_weight is None else result.flight_weight
+    scales = np.flatnonzero(result.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    nu, told, sharpness = result.model.hyperprior.tail, result.told, result.told.sharpness[scales]
+    offset = result.mean[scales] - np.array([term.mean for term in result.model.terms])
+    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    square = (left * (sharpness @ left[..., None])[..., 0]).sum(axis=-1)
+    spread = (told.slope.reshape(told.miss.size, -1) @ result.covariance[scales]).reshape(len(left), *told.slope.shape)
+    open_square = ((sharpness @ told.slope) * spread).sum(axis=(-2, -1))
+    expected = result.weights[scales] / result.weights[scales].sum() @ (square + open_square) / weight
+    count = readouts_used(result.data, result.tangent)
+    return np.asarray((nu + count) / (nu + expected))
+
+
+def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
+    """Expected precision of every residual over that of an ordinary one, as the fit has it. [1]"""
+    nu = result.model.hyperprior.tail
+    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
+    return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
+
+
+def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
+    """Posterior mean square of every residual, over its variance before outliers count for less. [1]
+
+    With N = S S' + D the noise of a flight's readouts, D the part of the residuals, and r the miss of the terms: a
+    residual is D N^-1 r, and what scatter and terms leave open of it is D - D N^-1 D + D N^-1 A C A' N^-1 D.
+    """
+    told, data, variance = result.told, result.data, residual_variance(result.model, result.data)
+    own = np.where(data.seen, variance / data.trust, 0.0)
+    offset = result.mean - np.array([term.mean for term in result.model.terms])
+    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    gain = own[..., None] * told.sharpness  # D N^-1
+    mean = (gain @ left[..., None])[..., 0]
+    spread = gain @ told.slope
+    known = np.einsum("sfot,stu,sfou->sfo", spread, result.covariance, spread, optimize=True)
+    unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
+    return np.asarray((mean**2 + unexplained + known) / variance)

@@ -1,0 +1,99 @@
+"""What the altimeter shows of a rocket's flights, given draws of what its model leaves unknown."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fieldkit.model.hyperprior import FROM_LOGS
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.rocket_model import Model, has_logs
+from fieldkit.physics.effect import Effect
+from fieldkit.physics.logged import burn_impulse, coast_drag
+from fieldkit.physics.setups import field_setup
+from fieldkit.physics.state import Setup
+from fieldkit.physics.unique import fly_unique
+from fieldkit.shapes import Array, Float
+
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
+"""Figures of a flight that the altimeter does not show and a plan asks for."""
+REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
+"""The launch angle that its scatter is measured in. [rad]"""
+COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
+"""Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
+than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
+
+
+def shown(
+    model: Model, values: Float[Array, "draw term"], scatter: Mapping[str, Float[Array, "draw flight"]]
+) -> dict[str, Float[Array, "draw flight"]]:
+    """What the altimeter shows of every flight, in SI, and a few figures it does not show.
+
+    `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
+    """
+    setup, readings_bends = _bent_setup(model, values, scatter)
+    flown = fly_unique(setup)
+    readings: Mapping[str, Any] = flown.readouts()
+    for effect, strength in readings_bends:
+        readings = effect.bend_reading(readings, strength)
+    grounded = flown.lift_off == 0
+    logged = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
+    if has_logs(model.flights):
+        logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
+    readings = {**readings, **logged}
+    out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
+    for name in OBSERVED_READOUTS:
+        bias = bent(model, values, name)
+        ratio = name != "apogee_to_eject"
+        out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
+    figures = {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS}
+    higher = np.exp(bent(model, values, "apogee"))  # the simulator is doubted here, not the altimeter
+    sinking = out["duration"] - figures["rise_time"] - np.fmax(np.nan_to_num(out["apogee_to_eject"]), 0.0)
+    return out | figures | {"true": flown.apogee * higher, "duration": out["duration"] + (higher - 1) * sinking}
+
+
+def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:
+    """Everything that bends one thing, added up."""
+    acting = [i for i, term in enumerate(model.terms) if isinstance(term.bends, str) and term.bends == bends]
+    if not acting:
+        return np.zeros((len(values), len(model.flights)))
+    return np.asarray(values[:, acting] @ np.stack([model.terms[i].weight for i in acting]))
+
+
+def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tuple[Setup, list[tuple[Effect, Array]]]:
+    def bend(what: str) -> Array:
+        return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
+
+    drag, thrust = model.area * np.exp(bend("drag")), np.exp(bend("thrust"))
+    setup = field_setup(model.flights, model.found, drag, thrust, **(COARSE_SETTINGS if model.coarse else {}))
+    setup = setup.with_changes(
+        dry_mass=setup.dry_mass * np.exp(bend("mass")),
+        burn_stretch=np.exp(bend("stretch")),
+        delay=setup.delay * np.exp(bend("delay")),
+        opening_time=np.maximum(bend("opening"), 0.0),
+    )
+    if np.any(tilt := bend("tilt")):
+        launch_angle = REFERENCE_LAUNCH_ANGLE * np.sqrt(np.abs(tilt))
+        steeper = np.hypot(setup.rail_angle, launch_angle)
+        setup = setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -steeper, steeper))
+    strengths = _strengths(model, values)
+    for effect, strength in strengths:
+        setup = effect.bend_setup(setup, strength, model.flights)
+    return setup, strengths
+
+
+def _strengths(model: Model, values: Array) -> list[tuple[Effect, Array]]:
+    """How strongly each effect acts on each flight, all its places together; those that act on none are left out."""
+    places: dict[int, list[int]] = {}
+    for index, term in enumerate(model.terms):
+        if isinstance(term.bends, Effect):
+            places.setdefault(id(term.bends), []).append(index)
+    found = []
+    for indices in places.values():
+        effect = model.terms[indices[0]].bends
+        assert isinstance(effect, Effect)
+        weight = np.stack([model.terms[i].weight for i in indices])
+        strength = np.asarray(effect.strength(values[:, indices]) @ weight)
+        if strength.any():
+            found.append((effect, strength))
+    return found

@@ -1,0 +1,56 @@
+"""One planned flight with all that is forecast of it: apogee, way down, safety lines, and the rail that is best."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.planning.check import SafetyCheck
+from fieldkit.planning.descent_rate import Fall, fall_of
+from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, Landing, RailChoice, landing, rail_choices
+from fieldkit.planning.limits import Limits
+from fieldkit.planning.rules import RuleSet
+from fieldkit.planning.safety import safety_lines
+
+DRAWS = 400
+"""Flights flown for a plan. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFlight:
+    """A plan, its forecast, what its descent rests on, where it lands, its safety lines, and rails from best to worst;
+    none where the wind is not known."""
+
+    said: Prediction
+    fall: Fall
+    down: Landing
+    lines: tuple[SafetyCheck, ...]
+    rail: tuple[RailChoice, ...]
+
+    @property
+    def name(self) -> str:
+        """The plan's id, its rocket where it has none."""
+        return self.said.plan.flight_id or self.said.plan.rocket or "plan"
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "landing": self.down.json(),
+            "rail": [one.json() for one in self.rail],
+            "timed_flights": self.fall.flights,
+        }
+
+
+def planned_flight(
+    rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits, rules: Sequence[RuleSet] | None = None
+) -> PlannedFlight:
+    """All that is forecast of a plan for a rocket at a site. Raises BadValue, ImpossibleFlight."""
+    (said,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
+    fall = fall_of(rocket.history, said.plan, found)
+    rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
+    lines = safety_lines(said, site, fall, limits, rules)
+    return PlannedFlight(said, fall, landing(said, fall), tuple(lines), tuple(rail))

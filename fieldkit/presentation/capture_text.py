@@ -1,0 +1,27 @@
+"""A running capture in words: its events, and what was received so far."""
+
+from fieldkit import capture
+
+
+def event_line(event: capture.Event) -> str:
+    """What is said of an event; empty for one that is drawn instead."""
+    match event:
+        case capture.PortOpened(port, device, file):
+            return f"{device or 'listening'} on {port}; every byte goes to {file}"
+        case capture.Recognised(device):
+            return f"this is {capture.known_devices()[device].title}"
+        case capture.Instruction(text):
+            return text
+        case capture.FlightsListed(flights, chosen):
+            return f"{len(flights)} flights in memory, reading {len(chosen)}"
+        case capture.Lost(_, why):
+            return f"{why}; everything received is saved, waiting for the unit to return"
+        case capture.Back(port):
+            return f"reconnected on {port}"
+    return ""
+
+
+def counts(progress: capture.Progress) -> list[str]:
+    """How much was received: bytes, samples, damaged samples where there are any."""
+    damaged = [f"{progress.damaged:,} damaged"] if progress.damaged else []
+    return [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples", *damaged]

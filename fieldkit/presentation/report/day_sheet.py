@@ -1,0 +1,178 @@
+"""The day sheet: the plans of a day on paper, a row each, with what they come to and room for what they do.
+
+Below the table stand the safety lines that are not well, by flight, for the one who checks rockets in.
+"""
+
+from collections.abc import Iterator, Sequence
+from textwrap import fill
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.forecast.prediction import median
+from fieldkit.planning.air import air_of
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
+from fieldkit.planning.descent import wind_profile
+from fieldkit.planning.landing import profile_in_words
+from fieldkit.planning.planned_flight import PlannedFlight
+from fieldkit.planning.quantiles import three
+from fieldkit.presentation.landing_text import rail_in_words
+from fieldkit.presentation.report.style import bound, drawn, shortened, styled
+from fieldkit.quantities import ShownUnits
+from fieldkit.safe_text import printable
+
+HEADERS = (
+    "flight",
+    "rocket",
+    "motor",
+    "lift-off",
+    "rail exit",
+    "apogee (90 %)",
+    "charge",
+    "duration",
+    "lands",
+    "checks",
+    "flown: apogee, time",
+)
+WIDTHS = (0.06, 0.11, 0.12, 0.065, 0.07, 0.115, 0.065, 0.085, 0.085, 0.065, 0.16)
+"""Of the columns, of the page's width. [1]"""
+LANDSCAPE = (11.69, 8.27)
+"""Width and height of a page. [inch]"""
+ROWS = 12
+"""Flights on a page. [1]"""
+LINE, LINES = 165, 54
+"""Length of the lines below the table [letters], and how many a page without a table has room for."""
+TABLE_TOP, ROW_HEIGHT, LINE_HEIGHT, FOOT_OF_PAGE = 0.85, 0.034, 0.0155, 0.065
+"""Where the table begins, heights of its rows and of the lines below, and what stays free, of the page's height. [1]"""
+
+
+def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: str, system: str = "SI") -> bytes:
+    """The sheet as a picture, or as a PDF of as many pages as the plans need; in the units of a system.
+
+    Raises BadValue for a picture of more flights than a page holds.
+    """
+    kind, shown = suffix.lstrip("."), ShownUnits(system)
+    if kind != "pdf" and len(planned) > ROWS:
+        raise BadValue(f"found {len(planned)} flights, expected at most {ROWS} for a picture; a .pdf has pages")
+    with styled():
+        figures = []
+        for first in range(0, len(planned), ROWS):
+            part = planned[first : first + ROWS]
+            rows, room = _told(part, shown), _room(len(part))
+            if kind != "pdf" and len(rows) > room:
+                rows = [*rows[: room - 1], f"and {len(rows) - room + 1} lines more: a .pdf has pages for them"]
+            figures.append(_page(title, site, part, rows[:room], shown))
+            more = range(room, len(rows), LINES)
+            figures += [_more(title, rows[start : start + LINES]) for start in more]
+        return bound(figures) if kind == "pdf" else drawn(figures[0], kind)
+
+
+def _room(flights: int) -> int:
+    """How many lines there is room for below a table of so many flights."""
+    return int((TABLE_TOP - _height(flights) - FOOT_OF_PAGE) / LINE_HEIGHT)
+
+
+def _height(flights: int) -> float:
+    """Of the table, of the page's height. [1]"""
+    return ROW_HEIGHT * (flights + 1)
+
+
+def _page(title: str, site: Site, planned: Sequence[PlannedFlight], rows: Sequence[str], shown: ShownUnits) -> Figure:
+    figure = Figure(figsize=LANDSCAPE)
+    figure.text(0.03, 0.965, printable(title), fontsize=15, fontweight="bold", va="top")
+    heading = "\n".join(fill(line, 150) for line in _heading(site, planned[0].said.plan, shown))
+    figure.text(0.03, 0.925, heading, fontsize=9, va="top")
+    height = _height(len(planned))
+    _table(figure.add_axes((0.03, TABLE_TOP - height, 0.94, height)), [_row(one, shown) for one in planned])
+    _lines(figure, TABLE_TOP - height - 0.015, rows)
+    return figure
+
+
+def _more(title: str, rows: Sequence[str]) -> Figure:
+    """A page of the lines that the page of the table has no room for."""
+    figure = Figure(figsize=LANDSCAPE)
+    figure.text(0.03, 0.965, f"{printable(title)}, continued", fontsize=15, fontweight="bold", va="top")
+    _lines(figure, 0.92, rows)
+    return figure
+
+
+def _lines(figure: Figure, top: float, rows: Sequence[str]) -> None:
+    figure.text(0.03, top, "\n".join(rows), fontsize=7.5, va="top", family="monospace")
+    figure.text(0.03, 0.02, ADVICE_NOTE, fontsize=9, fontweight="bold")
+
+
+def _table(axes: Axes, rows: Sequence[Sequence[str]]) -> None:
+    axes.set_axis_off()
+    table = axes.table(
+        cellText=[list(row) for row in rows],
+        colLabels=list(HEADERS),
+        colWidths=list(WIDTHS),
+        cellLoc="left",
+        bbox=Bbox.unit(),
+    )
+    table.auto_set_font_size(False)
+    table.set_fontsize(8.5)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.6)
+        cell.PAD = 0.03
+        if row == 0:
+            cell.set_text_props(fontweight="bold")
+            cell.set_facecolor("0.9")
+
+
+def _heading(site: Site, plan: Flight, shown: ShownUnits) -> Iterator[str]:
+    """Site, wind and air of the day."""
+    sizes = (("field", site.size), ("ceiling", site.ceiling), ("people", site.people), ("bystanders", site.bystanders))
+    known = [f"{name} {shown.length(value)}" for name, value in sizes if value is not None]
+    missing = [name for name, value in sizes if value is None]
+    text = ", ".join([printable(site.name) or "site not named", *known, *(f"{name} not given" for name in missing)])
+    yield f"{text}; rules: {printable(site.rules) or 'NAR, FAA'}"
+    wind = "wind not given" if plan.wind is None else f"wind {profile_in_words(wind_profile(plan), shown)}"
+    temperature = "not given" if plan.temperature is None else shown.temperature(plan.temperature)
+    yield f"{wind}; temperature {temperature}; air {air_of(plan).words(shown.system)}"
+
+
+def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
+    said, plan = one.said, one.said.plan
+    low, middle, high = three(said.apogee)
+    mass = None if plan.dry_mass is None else plan.dry_mass + said.found.motor.loaded_mass
+    delay = plan.delay if plan.delay is not None else said.found.delay
+    early, usual, late = three(one.down.duration)
+    motor = plan.motor or said.found.motor.designation
+    return (
+        shortened(one.name, 9),
+        shortened(f"{plan.rocket} {plan.config}".strip(), 17),
+        shortened(motor, 19),
+        "" if mass is None else shown.mass(mass),
+        shown.speed(median(said.rail_speed) or 0.0),
+        f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
+        "altimeter" if delay is None or not 0 < delay < 1e6 else f"{three(said.eject)[1]:+.1f} s",
+        f"{usual:.0f} s ({early:.0f}-{late:.0f})",
+        "no wind" if one.down.wind is None else f"{shown.length(three(one.down.away)[1])} away",
+        _verdicts(one.lines),
+        "",
+    )
+
+
+def _verdicts(lines: Sequence[SafetyCheck]) -> str:
+    """How many checks failed, are to be watched, and are unknown: `2⊘ 1! 4?`."""
+    worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown")
+    counts = {verdict: sum(line.verdict == verdict for line in lines) for verdict in worst_first}
+    return " ".join(f"{count}{MARKS[verdict]}" for verdict, count in counts.items() if count) or MARKS["ok"]
+
+
+def _told(planned: Sequence[PlannedFlight], shown: ShownUnits) -> list[str]:
+    """The rail that is recommended for each flight, and its safety lines that are not well; what is unknown by name."""
+    told: list[str] = []
+    for one in planned:
+        rail = [rail_in_words(choice, shown) for choice in one.rail[:1]]
+        told.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
+        told += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
+        unknown = [line.name for line in one.lines if line.verdict == "unknown"]
+        if unknown:
+            told.append(f"   {MARKS['unknown']} not checked, or to be checked by you: {', '.join(unknown)}")
+    return [row for text in told for row in fill(printable(text), LINE, subsequent_indent="      ").splitlines()]

@@ -1,0 +1,239 @@
+"""A log as it was read: the whole flight against time with a cursor, and below it columns, readouts and events."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+from fieldkit import units
+from fieldkit.flight import BY_NAME, MEASURED
+from fieldkit.quantities import measure, spelled, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.hanging import Hanging, stacked
+from fieldkit.tui.widgets.plots import Plot
+
+if TYPE_CHECKING:
+    from fieldkit.analysis.whole_flight import FlightCurve
+    from fieldkit.services.imports import FileView, FlightView
+
+CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_accel"}
+"""What is drawn, from top to bottom, and the readout whose unit it has."""
+STEPS = 120
+"""Steps of the cursor from one end to the other. [1]"""
+NEAR = 0.6
+"""An event so many steps from the cursor is named beside it. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LogLook:
+    """One flight of a file as it is looked at: a title, what is known of it, and its curve, None without samples."""
+
+    title: str
+    facts: Hanging
+    curve: "FlightCurve | None"
+
+
+def looks_at(file: "FileView", system: str) -> list[LogLook]:
+    """A look at each flight of a file, and at each simulation; one without a curve where there is none."""
+    whole = _file_facts(file)
+    shown = [
+        LogLook(
+            f"{file.file} · {one.flight.flight_id}" if len(file.shown) > 1 else file.file,
+            stacked([_readouts(one, system), _events(one, system), *whole]),
+            one.curve,
+        )
+        for one in file.shown
+    ]
+    return shown or [LogLook(file.file, stacked(whole), None)]
+
+
+def _file_facts(file: "FileView") -> list[Hanging]:
+    """Why a file was read as it was, what its columns are, and what would be stored."""
+    columns = [
+        (
+            f"{one.name} [{spelled(one.unit)}]" if one.unit else one.name,
+            f"{one.channel.replace('_', ' ') or 'not used as a channel'}, {one.source}",
+        )
+        for one in file.columns
+    ]
+    count = len(file.flights)
+    stored = f"{count} flight{'' if count == 1 else 's'}, {file.rejected} rejected"
+    read = [
+        ("format", f"{file.title} ({file.format})"),
+        ("why", file.why),
+        ("rows", f"{file.rows} used, {file.dropped} dropped"),
+        ("stores", stored),
+    ]
+    notes = [("!", note) for note in file.notes]
+    blocks = [cards.lines("How it was read", read), cards.lines("Columns", columns)]
+    return blocks + ([cards.lines("Notes", notes)] if notes else [])
+
+
+def _readouts(one: "FlightView", system: str) -> Hanging:
+    """The readouts beside what the device states, each with the sensor that it rests on."""
+    rows = []
+    for column in MEASURED:
+        found = one.readouts.get(column.name)
+        if found is None:
+            continue
+        unit = unit_of(column, system)
+        own, scale = units.unit(column.quantity, column.unit), units.unit(column.quantity, unit)
+        value, said = (
+            None if one is None else f"{scale.from_si(own.to_si(one)):.4g}" for one in (found.value, found.stated)
+        )
+        spread = f" ± {scale.difference_from_si(own.difference_to_si(found.sd)):.2g}" if found.sd else ""
+        beside = "" if said is None else f"  device: {said}"
+        rows.append((column.title, f"{value}{spread} {spelled(unit)}  {found.sensor}{beside}"))
+    return cards.lines("Readouts", rows)
+
+
+def _events(one: "FlightView", system: str) -> Hanging:
+    """The events in their order, seconds from lift-off, and the height at each."""
+    rows = []
+    for event in one.events:
+        at = "" if event.altitude is None else f"  {measure(BY_NAME['apogee'], event.altitude, system)}"
+        rows.append((event.name.replace("_", " "), f"T{event.time:+.2f} s{at}  {event.sensor}"))
+    return cards.lines("Events", rows)
+
+
+class LogView(ModalScreen[None]):
+    """The log of a flight, or of several, one at a time."""
+
+    DEFAULT_CSS = """
+    LogView { background: $background; }
+    LogView > Vertical { background: $surface; border: solid $border; }
+    LogView #cursor { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    LogView Plot { height: 1fr; min-height: 4; border-top: solid $border-blurred; border-title-color: $foreground; }
+    LogView VerticalScroll { height: 7; padding: 0 1; border-top: solid $border-blurred; }
+    LogView.-facts Plot { display: none; }
+    LogView.-facts VerticalScroll { height: 1fr; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "step(-1)", "Earlier", show=False),
+        Binding("right", "step(1)", "Time", key_display="←→"),
+        Binding("shift+left,ctrl+left", "step(-10)", "Much earlier", show=False),
+        Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
+        Binding("home", "event(-1)", "Event before", show=False),
+        Binding("end", "event(1)", "Next event", key_display="Home End"),
+        Binding("tab", "facts", "Plot/facts", priority=True),
+        Binding("up", "scroll_by(-1)", "Up", show=False),
+        Binding("down", "scroll_by(1)", "Facts", key_display="↑↓"),
+        Binding("pageup", "flight(-1)", "Flight before", show=False),
+        Binding("pagedown", "flight(1)", "Flights", key_display="PgDn"),
+        Binding("y", "copy", "Copy", show=False),
+        Binding("escape", "dismiss", "Close"),
+    ]
+
+    def __init__(self, looks: Sequence[LogLook], system: str) -> None:
+        super().__init__()
+        self._looks, self._system = looks, system
+        self._place, self._moment = 0, 0.0
+
+    def compose(self) -> ComposeResult:
+        """The cursor's values, the plots, the facts."""
+        with Vertical() as frame:
+            frame.border_title = Content(printable(self._looks[0].title))
+            yield Static("", id="cursor")
+            for name in CHANNELS:
+                yield Plot(id=f"look-{name}")
+            with VerticalScroll(can_focus=False):
+                yield Static("", id="facts")
+            yield KeyBar()
+
+    def on_mount(self) -> None:
+        """The first flight."""
+        self._show()
+
+    @property
+    def _look(self) -> LogLook:
+        return self._looks[self._place]
+
+    def _show(self) -> None:
+        """Show the current flight, the cursor at its apogee."""
+        look = self._look
+        self.query_one(Vertical).border_title = Content(printable(look.title))
+        self.query_one("#facts", Static).update(look.facts)
+        self.set_class(look.curve is None, "-facts")
+        if look.curve is not None:
+            self._moment = look.curve.events.get("apogee", float(look.curve.time[0]))
+        self._draw()
+
+    def _draw(self) -> None:
+        """Draw the curves with the cursor, and say what they are there."""
+        curve = self._look.curve
+        if curve is None:
+            self.query_one("#cursor", Static).update("no samples in this file")
+            return
+        span = float(curve.time[0]), float(curve.time[-1])
+        said = [f"T{self._moment:+.2f} s" + ("" if curve.from_liftoff else " on the log's clock")]
+        for (name, readout), values, here in zip(
+            CHANNELS.items(), (curve.height, curve.speed, curve.acceleration), curve.at(self._moment), strict=True
+        ):
+            unit = unit_of(BY_NAME[readout], self._system)
+            scale = units.unit(BY_NAME[readout].quantity, unit)
+            trace = ChannelTrace(name, curve.time.tolist(), [scale.from_si(float(value)) for value in values])
+            plot = self.query_one(f"#look-{name}", Plot)
+            plot.border_title = Content(f"{name} [{spelled(unit)}]")
+            plot.show(_with_cursor(trace, curve.events, span, self._moment))
+            said.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
+        step = (span[1] - span[0]) / STEPS
+        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < NEAR * step]
+        self.query_one("#cursor", Static).update(Content(printable("  ".join(said))).stylize("bold"))
+
+    def action_step(self, by: int) -> None:
+        """Move the cursor."""
+        curve = self._look.curve
+        if curve is not None:
+            first, last = float(curve.time[0]), float(curve.time[-1])
+            self._moment = min(max(self._moment + by * (last - first) / STEPS, first), last)
+            self._draw()
+
+    def action_event(self, by: int) -> None:
+        """Put the cursor on the event before or the next one."""
+        curve = self._look.curve
+        if curve is None:
+            return
+        moments = sorted(one for one in curve.events.values() if curve.time[0] <= one <= curve.time[-1])
+        beyond = [one for one in moments if (one - self._moment) * by > 1e-6]
+        if beyond:
+            self._moment = beyond[0] if by > 0 else beyond[-1]
+            self._draw()
+
+    def action_flight(self, by: int) -> None:
+        """The flight before or the next one of the file."""
+        self._place = (self._place + by) % len(self._looks)
+        self._show()
+
+    def action_facts(self) -> None:
+        """Give the plots or the facts the room."""
+        if self._look.curve is not None:
+            self.toggle_class("-facts")
+
+    def action_scroll_by(self, lines: int) -> None:
+        """Scroll the facts."""
+        self.query_one(VerticalScroll).scroll_relative(y=lines, animate=False)
+
+    def action_copy(self) -> None:
+        """Copy the facts as text."""
+        self.app.copy_to_clipboard(f"{self._look.title}\n\n{self._look.facts}")
+
+
+def _with_cursor(
+    trace: ChannelTrace, events: Mapping[str, float], span: tuple[float, float], moment: float
+) -> Callable[[Any, Any], None]:
+    """Draws a channel with its events, and a line at the cursor."""
+
+    def draw(plt: Any, ink: Any) -> None:
+        draw_trace(trace, dict(events), span, plt, ink)
+        plt.plot([moment, moment], [min(trace.values), max(trace.values)], marker="┃", color=ink.text)
+
+    return draw

@@ -1,0 +1,154 @@
+"""The form that says which column of a table is what, and the list of those that are remembered."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.content import Content
+from textual.screen import ModalScreen
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import BY_NAME
+from fieldkit.importing.manual_entry import Question
+from fieldkit.importing.tables.headings import QUANTITIES
+from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS
+from fieldkit.services.imports.mappings import TableColumns, edit, forget, in_words, list_mappings
+from fieldkit.services.pickers import OfferedAnswer, among
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.importing import ColumnChoice
+
+_ABOUT = {
+    "time": "The clock, in any unit: s, ms, us, 12:04:05.3.",
+    "altitude": "The height above the pad.",
+    "altitude_msl": "A height above sea level, or any that is not zero on the pad.",
+    "pressure": "The pressure of the air.",
+    "felt": "What the accelerometer along the rocket shows: one g on the pad.",
+    "acceleration": "The acceleration along the rocket without gravity: zero on the pad.",
+    LIFTOFF_MASS: "The mass with the motor; the motor's is taken off.",
+    MOTOR_MASS: "The mass of the loaded motor.",
+}
+_HOW = "Type or choose its column; a unit that the heading lacks follows in brackets: Alt [ft]."
+OTHER_ROWS = "rows"
+"""What a form answers with to be asked again of the other kind of rows."""
+
+
+class MappingForm(Form):
+    """A line for each channel of samples, or each field of flights; empty where the table has no such column."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)
+    ]
+
+    def __init__(self, columns: TableColumns) -> None:
+        names = FLIGHT_COLUMNS if columns.of == "flights" else tuple(QUANTITIES)
+        questions = [Question(name, _title(name), f"{_about(name)} {_HOW}") for name in names]
+        texts = {name: column for name, column in columns.read_as.items() if name in names}
+        super().__init__(
+            f"Each row is one of the {columns.of} of this table", questions, texts, {}, _reader(columns), None
+        )
+        offered = among([OfferedAnswer(*pair) for pair in _offered(columns)])
+        self._picker.sources = dict.fromkeys(names, offered)
+
+    def action_other_rows(self) -> None:
+        """Ask of samples in place of flights, or of flights in place of samples."""
+        self.dismiss({OTHER_ROWS: True})
+
+
+def _offered(columns: TableColumns) -> Sequence[tuple[str, str]]:
+    first = (*columns.first, *[""] * len(columns.names))
+    return [(name, f"first {cell}" if cell else "") for name, cell in zip(columns.names, first, strict=False)]
+
+
+def _reader(columns: TableColumns) -> Callable[[str, str, str], object]:
+    """What makes an answer of a channel, a text and no unit. Raises BadValue."""
+    return lambda name, text, unit: columns.checked(name, text)
+
+
+def _title(name: str) -> str:
+    column = BY_NAME.get(name)
+    return column.title if column and name not in QUANTITIES else name.replace("_", " ").capitalize()
+
+
+def _about(name: str) -> str:
+    column = BY_NAME.get(name)
+    return _ABOUT.get(name) or (column.help if column else "")
+
+
+class MappingList(ModalScreen[None]):
+    """The columns that were named once, by the headings of their tables: changed or forgotten here."""
+
+    DEFAULT_CSS = """
+    MappingList { align: center middle; background: $backdrop; }
+    MappingList > Vertical { width: 94%; height: 80%; background: $surface; border: solid $border; padding: 0 1; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("e", "edit", "Edit"),
+        Binding("x,delete", "forget", "Forget", key_display="x"),
+        Binding("escape", "dismiss", "Close"),
+    ]
+
+    def __init__(self, complain: Callable[[str], object]) -> None:
+        super().__init__()
+        self._complain = complain
+        self._known: Sequence[ColumnChoice] = ()
+
+    def compose(self) -> ComposeResult:
+        """The list and its keys."""
+        with Vertical() as frame:
+            frame.border_title = Content("Columns that were named")
+            yield Table(
+                id="mappings", empty="none yet: m on the page Import names the columns of a table", enter="Edit"
+            )
+            yield KeyBar()
+
+    def on_mount(self) -> None:
+        """Read them."""
+        self._show()
+        self.set_focus(self.query_one(Table))
+
+    def _show(self) -> None:
+        self._known = list_mappings()
+        heads = [Head("of", 8), Head("columns", 40), Head("headings of the table", 0)]
+
+        def cells(number: int) -> tuple[str, str, str]:
+            of, headings, columns = in_words(self._known[number - 1])
+            return of, columns, headings
+
+        self.query_one(Table).show(heads, list(range(1, len(self._known) + 1)), cells)
+
+    def on_table_chosen(self) -> None:
+        """Enter edits."""
+        self.action_edit()
+
+    def action_edit(self) -> None:
+        """Type other columns for the same headings."""
+        number = self.query_one(Table).current
+        if number is None:
+            return
+
+        def typed(text: str | None) -> None:
+            if text is not None:
+                self._try(lambda: edit(number, [part.strip() for part in text.split(";") if part.strip()]))
+
+        about = "CHANNEL=COLUMN, separated by ; such as altitude=Alt (ft)."
+        self.app.push_screen(AskText("Columns", in_words(self._known[number - 1])[2], about), typed)
+
+    def action_forget(self) -> None:
+        """Forget the one under the cursor."""
+        number = self.query_one(Table).current
+        if number is not None:
+            self._try(lambda: forget(number))
+
+    def _try(self, change: Callable[[], object]) -> None:
+        try:
+            change()
+        except FieldkitError as error:
+            self._complain(str(error))
+        self._show()

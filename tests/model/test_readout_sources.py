@@ -1,0 +1,78 @@
+"""What a readout was measured by decides whose bias it has: that of a device, or none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict
+from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
+from fieldkit.model.readout_data import measured_in_samples
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.simulated_readouts import shown
+from fieldkit.motors import Found, catalogue
+
+PLAN = Flight("next", "Law", "A", "F24-4W", dry_mass=0.322, diameter=0.066)
+SHOWN = ("apogee", *FROM_DEVICES)
+
+
+def flown(source: str, count: int = 2) -> list[tuple[Flight, Found]]:
+    """Flights as simulated, exactly measured by a source, of a rocket with more drag than usual."""
+    motor = catalogue().resolve(PLAN.motor)
+    model = base_model([PLAN] * count, [motor] * count, START)
+    truth = np.array([[term.mean for term in model.terms]])
+    truth[0, model.names.index("drag")] += 0.3
+    readings = shown(model, truth, {})
+    flights = []
+    for i in range(count):
+        values = {name: float(readings[name][0, i]) for name in SHOWN}
+        sd = {"apogee": 1.0, "top_speed": 0.5, "burn_time": 0.05, "peak_accel": 3.0, "coast_to_apogee": 0.1}
+        sources = dict.fromkeys(values, source) if source else {}
+        flights.append((PLAN.with_changes(flight_id=f"{i}", **values, sd=sd, source=sources), motor))
+    return flights
+
+
+def test_a_flight_without_the_readout_is_like_the_one_before() -> None:
+    shows = [
+        PLAN,
+        PLAN.with_changes(top_speed=50.0, source={"top_speed": "typed"}),
+        PLAN,
+        PLAN.with_changes(top_speed=50.0, source={"top_speed": "baro"}),
+        PLAN,
+    ]
+    assert measured_in_samples(shows, "top_speed").tolist() == [0, 0, 0, 1, 1]
+    assert measured_in_samples(shows, "burn_time").tolist() == [0] * 5
+
+
+def test_readouts_from_samples_share_no_term_with_those_of_a_device() -> None:
+    typed, logged = flown("typed", 1), flown("accel", 1)
+    flights, motors = zip(*typed, *logged, strict=True)
+    model = base_model(flights, motors, learned())
+    weight = {term.name: term.weight.tolist() for term in model.terms}
+    for readout in FROM_DEVICES:
+        assert weight[f"{readout} of the fleet"] == weight[readout] == [1.0, 0.0]
+        assert weight[f"{readout} in logs"] == [0.0, 1.0]
+    only_logs = base_model(*zip(*logged, strict=True), learned())
+    assert not [name for name in only_logs.names if name in FROM_DEVICES]
+
+
+@pytest.fixture
+def slow_device() -> Hyperprior:
+    """A world whose devices show speed a fifth low, and hardly differ."""
+    means = {**learned().means, "top_speed": -0.2}
+    return replace(learned(), means=means).with_sds(top_speed__fleet=0.01, top_speed__rocket=0.01)
+
+
+def test_drag_and_thrust_are_found_from_logged_readouts_whatever_devices_show(slow_device: Hyperprior) -> None:
+    """The same figures typed in are of another flight: that device would have shown a fifth less speed."""
+    motor = catalogue().resolve(PLAN.motor)
+
+    def misses(source: str) -> tuple[float, float]:
+        (forecast,) = predict(flown(source), [(PLAN, motor)], hyperprior=slow_device, draws=400)
+        cd, alpha = np.log(forecast.cd), np.log(forecast.alpha)
+        truth = START.mean("drag") + 0.3
+        return abs(cd.mean() - truth) / cd.std(), abs(alpha.mean()) / alpha.std()
+
+    assert max(misses("accel")) < 1.0
+    assert max(misses("typed")) > 2.0

@@ -1,0 +1,73 @@
+"""The day sheet: a row for each plan, and every check that is not well."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.motors import catalogue
+from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.limits import limits
+from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
+from fieldkit.presentation.report.day_sheet import ROWS, day_sheet
+
+CHECK_SHAPES = False
+PLANS = (
+    "flight_id,rocket,dry_mass_g,diameter_mm,motor,delay_s,wind_mps,main_altitude_m\n"
+    "first,Alpha,40,25,C6-5,,,\n"
+    "second,Big Red,1400,56.6,H242T-10,,2,150\n"
+)
+SITE = Site(name="Meadow", size=300.0, people=30.0)
+
+
+@pytest.fixture(scope="module")
+def planned() -> PlannedFlight:
+    found = catalogue().resolve("C6-5")
+    plan = Flight(flight_id="1", rocket="Alpha", motor="C6-5", dry_mass=0.04, diameter=0.025, wind=3.0, delay=5.0)
+    return planned_flight(Rocket((), (), None, 0), plan, found, SITE, limits())
+
+
+def text_of(content: bytes) -> str:
+    """The text of a picture: letters of an SVG are shapes, each row named in a comment."""
+    return content.decode().replace("&gt;", ">")
+
+
+def test_a_row_says_what_a_plan_comes_to_and_below_stand_the_checks_that_are_not_well(planned: PlannedFlight) -> None:
+    sheet = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
+    for said in ("Saturday", "Meadow, field 300 m, people 30 m, ceiling not given", "recommended rail", "C6-5"):
+        assert said in sheet
+    failed = [line for line in planned.lines if line.failed]
+    assert failed
+    for line in failed:
+        assert f"{line.name}: {line.verdict}" in sheet
+    american = text_of(day_sheet("Saturday", SITE, [planned], ".svg", "US"))
+    assert "field 984 ft" in american
+    assert "field 300 m" not in american
+
+
+def test_many_flights_have_pages_and_no_line_is_lost(planned: PlannedFlight) -> None:
+    many = day_sheet("Saturday", SITE, [planned] * (ROWS + 1), ".pdf")
+    assert many.startswith(b"%PDF")
+    assert many.count(b"/Type /Page\n") + many.count(b"/Type /Page ") >= 2
+    with pytest.raises(BadValue, match="at most 12 for a picture"):
+        day_sheet("Saturday", SITE, [planned] * (ROWS + 1), ".png")
+
+
+def test_the_command_reads_a_table_of_plans_and_what_is_given_for_the_day(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
+    table.write_text(PLANS)
+    ledger = ["--ledger", str(tmp_path / "a.db")]
+    given = ["--flights", str(table), "--wind", "4", "--field-size", "300m", "--title", "Our day"]
+    assert main([*ledger, "daysheet", *given, "--out", str(out)]) == 0
+    assert "the day sheet of 2 flights" in capsys.readouterr().err
+    sheet = text_of(out.read_bytes())
+    assert "Our day" in sheet
+    assert "wind 4.0 m/s at the pad" in sheet  # of the first; the second has its own
+    assert "altimeter" in sheet
+    assert main([*ledger, "daysheet", *given, "--out", str(tmp_path / "day.doc")]) == 1
+    assert "day.doc" in capsys.readouterr().err

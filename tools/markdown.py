@@ -1,0 +1,36 @@
+"""Pieces of the pages in `docs/` that are written from the program and from what was measured."""
+
+import json
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+WRITTEN_BY = "This page is written by `python tools/manual.py`."
+MEASURED = Path(__file__).parents[1] / "docs" / "measured"
+"""Figures of measurements that take long, each file with the command that made it."""
+
+
+def prose(*parts: str) -> Iterator[str]:
+    """A paragraph."""
+    yield textwrap.fill(" ".join(parts), 120, break_long_words=False, break_on_hyphens=False)
+    yield ""
+
+
+def table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """A table in Markdown."""
+    yield "| " + " | ".join(headers) + " |"
+    yield "|" + "---|" * len(headers)
+    yield from ("| " + " | ".join(row) + " |" for row in rows)
+    yield ""
+
+
+def measured(name: str) -> dict[str, Any] | None:
+    """What was measured under a name, if it was."""
+    path = MEASURED / f"{name}.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+def percent(share: float | None, digits: int = 1) -> str:
+    """A fraction in percent, `-` for none."""
+    return "-" if share is None else f"{100 * share:.{digits}f} %"

@@ -1,0 +1,125 @@
+"""The page of the manual on every prior and noise figure of the model."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from fieldkit.model.hyperprior import READOUTS, START, Hyperprior, certified, learned
+from tools.markdown import WRITTEN_BY
+
+SOURCES = {
+    "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
+    "thrust": "log of delivered over certified impulse; lots within 2 to 3 % (NFPA 1125 allows 10 % in a test)",
+    "mass": "log of the mass flown over the mass written down: altimeter, recovery, wadding",
+    "stretch": "log of the burn over the certified one",
+    "delay": "log of the delay over the printed one (NFPA 1125: within 20 %, at most 3 s)",
+    "tilt": "launch angle of a single flight, in units of 5 degrees, squared",
+    "apogee": "log of the apogee over what drag, thrust and mass make of it",
+    "top_speed": "log of what the device shows over the simulated one",
+    "burn_time": "as top speed",
+    "peak_accel": "as top speed",
+    "coast_to_apogee": "as top speed",
+    "apogee_to_eject": "what the device shows less the simulated one [s]",
+    "coast_drag": "log of drag in a log over the simulated one; 15 degrees from vertical it is 3.5 % more",
+    "burn_impulse": "log of impulse over mass in a log over the simulated one; 15 degrees from vertical 3 % less",
+}
+"""What a random effect is of, and where the figure that learning begins from is from."""
+
+
+def prior_table() -> str:
+    """Every prior and noise figure of the model, with its source, and how forecasts with it fared."""
+    card, given = learned(), certified()
+    names = list(dict.fromkeys([*card.sds, *given.sds]))
+    rows = [_random_effect(name, card, given) for name in names]
+    units = ("m", "m/s", "s", "m/s²", "s", "s", "1/m", "m/s")
+    noise = [
+        f"| {readout.replace('_', ' ')} | {fixed:.3g} {unit}, {ratio:.3g} | {fixed2:.3g} {unit}, {ratio2:.3g} |"
+        for readout, unit, fixed, ratio, fixed2, ratio2 in zip(
+            READOUTS, units, card.fixed, card.ratio, given.fixed, given.ratio, strict=True
+        )
+    ]
+    means = [f"| {name.replace('_', ' ')} | {START.mean(name):.3f} | {card.mean(name):.3f} |" for name in card.means]
+    data = [
+        f"| {one['flyer'].replace('_', ' ')} | {one['flights']} | {one['rockets']} | {_digests(one['sha256'])} |"
+        for one in card.about["data"]
+    ]
+    return f"""# Every prior and noise figure
+
+The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
+rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
+deviations of these effects are the hyperprior. *Start* are the round figures that the fit starts from, *learned* the
+result of fitting real flights, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop assumes
+while it searches for an effect: motors, masses and devices within their specifications, so that an effect and not the
+plain model has to explain a misfit. {WRITTEN_BY}
+
+| quantity | differs by | start | learned | search | definition and source |
+|---|---|---|---|---|---|
+{chr(10).join(rows)}
+
+| mean over all flyers of | start | learned |
+|---|---|---|
+{chr(10).join(means)}
+
+Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
+factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
+by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
+follow a Student t with {card.tail:g} degrees of freedom. If a readout has a standard deviation of its own, that is
+used.
+
+| readout | learned | search |
+|---|---|---|
+{chr(10).join(noise)}
+
+The log frontal area of a rocket whose diameter was not recorded has a standard deviation of {card.unknown_area:.2f}
+(learned together with that of drag), {given.unknown_area:g} in the search. The parachute opens in
+{card.opening[0]:g} ± {card.opening[1]:g} s.
+
+Priors of the strength of each effect are in [the effects](effects.md), those of the networks' simulated flights in
+[the trained ensembles](models.md): these networks were trained before this hyperprior was learned and have priors of
+their own.
+
+## What it was learned from
+
+`{card.about["command"]}`, log evidence {card.about["log_evidence"]["before"]:.1f} with the start,
+{card.about["log_evidence"]["after"]:.1f} with what was learned.
+
+| flyer | flights | rockets | sha256 of the files |
+|---|---|---|---|
+{chr(10).join(data)}
+{chr(10).join(_left_out_tables(card.about.get("scores", {})))}"""
+
+
+def _digests(digests: Mapping[str, str]) -> str:
+    return " ".join(f"`{digest[:12]}`" for digest in digests.values())
+
+
+def _random_effect(name: str, card: Hyperprior, given: Hyperprior) -> str:
+    quantity, _, level = name.partition(".")
+    cells = [f"{one.sds[name]:.3g}" if one.sds.get(name) else "" for one in (START, card, given)]
+    return f"| {quantity.replace('_', ' ')} | {level.replace('_', ' x ')} | {' | '.join(cells)} | {SOURCES[quantity]} |"
+
+
+def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
+    """How rockets were forecast that the hyperprior had not seen, beside simpler ways."""
+    if not scores:
+        return
+    yield """
+## Held-out rockets
+
+Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
+that rocket. What the other rockets of its flyer had flown before is known. In percent of the flown apogee; the
+interval score is of the 90 % interval."""
+    for flyer, tables in scores.items():
+        for title, rows in tables.items():
+            yield f"\n### {flyer.replace('_', ' ')}: {title}\n"
+            yield "| method | flights | median error | mean error | bias | CRPS | interval score | coverage |"
+            yield "|---|---|---|---|---|---|---|---|"
+            for row in rows:
+                figures = (
+                    row["median_share"],
+                    row["mean_share"],
+                    row["median_bias"],
+                    row["crps"],
+                    row["interval_score"],
+                )
+                cells = " | ".join(f"{100 * figure:.1f}" for figure in figures)
+                yield f"| {row['name']} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
