@@ -8,7 +8,6 @@ from typing import Literal
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.paths import data_folder
 from fieldkit.planning.limits import limits
@@ -17,6 +16,7 @@ from fieldkit.services.after_flight import Interval, Outcome
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 RECENT_FORECASTS = 10
