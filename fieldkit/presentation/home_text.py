@@ -1,12 +1,15 @@
 """What is next, in words and figures, for the first page of the app."""
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.services.day_weather import WEATHER
-from fieldkit.services.launch_day import ListedFlight, Overview
-from fieldkit.services.saved_forecasts import SavedForecast
+
+if TYPE_CHECKING:
+    from fieldkit.services.launch_day import ListedFlight, Overview
+    from fieldkit.services.saved_forecasts import SavedForecast
 
 APOGEE = BY_NAME["apogee"]
 SPARKS = "▁▂▃▄▅▆▇█"
@@ -17,7 +20,7 @@ def build_of(flight: Flight) -> str:
     return f"{flight.rocket} {flight.config}".strip() or "Rocket not named"
 
 
-def next_lines(view: Overview, system: str) -> Iterator[str]:
+def next_lines(view: "Overview", system: str) -> Iterator[str]:
     """The rocket that flies next, with its mass if the plan says it."""
     plan = view.plan
     parts = [build_of(plan), measure(BY_NAME["dry_mass"], plan.dry_mass, system)]
@@ -34,14 +37,14 @@ def weather_line(conditions: Flight, system: str) -> str:
     return f"Today: {', '.join(known)}" if known else "Weather today: e types it"
 
 
-def forecast_title(one: SavedForecast) -> str:
+def forecast_title(one: "SavedForecast") -> str:
     """What flies on what: `Astra A on F24-4W`."""
     made = one.made
     build = f"{made.rocket} {made.payload.get('config', '')}".strip()
     return f"{build} on {made.payload.get('motor', '')}"
 
 
-def forecast_lines(one: SavedForecast, system: str) -> Iterator[str]:
+def forecast_lines(one: "SavedForecast", system: str) -> Iterator[str]:
     """What is next to the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
     low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
     yield f"{spelled(unit_of(APOGEE, system))} forecast"
@@ -49,13 +52,13 @@ def forecast_lines(one: SavedForecast, system: str) -> Iterator[str]:
     yield f"saved {one.made.at.astimezone():%m-%d %H:%M}" + (", stale" if one.stale else "")
 
 
-def flown_title(one: ListedFlight) -> str:
+def flown_title(one: "ListedFlight") -> str:
     """A flight in a line: `12 · Astra B · F39 · 04-18 14:35`."""
     when = f"{one.flight.date_time:%m-%d %H:%M}" if one.flight.date_time else ""
     return " · ".join(part for part in (one.id, build_of(one.flight), one.flight.motor, when) if part)
 
 
-def flown_lines(one: ListedFlight, system: str) -> Iterator[str]:
+def flown_lines(one: "ListedFlight", system: str) -> Iterator[str]:
     """What is next to the apogee flown: its unit, and how it did beside its forecast."""
     yield f"{spelled(unit_of(APOGEE, system))} flown"
     said = one.forecast
@@ -69,7 +72,7 @@ def flown_lines(one: ListedFlight, system: str) -> Iterator[str]:
     yield f"{number(APOGEE, abs(said.miss), system)} {way}, {where}"
 
 
-def day_line(flights: Sequence[ListedFlight], system: str) -> str:
+def day_line(flights: "Sequence[ListedFlight]", system: str) -> str:
     """The flights of a day in a line: `3 flights today ▂▅█ 210 to 281 m`."""
     apogees = [one.flight.apogee for one in reversed(flights) if one.flight.apogee is not None]
     counted = f"{len(flights)} flight{'' if len(flights) == 1 else 's'} today"

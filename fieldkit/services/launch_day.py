@@ -1,7 +1,7 @@
 """The day at the field: the plan of the next flight, and what is next."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from typing import TYPE_CHECKING
 
@@ -73,25 +73,31 @@ def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
     return plan.with_changes(**plan_changes({**draft, **weather}))
 
 
-def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
-    """What is next, None with neither flights nor a plan. Nothing is computed: all of it is read from the ledger."""
+def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlight]:
+    """The latest of all flights of a ledger, newest first, before their forecasts are read."""
+    latest = flights[-MAX_LISTED_FLIGHTS:]
+    return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(latest), latest, strict=True)][::-1]
+
+
+def overview(ledger: Ledger, motors: "Catalogue", flights: Sequence[Flight] | None = None) -> Overview | None:
+    """What is next, None with neither flights nor a plan. Nothing is computed: all of it is read from the ledger, also
+    its `flights` where they were not read before."""
     from fieldkit.services.manual_entry import PLAN
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
-    flights = ledger.flights()
+    flights = ledger.flights() if flights is None else flights
     plan = planned(ledger, flights)
     if plan is None:
         return None
     said = list_forecasts(ledger, motors)
     of_flights = by_flight(said)
     waiting = [one for one in said if PLAN in one.made.payload and one.state in ("open", "stale")]
-    latest = flights[-MAX_LISTED_FLIGHTS:]
     listed = [
-        ListedFlight(id, flight, of_flights.get((flight.rocket, flight.flight_id)))
-        for id, flight in zip(ledger.ids(latest), latest, strict=True)
+        replace(one, forecast=of_flights.get((one.flight.rocket, one.flight.flight_id)))
+        for one in latest_flights(ledger, flights)
     ]
     weather = weather_of(typed_weather(ledger)[0])
-    return Overview(plan, weather, waiting[-1] if waiting else None, tuple(reversed(listed)), len(flights))
+    return Overview(plan, weather, waiting[-1] if waiting else None, tuple(listed), len(flights))
 
 
 def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", plan: Flight) -> "Prediction":

@@ -31,9 +31,11 @@ COMPARED_DRAWS = 200
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """What to do next. `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`:
-    the safe `motor` whose `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight
-    narrows the interval by the fraction `narrows` [1].
+    """What to do next.
+
+    `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`: the safe `motor` whose
+    `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight narrows the interval by
+    the fraction `narrows`. [1]
     """
 
     kind: Literal["loop", "motor", "repeat"]

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -12,6 +12,7 @@ from textual.worker import get_current_worker
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.host import Host
 from fieldkit.tui.memory import give_back
+from fieldkit.tui.resources import ENGINE
 
 if TYPE_CHECKING:
     from fieldkit.tui.resources import Resources
@@ -57,18 +58,18 @@ class AskingScreen(Screen[None]):
         *,
         in_turn: bool = False,
         alone: bool = False,
-        ledger_alone: bool = False,
+        engine: Sequence[str] = ENGINE,
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
         one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
 
         A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
         `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
-        One that reads the `ledger_alone` does not wait for the rest of the engine.
+        One that needs less of the `engine` does not wait for the rest of it.
         """
 
         def with_engine() -> T:
-            self.resources.import_engine(ledger_alone=ledger_alone)
+            self.resources.import_engine(engine)
             return question()
 
         async def work() -> None:

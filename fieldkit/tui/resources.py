@@ -1,5 +1,6 @@
 """What the pages work on: the ledger, the motors, the settings. Opened when first asked for, by whichever worker."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
 
 
+FIRST_ROWS_ENGINE = ("fieldkit.ledger", "fieldkit.services.launch_day", "fieldkit.presentation.home_text")
+"""What the first rows are read with, before their forecasts."""
 LEDGER_ENGINE = (
     "fieldkit.ledger",
     "fieldkit.motors",
@@ -46,14 +49,14 @@ class Resources:
         self.settings: Settings = read_settings(settings_file)
         self.complaints: list[FieldkitError] = []
 
-    def import_engine(self, *, ledger_alone: bool = False) -> None:
-        """Import the engine, or what reads the `ledger_alone`, one worker at a time.
+    def import_engine(self, engine: Sequence[str] = ENGINE) -> None:
+        """Import the modules of an engine, one worker at a time.
 
         A worker that imports a part of a package, while another is in the midst of the package itself, is let through
         by Python and finds it half there.
         """
         with self._lock:
-            for name in LEDGER_ENGINE if ledger_alone else ENGINE:
+            for name in engine:
                 import_module(name)
 
     @property

@@ -2,6 +2,7 @@
 
 import gc
 import re
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import cast
 from unittest.mock import patch
@@ -12,7 +13,7 @@ from textual.widgets import Input, Static
 from fieldkit import capture
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
 from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, models
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
@@ -424,7 +425,10 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "reconnected on /dev/ttyUSB1" in seen
             assert "2,000 bytes 100 samples 1 damaged" in seen
             assert "highest 123.4 m" in seen
-            await press(pilot, "enter", "y")
+            await press(pilot, "enter", "y", "_")
+            assert "Not in the file" in words(pilot)
+            assert "Astra" in words(pilot), "what the last flight had is filled in"
+            await press(pilot, "ctrl+s", "_")
             assert "1 imported" in words(pilot)
             events[1:1] = [capture.Instruction(f"page {number} is read") for number in range(20)]
             events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
@@ -572,3 +576,54 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
             if "Help: Import" in shown(pilot):
                 break
         assert "Help: Import" in shown(pilot)
+
+
+async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        with patch("fieldkit.tui.screens.next_flight.REST", 0.0):
+            await press(pilot, "4", "_", "down", "_")
+            while not pilot.app.screen._motors.exact:  # type: ignore[attr-defined]  # of the page in front
+                await pilot.pause(0.01)
+            await press(pilot, "_")
+        card = pilot.app.screen.query_one(ForecastCard)
+        before, row = card.text, pilot.app.screen.query_one(Table).current_text()
+        await press(pilot, "enter", "_")
+        assert card.text == before
+        assert pilot.app.screen.query_one(Table).current_text() == row
+    with Ledger.open(file) as ledger:
+        saved = ledger.predictions("Astra")[-1].payload
+    middle = f"{saved['apogee_m']['p50']:.1f}"
+    assert f": {middle} m" in before
+    assert middle in row
+
+
+async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_waits(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    log = file.parent / "field" / "flight.pf2"
+    log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
+    end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)
+    here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
+    opens = capture.PortOpened("/dev/ttyUSB0", "stratologger", log)
+    with (
+        patch("fieldkit.capture.ports", lambda: here),
+        patch("fieldkit.capture.capture", lambda *a, **k: iter([opens, end])),
+    ):
+        async with opened(file) as pilot:
+            await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter", "_")
+            await press(pilot, "7", "enter", "y", "_", "ctrl+s", "_")
+            assert "1 imported" in words(pilot)
+            await press(pilot, "u", "_", "3", "down", "_", "enter", "_")
+            assert "Not in the file" in words(pilot)
+            assert "AeroTech F24W" in words(pilot)
+            await press(pilot, "escape", "_")
+            with Ledger.open(file) as ledger:
+                assert len(ledger.flights()) == 12, "nothing is stored before the form is answered"
+            await press(pilot, "enter", "_", "ctrl+s", "_")
+            assert "1 imported" in words(pilot)
+    with Ledger.open(file) as ledger:
+        flight = ledger.flights("Astra")[-1]
+    assert (flight.rocket, flight.config) == ("Astra", "A")
+    assert flight.motor.startswith("AeroTech F24W")
+    assert flight.dry_mass == pytest.approx(0.322)

@@ -8,8 +8,10 @@ from textual.pilot import Pilot
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
-from fieldkit.services.sites import site_of
+from fieldkit.services.sites import put_site, site_of
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 from tests.pressing import calm, frozen, opened, press, season, told, typed, words
 
@@ -156,3 +158,23 @@ async def test_safety_stands_on_the_page_next_whatever_its_size(file: Path) -> N
             assert name in seen
         await press(pilot, "p", *["down"] * 12, *typed("warm"), "ctrl+s")
         assert "motor_temperature_c: found 'warm'" in words(pilot)
+
+
+async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        put_site(ledger, Site("North field", size=400.0))
+    async with opened(file, (160, 50), page="home") as pilot:
+        await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
+        assert "not given: p on the page Next types it" in told(pilot, "#answer")
+        assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
+        await press(
+            pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", "left", "left", "left"
+        )
+        answer = told(pilot, "#answer")
+        assert "ellipse 90% of landings" in answer
+        assert "400 m" in answer
+        assert "circle the field" in told(pilot, "#title")
+        for name in ("#first", "#second"):
+            drawn = str(pilot.app.screen.query_one(name, Plot).render())
+            assert "▲" in drawn
+            assert len(set(drawn)) > 20, "lines of Braille"

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import BY_NAME
-from fieldkit.tui.widgets.plots import spaced
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -98,6 +97,8 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
     """A channel against the time of the whole log, with a line at each event; its name stands below."""
+    from fieldkit.tui.widgets.plots import spaced
+
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
     first, last = span
     inside = {name: time for name, time in events.items() if first <= time <= last}

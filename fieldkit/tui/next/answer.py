@@ -10,7 +10,8 @@ from fieldkit.tui.next.intervals import Intervals
 class Answer:
     """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line.
 
-    `title` is of its picture: intervals on one scale, or what `draw` draws.
+    `title` is of its picture: intervals on one scale, or what `draw` draws and, beside
+    it, the `second`.
     """
 
     words: tuple[str, ...]
@@ -18,6 +19,7 @@ class Answer:
     title: str = ""
     intervals: Intervals | None = None
     draw: Any = None
+    second: Any = None
 
     @property
     def text(self) -> str:

@@ -29,6 +29,8 @@ AIMS: tuple[Aim, ...] = ("chance", "error", "points")
 """What ballast is solved for, as the command has it: the band, the mean miss, the points of a season."""
 TARGET_BAND = 10 * 0.3048
 """The default band about a target, the same as the command's. [m]"""
+NO_WIND_OPTION = "not given: use --wind for the pad, --wind-aloft for higher up"
+"""What the command says of a wind that is not known."""
 MAX_SCORED_FLIGHTS = 6
 """Flights whose points are listed, the newest."""
 
@@ -90,6 +92,20 @@ class Decision:
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
         return decision_plots.of_points(answer, ahead.points.ravel())
+
+    def landing(self) -> Answer:
+        """Where the plan lands in the wind of the plan, against the field, and the rail that brings it nearest."""
+        from fieldkit.motors import Found
+        from fieldkit.planning.check import safety_text
+        from fieldkit.planning.planned_flight import planned_flight
+        from fieldkit.presentation.landing_text import landing_in_words
+        from fieldkit.tui.next.landing_plots import of_landing
+
+        one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
+        lines = landing_in_words(one.said, one.down, one.fall, one.rail, self.site, self.system)
+        words = tuple(line.replace(NO_WIND_OPTION, "not given: p on the page Next types it") for line in lines)
+        answer = Answer(words, tuple(safety_text(one.lines, self.system)))
+        return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""

@@ -1,7 +1,7 @@
 """The motors of the page Next: which are listed, in what order, and what has been forecast of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -9,6 +9,7 @@ from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.next_plan import Plan
@@ -31,6 +32,8 @@ class MotorList:
     found: "Sequence[Motor]" = ()
     known: "dict[Motor, MotorChoice]" = field(default_factory=dict)
     fitting: bool = True
+    exact: "set[Motor]" = field(default_factory=set)
+    """Motors whose forecast is what saving it would save; the others are flown less often."""
 
     def find(self, motors: "Catalogue", text: str) -> "list[Motor]":
         """All that a text finds, what fits first; without a text, and until all is asked for, only what fits."""
@@ -44,6 +47,16 @@ class MotorList:
     def waiting(self) -> "list[Motor]":
         """The next few motors without a forecast, in the order found."""
         return [motor for motor in self.found[:MAX_FORECAST_MOTORS] if motor not in self.known][:AT_ONCE]
+
+    def turn_to(self, plan: "Plan | None") -> None:
+        """Another plan: nothing is known of it yet."""
+        self.plan, self.known, self.exact = plan, {}, set()
+
+    def put_exact(self, motor: "Motor", made: "Prediction") -> None:
+        """The forecast of a motor with all draws, in place of the one that filled the list."""
+        if (one := self.known.get(motor)) is not None:
+            self.known[motor] = replace(one, prediction=made)
+            self.exact.add(motor)
 
     def fits(self, motor: "Motor") -> bool:
         """Whether the rocket can fly on it: it goes in, and what is known by now does not say that it is too weak."""

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from fieldkit.flight.site import Site
     from fieldkit.planning.contest_day import Day
 
-VIEWS = ("Delay", "Ballast", "Contest", "Saved", "Score")
+VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Of the parachute's area that may be chosen. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Five answers side by side in one place; left and right, or their names, go from one to the next."""
+    """Six answers side by side in one place; left and right, or their names, go from one to the next."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -40,7 +40,8 @@ class PlanScreen(PageScreen):
         "What is left to decide once the motor is chosen, from the flights of this rocket, in the weather of "
         "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
         "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
-        "expect by a season's rule. Saved: the forecasts that were saved. Score: how good they are. Forecasts are "
+        "expect by a season's rule. Landing: where it comes down against the field, and the best rail. Saved: the "
+        "forecasts that were saved. Score: how good they are. Forecasts are "
         "advice: the range safety officer decides.",
         (
             ("delay", "Best is the one least likely to fire too fast for the parachute."),
@@ -95,9 +96,11 @@ class PlanScreen(PageScreen):
     PlanScreen #picture.-shown { display: block; }
     PlanScreen #picture Static { height: auto; }
     PlanScreen #title { text-style: bold; color: $primary; }
-    PlanScreen Plot { height: 10; }
+    PlanScreen #plots { height: auto; layout: vertical; }
+    PlanScreen Plot { height: 10; width: 1fr; }
     PlanScreen.-tall Plot { height: 16; }
-    PlanScreen.-wide #words { layout: horizontal; }
+    PlanScreen.-wide #words, PlanScreen.-normal #plots, PlanScreen.-wide #plots { layout: horizontal; }
+    PlanScreen.-wide.-tall Plot { height: 22; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
@@ -119,7 +122,9 @@ class PlanScreen(PageScreen):
             with Container(id="picture"):
                 yield Static("", id="title")
                 yield Static("", id="intervals")
-                yield Plot()
+                with Container(id="plots"):
+                    yield Plot(id="first")
+                    yield Plot(id="second")
 
     def on_mount(self) -> None:
         """Keys scroll the answer."""
@@ -144,10 +149,13 @@ class PlanScreen(PageScreen):
 
         self.query_one("#picture").set_class(bool(answer.title), "-shown")
         self.query_one("#title", Static).update(Content(answer.title))
-        intervals, plot = self.query_one("#intervals", Static), self.query_one(Plot)
-        intervals.display, plot.display = answer.intervals is not None, answer.draw is not None
+        intervals = self.query_one("#intervals", Static)
+        intervals.display = answer.intervals is not None
         intervals.update(answer.intervals or "")
-        plot.show(answer.draw)
+        for name, draw in (("#first", answer.draw), ("#second", answer.second)):
+            plot = self.query_one(name, Plot)
+            plot.display = draw is not None
+            plot.show(draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.services.contest_day import day_of
@@ -163,6 +171,8 @@ class PlanScreen(PageScreen):
         if view == 2:
             return decision.contest(ledger, self._season, SHARES[self._share], day)
         if view == 3:
+            return decision.landing()
+        if view == 4:
             return decision.saved_forecasts(ledger, self.resources.motors)
         return decision.fared(ledger, self.resources.motors)
 

@@ -1,6 +1,6 @@
 """Home: what is next: the rocket, the weather of the day, the open forecast, the last flight, the latest flights."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
@@ -15,12 +15,16 @@ from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
 from fieldkit.tui.page import Page, PageScreen
+from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.services.launch_day import Overview
+    from fieldkit.flight import Flight
+    from fieldkit.services.launch_day import ListedFlight, Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
+
+    FirstRows = tuple[list[Flight], list[ListedFlight]]
 
 
 class HomeScreen(PageScreen):
@@ -77,17 +81,32 @@ class HomeScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read what is next."""
-        self.ask(self._read, self._have, ledger_alone=True)
+        """Read what is next; when the app opens, the flights come before their forecasts."""
+        if self._have_read:
+            self.ask(self._read, self._have, engine=LEDGER_ENGINE)
+        else:
+            self.ask(self._read_first, self._have_first, engine=FIRST_ROWS_ENGINE)
 
     def redraw(self) -> None:
         """The same in other units."""
         self._show()
 
-    def _read(self) -> "Overview | None":
+    def _read_first(self) -> "FirstRows":
+        from fieldkit.services.launch_day import latest_flights
+
+        flights = self.resources.ledger.flights()
+        return flights, latest_flights(self.resources.ledger, flights)
+
+    def _have_first(self, found: "FirstRows") -> None:
+        flights, latest = found
+        if latest:
+            self._list(latest)
+        self.ask(partial(self._read, flights), self._have, "overview", engine=LEDGER_ENGINE)
+
+    def _read(self, flights: "list[Flight] | None" = None) -> "Overview | None":
         from fieldkit.services.launch_day import overview
 
-        return overview(self.resources.ledger, self.resources.motors)
+        return overview(self.resources.ledger, self.resources.motors, flights)
 
     def _have(self, view: "Overview | None") -> None:
         self._view, self._have_read = view, True
@@ -117,11 +136,16 @@ class HomeScreen(PageScreen):
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
         elif self._view is not None:
-            rows = {one.id: one for one in self._view.flights}
-            heads, cells = flight_heads(table.size.width), flight_row(self._view.flights, system, table.size.width)
             table.empty = "No flights yet: a types the first one in"
-            table.show(heads, list(rows), lambda id: cells(rows[id], self._profiles.get(id, "")))
+            self._list(self._view.flights)
         self.query_one(KeyBar).follow()
+
+    def _list(self, flights: "Sequence[ListedFlight]") -> None:
+        """The rows of the table."""
+        table = self.query_one(Table)
+        rows, width = {one.id: one for one in flights}, table.size.width
+        cells = flight_row(flights, self.resources.settings.units, width)
+        table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profiles.get(id, "")))
 
     @on(Table.Chosen)
     async def _chosen(self, message: Table.Chosen) -> None:
@@ -144,7 +168,7 @@ class HomeScreen(PageScreen):
 
     async def action_plan(self) -> None:
         """Change the plan: rocket, mass, weather."""
-        await self.settled("change", "ask")
+        await self.settled("change", "ask", "overview")
         from fieldkit.flight import Flight
         from fieldkit.tui.next.plan_form import ask_plan, keep_plan
 
@@ -152,7 +176,7 @@ class HomeScreen(PageScreen):
 
     async def action_day_weather(self) -> None:
         """Type the weather of the day."""
-        await self.settled("change", "ask")
+        await self.settled("change", "ask", "overview")
         from fieldkit.flight import Flight
         from fieldkit.tui.home.weather_form import ask_weather
 

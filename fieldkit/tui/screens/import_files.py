@@ -181,11 +181,32 @@ class ImportScreen(PageScreen):
         elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
             self.change(lambda: self.resources.ledger.keep_start(start), self._kept)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
-            self.change(partial(store, self.resources, path, self._reading), self._stored)
+            self._store(path, self._look)
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
             self.show_notice("Still reading the file; Enter again stores it")
+
+    def _store(self, path: Path, look: Look) -> None:
+        """Store a file; where it names no rocket or motor and a forecast waits for its flight, ask first whether it is
+        of that flight."""
+        from fieldkit.tui.imports.day_setup import is_open, waiting_setup
+
+        if self._reading.given or not is_open(look.flights):
+            self._store_with(path, self._reading)
+        else:
+            self.ask(partial(waiting_setup, self.resources), partial(self._ask_setup, path), "setup")
+
+    def _ask_setup(self, path: Path, known: dict[str, str]) -> None:
+        from fieldkit.tui.imports.given_form import ask_given
+
+        if known:
+            ask_given(self, known, lambda given: self._store_with(path, replace(self._reading, given=given)))
+        else:
+            self._store_with(path, self._reading)
+
+    def _store_with(self, path: Path, reading: ReadOptions) -> None:
+        self.change(partial(store, self.resources, path, reading), self._stored)
 
     def action_mark(self) -> None:
         """Read the file under the cursor together with others that are marked, or no longer."""

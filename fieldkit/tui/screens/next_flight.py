@@ -1,7 +1,6 @@
 """Next flight: every motor that fits, where each would take the rocket, the forecast of the one under the cursor."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, cast
 
@@ -9,6 +8,7 @@ from textual import on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.content import Content
+from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 WIDE_SCREEN = 150
 """Columns of a screen with room for every figure beside the card."""
+REST = 0.15
+"""How long the cursor stays on a motor before its forecast is made with all draws. [s]"""
 DRAWS = 400
 """Flights flown for each motor: the hill is drawn of them. [1]"""
 
@@ -75,6 +77,7 @@ class NextScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._motors = MotorList()
+        self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
@@ -111,7 +114,7 @@ class NextScreen(PageScreen):
         self._refill()
 
     def _have_plan(self, plan: Plan | None) -> None:
-        self._motors.plan, self._motors.known = plan, {}
+        self._motors.turn_to(plan)
         self.set_class(plan is None, "-blank")
         if plan is None:
             self.query_one("#plan", Static).update("No plan yet: p types one")
@@ -177,11 +180,31 @@ class NextScreen(PageScreen):
 
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
+        if self._rest is not None:
+            self._rest.stop()
         one, card = self._motors.known.get(self.query_one(Table).current), self.card
         if one is None or self._motors.plan is None:
             card.clear()
         else:
             card.show(self._motors.plan, one, self.resources.settings)
+            if one.motor not in self._motors.exact:
+                self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
+
+    def _forecast_exactly(self, one: "MotorChoice") -> None:
+        """What saving would save, for the motor under the cursor: the list is filled with fewer draws."""
+
+        def work() -> "list[Prediction]":
+            from fieldkit.services.forecasts import predict_plans
+
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], keep=False)
+
+        self.ask(work, partial(self._have_exact, one), "exact", alone=True)
+
+    def _have_exact(self, one: "MotorChoice", made: "list[Prediction]") -> None:
+        """It is shown unless another plan came between."""
+        if self._motors.known.get(one.motor) is one:
+            self._motors.put_exact(one.motor, made[0])
+            self._refill()
 
     def action_search(self) -> None:
         """Type a motor's name."""
@@ -258,9 +281,8 @@ class NextScreen(PageScreen):
 
         self.show_notice(saved_in_words(made[0], self.resources.settings.units))
         self.changed_for_others()
-        if (one := self._motors.known.get(motor)) is not None:
-            self._motors.known[motor] = replace(one, prediction=made[0])
-            self._refill()
+        self._motors.put_exact(motor, made[0])
+        self._refill()
 
     def copied(self) -> str:
         """The forecast as text, or the row under the cursor where all are compared."""

@@ -235,14 +235,20 @@ class CaptureScreen(PageScreen):
         self.app.push_screen(AskYes(question), partial(self._answered, end))
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
-        if yes:
-            self.ask(partial(self._store, end), self._stored, "store")
+        """Ask what the logger does not know, filled in from the forecast that waits for its flight."""
+        from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
 
-    def _store(self, end: "Ended") -> "Receipt":
+        def store(given: dict[str, object]) -> None:
+            self.ask(partial(self._store, end, given), self._stored, "store")
+
+        if yes:
+            self.ask(partial(setup_of_day, self.resources), lambda known: ask_setup(self, known, store), "setup")
+
+    def _store(self, end: "Ended", given: dict[str, object]) -> "Receipt":
         from fieldkit.services.imports import bring_in
 
         motors = self.resources.motors
-        return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors)
+        return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
     def _stored(self, receipt: "Receipt") -> None:
         self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} duplicates. u to undo")

@@ -137,7 +137,9 @@ class SetupScreen(PageScreen):
         flights = self.resources.ledger.flights()
         ids = self.resources.ledger.ids(flights)
         places = placed(grouped(ids, flights, "site"), sites(self.resources.ledger))
-        return LedgerNames(grouped(ids, flights, "rocket", "config"), places)
+        rockets = dict.fromkeys(flight.rocket for flight in flights if flight.rocket)
+        designs = [start for rocket in rockets for start in self.resources.ledger.starts(rocket)]
+        return LedgerNames(grouped(ids, flights, "rocket", "config"), places, tuple(designs))
 
     def _have(self, names: LedgerNames) -> None:
         self._names = names
@@ -194,7 +196,7 @@ class SetupScreen(PageScreen):
             case "Motors":
                 return setup_card.of_motor(key)
             case "Rockets":
-                return setup_card.of_build(key, system)
+                return setup_card.of_build(key, system, self._names.length(*key.names))
             case "Sites":
                 return setup_card.of_site(key, system)
             case _:

@@ -18,10 +18,13 @@ from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
+from fieldkit.tui.widgets.rocket_drawing import caption, drawing
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
+DRAWING_WIDTH = 56
+"""Cells of a rocket that is drawn: the narrowest card has as many."""
 MAX_DRAWN_FLIGHTS = 120
 """Flights that are drawn, the newest: more than the card has columns."""
 
@@ -69,14 +72,15 @@ def of_motor(motor: "Motor") -> Facts:
     return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 
-def of_build(group: Group, system: str) -> Facts:
-    """A build of a rocket: what it weighs, what it flew on, and how high."""
+def of_build(group: Group, system: str, length: float | None = None) -> Facts:
+    """A build of a rocket of a length [m], if that is known: looks, mass, motors, apogees."""
     flights = group.flights
     pairs = [
         ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the fit"),
         *_dates(flights),
         ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter sets it"),
         ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter sets it"),
+        ("length", measure(cards.DIAMETER, length, system)),
     ]
     motors: dict[str, list[Flight]] = defaultdict(list)
     for one in flights:
@@ -85,7 +89,14 @@ def of_build(group: Group, system: str) -> Facts:
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
-    return Facts((cards.lines(" ".join(group.names), pairs), flown), title, draw)
+    drawn = (_side_view(group.last.diameter, length),) if group.last.diameter else ()
+    return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
+
+
+def _side_view(diameter: float, length: float | None) -> Hanging:
+    """The rocket from the side, and what of the picture is sketched."""
+    lines = [*drawing(length, diameter, DRAWING_WIDTH), caption(length)]
+    return Hanging(tuple((0, Content(line)) for line in lines if line))
 
 
 def of_site(place: LaunchSite, system: str) -> Facts:

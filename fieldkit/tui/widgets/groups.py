@@ -8,6 +8,7 @@ from fieldkit.flight import Flight
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
+    from fieldkit.flight.start import Start
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
@@ -35,10 +36,19 @@ class LaunchSite:
 
 @dataclass(frozen=True, slots=True)
 class LedgerNames:
-    """What the ledger names: builds of rockets with their mass and diameter, and sites."""
+    """What the ledger names: builds of rockets with their mass and diameter, sites, and the `designs` of rockets."""
 
     builds: tuple[Group, ...]
     sites: tuple[LaunchSite, ...]
+    designs: "tuple[Start, ...]" = ()
+
+    def length(self, rocket: str, config: str) -> float | None:
+        """How long a build is by its design, None where none was imported. [m]"""
+        from fieldkit.flight.start import start_among
+
+        known = [one for one in self.designs if one.rocket == rocket]
+        start = start_among(known, Flight(rocket=rocket, config=config))
+        return start.length if start is not None else None
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:

@@ -19,9 +19,10 @@ MIN_DENSITY_FRACTION = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its width in columns."""
+    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its size in cells."""
 
     width: int
+    height: int
     paper: Any
     text: Any
     line: Any
@@ -62,11 +63,11 @@ class Plot(PlotextPlot):
     def _ink(self) -> Ink:
         names = self.app.theme_variables
         if self.app.current_theme.ansi:
-            return Ink(self.size.width, "default", "default", "default", "default")
+            return Ink(*self.size, "default", "default", "default", "default")
         paper, text, line, mark = (
             Color.parse(names[name]).rgb for name in ("surface", "foreground", "primary", "accent")
         )
-        return Ink(self.size.width, paper, text, line, mark)
+        return Ink(*self.size, paper, text, line, mark)
 
 
 AXIS = 8

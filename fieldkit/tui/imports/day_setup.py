@@ -1,0 +1,45 @@
+"""What a log leaves open, as the flyer planned it: rocket, motor, mass and site of the saved forecast, and today."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import Flight
+from fieldkit.tui.imports.given_form import QUESTIONS, ask_given
+
+if TYPE_CHECKING:
+    from fieldkit.tui.page import PageScreen
+    from fieldkit.tui.resources import Resources
+
+
+def setup_of_day(resources: "Resources") -> dict[str, str]:
+    """The set-up of the saved forecast that waits for its flight, else of the last flight, by question."""
+    from fieldkit.tui.add.add_form import Draft
+
+    offers = Draft(resources).offers({})
+    return {one.name: text for one in QUESTIONS if (text := offers.get(one.name, ""))}
+
+
+def waiting_setup(resources: "Resources") -> dict[str, str]:
+    """The same where a saved forecast waits for its flight; empty where none does."""
+    from fieldkit.services.manual_entry import planned_answers
+
+    return setup_of_day(resources) if planned_answers(resources.ledger) else {}
+
+
+def is_open(flights: tuple[Flight, ...]) -> bool:
+    """Whether any flight lacks its rocket or its motor."""
+    return any(not (flight.rocket and flight.motor) for flight in flights)
+
+
+def ask_setup(page: "PageScreen", known: Mapping[str, str], store: Callable[[dict[str, object]], None]) -> None:
+    """Ask for what a log leaves open, with what is `known` filled in; `store` gets it as fields of a flight."""
+    from fieldkit.errors import BadValue
+    from fieldkit.importing.manual_entry import read_changes
+
+    def answered(given: dict[str, str]) -> None:
+        try:
+            store(read_changes(Flight(), given))
+        except BadValue as error:
+            page.complain(str(error))
+
+    ask_given(page, known, answered)

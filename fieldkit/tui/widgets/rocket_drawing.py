@@ -1,0 +1,48 @@
+"""A rocket from the side, to scale as far as its dimensions are known: solid cells, nose to the right."""
+
+from math import sqrt
+
+SKETCHED_FINENESS = 12.0
+"""Length over diameter where the length is not known, as of many model rockets. [1]"""
+NOSE_CALIBERS, FIN_CALIBERS, SPAN_CALIBERS = 3.0, 1.3, 0.9
+"""Of a sketched nose, the root of a fin and its span, in diameters. [1]"""
+MIN_RADIUS = 1.0
+"""Half the drawn body, below which nothing could be seen. [pixel]"""
+POINT = 0.51
+"""Half the drawn height of the very tip: one pixel either side of the axis. [pixel]"""
+CELLS = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
+"""Two pixels above each other."""
+
+
+def drawing(length: float | None, diameter: float, width: int) -> list[str]:
+    """Lines of a rocket of a length and a diameter [m], as wide as `width` cells; a pixel is a cell wide and half a
+    cell high, which is about a square."""
+    calibers = length / diameter if length else SKETCHED_FINENESS
+    radius = max(MIN_RADIUS, width / calibers / 2)
+    pixel = 2 * radius
+    span = SPAN_CALIBERS * pixel
+    half = round(radius + span)
+    heights = [_half_height(x, width, radius, pixel, span) for x in range(width)]
+    rows = range(-half - half % 2, half + half % 2, 2)
+    return [
+        line for y in rows if (line := "".join(CELLS[_inside(y, top), _inside(y + 1, top)] for top in heights).rstrip())
+    ]
+
+
+def _inside(y: int, top: float) -> bool:
+    """Whether the middle of a pixel lies within a half height about the axis."""
+    return abs(y + 0.5) < top
+
+
+def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -> float:
+    """Half the height of a rocket at a place from its tail: body, elliptic nose, swept fins. [pixel]"""
+    nose, fins = min(NOSE_CALIBERS * pixel, width / 2), min(FIN_CALIBERS * pixel, width / 3)
+    from_tip = width - x - 0.5
+    body = radius * sqrt(max(0.0, 1 - (1 - from_tip / nose) ** 2)) if from_tip < nose else radius
+    fin = radius + span * (1 - (x + 0.5) / fins) ** 0.7 if x + 0.5 < fins else 0.0
+    return max(body, fin, POINT)
+
+
+def caption(length: float | None) -> str:
+    """What of a drawing is to scale."""
+    return "" if length else "its length is not known: sketched; an .ork on the page Import has it"
