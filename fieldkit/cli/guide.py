@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, system
+from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, season_rule, system
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
+    from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
 MAX_CHECKED_MOTORS = 12
@@ -20,6 +21,7 @@ def print_guide(
     context: typer.Context,
     given: Given,
     fit: Given,
+    season: int | None,
     *,
     adapter: bool,
     retired: bool,
@@ -27,9 +29,11 @@ def print_guide(
     every: bool,
     json: bool,
 ) -> None:
-    """Print the motor guide of a rocket, nearest to the target first."""
+    """Print the motor guide of a rocket, nearest to the target first, and with a season what motor brings the fewest
+    points."""
     from fieldkit.planning.check import ADVICE_NOTE
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
+    from fieldkit.presentation.planning_text import advice_in_words
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -39,9 +43,12 @@ def print_guide(
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
         weak = [motor.designation for motor in motors if not lifts(motor, mass)] if strong is not motors else []
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
+    advice = None if season is None else _advice(plan, found, season)
+    if season is not None and target is None:
+        target = season_rule(season).target
     choices = by_closeness(found, target)
     if json:
-        _print_json(plan, wanted, target, choices, weak)
+        _print_json(plan, wanted, target, choices, weak, advice)
         return
     fitting = [choice for choice in choices if choice.fits]
     _print(plan, wanted, fitting or choices, len(choices), every=every)
@@ -51,11 +58,26 @@ def print_guide(
         _print_apart([choice for choice in choices if not choice.fits], choices)
     else:
         say("  none of these is safe and sensible for this rocket")
+    if advice is not None:
+        for line in advice_in_words(advice, season_rule(season or 0)):
+            say_wrapped(line, "    ")
     if weak:
         say_wrapped(f"left out, thrust below {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  ")
     say()
     delays = "every delay sold" if every else "the delays sold that are nearest to it; --all lists every one"
     say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
+
+
+def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
+    """The motors by the points of a season, against the one that the rocket last flew on."""
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.contest import approved_motors
+    from fieldkit.planning.motor_advice import motor_advice
+    from fieldkit.planning.motor_guide import label
+
+    last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
+    approved = approved_motors(year, data_folder() / "seasons")
+    return motor_advice(found, season_rule(year), label(last) if last is not None else None, approved)
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
@@ -89,7 +111,12 @@ def _classes(text: str) -> tuple[str, str] | None:
 
 
 def _print_json(
-    plan: PlanContext, wanted: "Wanted", target: float | None, choices: "list[MotorChoice]", weak: list[str]
+    plan: PlanContext,
+    wanted: "Wanted",
+    target: float | None,
+    choices: "list[MotorChoice]",
+    weak: list[str],
+    advice: "MotorAdvice | None",
 ) -> None:
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
@@ -98,6 +125,7 @@ def _print_json(
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
     document |= {"flights": said.rests_on, "model": said.model, "decides": ADVICE_NOTE}
     document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
+    document |= {} if advice is None else {"contest": advice.json()}
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 

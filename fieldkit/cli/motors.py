@@ -58,6 +58,9 @@ def motors(
     adapter: Annotated[
         bool, typer.Option("--adapter", help="Include motors narrower than the mount.", rich_help_panel=GUIDE)
     ] = False,
+    season: Annotated[
+        int | None, typer.Option(help="Rank by the expected points of this season's rule: 2027.", rich_help_panel=GUIDE)
+    ] = None,
     max_length: Annotated[
         str | None, typer.Option(help="Longest motor that fits: 124mm.", rich_help_panel=GUIDE)
     ] = None,
@@ -83,7 +86,7 @@ def motors(
         impulse = None if max_impulse is None else str(max_impulse)
         wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
         options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "json": json}
-        print_guide(context, {**given, "rocket": fit}, wanted, **options)
+        print_guide(context, {**given, "rocket": fit}, wanted, season, **options)
         return
     from fieldkit.errors import UnknownMotor
     from fieldkit.motors import describe

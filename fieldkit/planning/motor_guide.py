@@ -18,7 +18,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import Motor
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays, tolerance
-from fieldkit.planning.descent_rate import completed_fall, flown_falls
+from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
@@ -98,6 +98,8 @@ class MotorChoice:
     first_thrust: float
     average_thrust: float
     lines: tuple[SafetyCheck, ...]
+    fall: Fall
+    """What the descent rests on."""
 
     @property
     def apogee(self) -> float:
@@ -192,7 +194,8 @@ def guide(
             said,
             id(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
-            tuple(safety_lines(said, site, completed_fall(falls, said.plan, said.found), limits)),
+            tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits)),
+            fall,
         )
         for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]

@@ -20,6 +20,7 @@ from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.paths import data_folder
+from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
 from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, figure, length, speed, worst
 from fieldkit.planning.classification import build_of
@@ -86,7 +87,7 @@ def safety_lines(
     sets = known_rules() if rules is None else rules
     held = rule_lines.governed(build, three(said.true_apogee)[2], site, sets, day)
     lines = [
-        _rail(said.rail_speed, plan.wind, limits),
+        _rail(said.rail_speed, plan, limits),
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(held)),
         _stricter(rule_lines.wind_line(held, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(held, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
@@ -123,14 +124,19 @@ def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
     return SafetyCheck(OWN_BOUNDS[name], verdict, f"{found}, at most {most}", limit.source)
 
 
-def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> SafetyCheck:
+def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyCheck:
+    """Speed off the rail against what is wanted in the wind; of a rail that was not given no more than a caution."""
     fixed, times = limits["rail_speed"], limits["rail_speed_per_wind"]
     speeds = np.nan_to_num(speeds)
-    needed = max(fixed.value, times.value * (wind or 0.0))
+    needed = max(fixed.value, times.value * (plan.wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
     text = f"{speed(three(speeds)[1])}, needs at least {speed(needed)}{why}; {chance:.0%} chance of less"
-    return SafetyCheck("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
+    verdict = by_chance(chance)
+    if plan.rail_length is None:
+        verdict = "caution" if verdict == "unsafe" else verdict
+        text += f"; rail length not given, {figure(RAIL_LENGTH, 'm', 1)} assumed"
+    return SafetyCheck("rail exit speed", verdict, text, times.source if why else fixed.source)
 
 
 def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:

@@ -11,6 +11,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
+from fieldkit.planning.motor_advice import MotorAdvice
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
@@ -121,6 +122,32 @@ def outlook_in_words(
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
+
+
+MAX_ADVISED_MOTORS = 5
+"""Motors whose points are printed. [1]"""
+
+
+def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
+    """The motors with the fewest points to expect, and whether a change of motor is worth it."""
+    if not advice.ranked:
+        yield f"season {rule.year}: no motor that fits is within the limits of the season"
+        return
+    first = advice.ranked[0]
+    best = ", ".join(f"{one.choice.motor.designation} {one.mean:.0f}" for one in advice.ranked[:MAX_ADVISED_MOTORS])
+    yield f"season {rule.year}: points to expect per flight at this mass: {best}"
+    name = first.choice.motor.designation
+    if advice.current is None or advice.gain is None:
+        yield f"{name} brings the fewest; no motor that was flown to compare it with"
+    elif advice.current.choice.motor is first.choice.motor:
+        yield f"no change: {name}, flown last, brings the fewest"
+    elif advice.clear:
+        gain = f"{advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
+        yield f"change to {name}: {gain} than {advice.current.choice.motor.designation}"
+    else:
+        gain = f"{name} brings {advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
+        yield f"no change from {advice.current.choice.motor.designation}: {gain}, which is not significant"
+    yield "check the season's motor list and the rule; the mass can be solved with `fieldkit ballast --season`"
 
 
 def _delay(one: Delay, shown: ShownUnits) -> str:

@@ -161,10 +161,13 @@ def test_the_first_half_second_is_averaged(motors: Catalogue) -> None:
 
 def test_wind_raises_the_rail_speed_that_is_wanted(said: Prediction) -> None:
     steady = replace(said, rail_speed=np.full_like(said.rail_speed, 16.0))
-    calm, gusty = lines_of(steady, wind=1.0), lines_of(steady, wind=9.5)
+    calm, gusty = (lines_of(steady, wind=wind, rail_length=1.0) for wind in (1.0, 9.5))
     assert calm["rail exit speed"].verdict == calm["ground wind"].verdict == "ok"
     assert gusty["rail exit speed"].verdict == gusty["ground wind"].verdict == "unsafe"
     assert "4 times the wind" in gusty["rail exit speed"].text
+    assumed = lines_of(steady, wind=9.5)["rail exit speed"]
+    assert assumed.verdict == "caution"  # of a rail that nobody gave
+    assert "rail length not given, 1.0 m assumed" in assumed.text
 
 
 def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(said: Prediction) -> None:

@@ -1,0 +1,101 @@
+"""Motors for a contest, by the points that each would bring on average: a change is advised only where it is clear."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.planning.air import air_of
+from fieldkit.planning.ballast import CLEAR_ERRORS, LEAST_GAIN
+from fieldkit.planning.contest import Season, allowed
+from fieldkit.planning.descent import durations
+from fieldkit.planning.descent_rate import landing_mass
+from fieldkit.planning.motor_guide import MotorChoice, label
+from fieldkit.planning.quantiles import named, three
+from fieldkit.shapes import Array, Float
+
+
+@dataclass(frozen=True, slots=True)
+class MotorPoints:
+    """The points of a flight on a motor, as draws."""
+
+    choice: MotorChoice
+    points: Float[Array, "draw"]
+
+    @property
+    def mean(self) -> float:
+        """Points to expect. [1]"""
+        return float(self.points.mean())
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        motor = self.choice.motor
+        return {
+            "maker": motor.maker,
+            "motor": motor.designation,
+            "points": {"mean": self.mean, **named(three(self.points))},
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class MotorAdvice:
+    """Motors that fit and that a season allows, the fewest points first, and the `current` one whether it fits or not,
+    None if it was not forecast.
+
+    `gain` is by how many points a flight the first is better on average, `gain_error` its standard error for as many
+    flights as the forecast rests on; both None without a current motor.
+    """
+
+    ranked: tuple[MotorPoints, ...]
+    current: MotorPoints | None
+    gain: float | None
+    gain_error: float | None
+
+    @property
+    def clear(self) -> bool:
+        """Whether a change is worth it: the points that it saves are clear against their uncertainty."""
+        if self.gain is None or self.gain_error is None:
+            return False
+        return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "motors": [one.json() for one in self.ranked],
+            "current": self.current.choice.motor.designation if self.current else None,
+            "gain_points": self.gain,
+            "gain_error_points": self.gain_error,
+            "change": self.clear,
+        }
+
+
+def motor_advice(
+    choices: Sequence[MotorChoice], rule: Season, current: str | None, approved: frozenset[str] | None = None
+) -> MotorAdvice:
+    """The points of each of some motors by a season's rule; `current` is the `label` of the one that is flown now.
+
+    Draws are common to all motors, so that differences of points are surer than the points themselves.
+    """
+    usable = [one for one in choices if one.fits and _legal(one, rule, approved)]
+    ranked = sorted((MotorPoints(one, _points(one, rule)) for one in usable), key=lambda one: one.mean)
+    flown = next((one for one in choices if label(one.motor) == current), None)
+    now = None if flown is None else MotorPoints(flown, _points(flown, rule))
+    if now is None or not ranked:
+        return MotorAdvice(tuple(ranked), now, None, None)
+    saved = now.points - ranked[0].points
+    flights = max(now.choice.prediction.rests_on, 1)
+    return MotorAdvice(tuple(ranked), now, float(saved.mean()), float(saved.std() / np.sqrt(flights)))
+
+
+def _legal(choice: MotorChoice, rule: Season, approved: frozenset[str] | None) -> bool:
+    """Whether no limit of a season is broken, as far as it is known."""
+    lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
+    return not any(line.verdict == "unsafe" for line in lines)
+
+
+def _points(choice: MotorChoice, rule: Season) -> Float[Array, "draw"]:
+    said = choice.prediction
+    mass, density = landing_mass(said.plan, said.found), air_of(said.plan).density
+    speeds = choice.fall.speeds(np.random.default_rng(9), (len(said.apogee), 1), mass, density)
+    return rule.points(said.apogee, np.nan_to_num(durations([said], choice.fall, speeds))[:, 0])

@@ -1,0 +1,56 @@
+"""Motors by expected points: the fewest first, and a change only where the gain is clear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.motors import catalogue
+from fieldkit.planning.contest import season
+from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_advice import motor_advice
+from fieldkit.planning.motor_guide import MotorChoice, guide, label
+from fieldkit.presentation.planning_text import advice_in_words
+
+CHECK_SHAPES = False
+RULE = season(2027)
+
+
+@pytest.fixture(scope="module")
+def choices() -> list[MotorChoice]:
+    motors = [catalogue().resolve(name).motor for name in ("F39T", "F24W", "G40W")]
+    plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, rail_length=2.0)
+    return guide(Rocket((), (), None, 0), plan, motors, limits(), Site(), 100)
+
+
+def test_the_fewest_points_come_first_and_what_the_season_forbids_is_left_out(choices: list[MotorChoice]) -> None:
+    """A G of 97 N s is beyond the 80 N s of a season."""
+    advice = motor_advice(choices, RULE, None)
+    names = [one.choice.motor.designation for one in advice.ranked]
+    assert "G40W" not in names
+    means = [one.mean for one in advice.ranked]
+    assert means == sorted(means)
+    assert (advice.current, advice.gain, advice.clear) == (None, None, False)
+    listed = motor_advice(choices, RULE, None, frozenset({"f24w"}))
+    assert len(listed.ranked) <= 1
+
+
+def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice]) -> None:
+    usable = motor_advice(choices, RULE, None).ranked
+    best, worst = usable[0].choice, usable[-1].choice
+    stay = motor_advice(choices, RULE, label(best.motor))
+    assert (stay.gain, stay.clear) == (0.0, False)
+    assert f"no change: {best.motor.designation}, flown last" in " ".join(advice_in_words(stay, RULE))
+    on_target = np.full(100, RULE.target)
+    sharp = [
+        replace(one, prediction=replace(one.prediction, apogee=on_target + shift))
+        for one, shift in ((best, 0.0), (worst, 100.0))
+    ]
+    move = motor_advice(sharp, RULE, label(worst.motor))
+    assert move.gain is not None
+    assert move.clear == (move.gain > max(2 * (move.gain_error or 0.0), 1.0))
+    assert move.gain > 50
+    assert move.json()["change"] == move.clear
