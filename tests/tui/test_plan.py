@@ -89,7 +89,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "sum to 60 or less" in seen
         assert "best 2 of 1, 9, 12" in seen
         assert "contest length: ok" in seen
-        assert "wind not given, so drift unknown" in seen  # what it asks for beside
+        assert "wind not given; drifts" in seen  # what it asks for beside
         assert "ceiling: ok" in seen
         await press(pilot, "p", "ctrl+u", "ctrl+s")
         assert "target 800 ft" in said(pilot)  # the season's own again
