@@ -54,7 +54,7 @@ fieldkit contest --rocket Astra --season 2026 --declared 2,3,9
 fieldkit finals --rocket Astra --season 2027 --motor F39T-6 --temperature 25c --wind 3m/s --card finals.png
 # where a plan lands, and which rail angle lands it nearest the pad
 fieldkit landing --rocket Astra --motor F24-4W --wind 4m/s --wind-aloft 9m/s --field-size 400m
-fieldkit daysheet --rocket Astra --motor F24-4W --wind 4m/s --field-size 400m --out day.pdf
+fieldkit daysheet --rocket Astra --motor F24-4W --wind 4m/s --field-size 400m --out sheet.pdf
 # one simulated flight from these values only
 fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alpha 1 --wind 5mps
 

@@ -34,7 +34,7 @@ TO_BE_MADE = {
     ".venv/bin",
 }
 """Paths that a reader makes."""
-MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png"}
+MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "sheet.pdf"}
 """Files that the examples write."""
 
 

@@ -75,7 +75,7 @@ def motor_advice(
 ) -> MotorAdvice:
     """The points of each of some motors by a season's rule; `current` is the `label` of the one that is flown now.
 
-    Draws are common to all motors, so that differences of points are surer than the points themselves.
+    Draws are common to all motors, so that their differences are known better than the points themselves.
     """
     usable = [one for one in choices if one.fits and _legal(one, rule, approved)]
     ranked = sorted((MotorPoints(one, _points(one, rule)) for one in usable), key=lambda one: one.mean)
