@@ -107,7 +107,7 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
     return STYLES[asked]
 
 
-LETTERS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789")
+LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
 """Keys that only add a letter where a text is typed."""
 
 WORKED_OUT: dict[str, Any] = {}
