@@ -24,7 +24,7 @@ from fieldkit.tui.add.add_form import (
     beside,
 )
 from fieldkit.tui.add.add_hand import Hand
-from fieldkit.tui.add.add_sheet import Sheet, field_of
+from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
 from fieldkit.tui.add.after_card import AfterCard
 from fieldkit.tui.add.draft_pen import DraftPen
 from fieldkit.tui.add.estimate_line import EstimateLine
@@ -62,22 +62,7 @@ class AddScreen(PageScreen):
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
     ]
-    DEFAULT_CSS = """
-    AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
-    AddScreen.-narrow #setup { grid-size: 2; }
-    AddScreen.-narrow #big { width: 26; }
-    AddScreen #fields { padding: 0 1; height: 1fr; }
-    AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
-    AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
-    AddScreen.-tall #save { margin: 1 0; }
-    AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
-    AddScreen.-wide #fields { layout: horizontal; }
-    AddScreen.-tall Hand { margin: 1 0; }
-    AddScreen.-tall Field { height: 3; }
-    AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
-    AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
-    AddScreen.-tall Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
-    """
+    DEFAULT_CSS = FORM_CSS
 
     def __init__(self) -> None:
         super().__init__()
