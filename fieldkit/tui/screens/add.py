@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Button, Input
 
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import QUESTIONS, Question
+from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import (
     BY_NAME,
@@ -24,13 +24,13 @@ from fieldkit.tui.add.add_form import (
     beside,
 )
 from fieldkit.tui.add.add_hand import Hand
+from fieldkit.tui.add.add_help import ABOUT
 from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
 from fieldkit.tui.add.after_card import AfterCard
 from fieldkit.tui.add.draft_pen import DraftPen
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.add.saving import Saving
-from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 
@@ -44,14 +44,7 @@ class AddScreen(PageScreen):
     NAME = "add"
     AUTO_FOCUS = f"#in-{READ[0]}"  # ready to be typed while the ledger is still being read
     TITLE = "Add a flight"
-    ABOUT = Help(
-        "Type what your altimeter shows, in its order; Enter goes on, the arrow up goes back. A unit may follow the "
-        "number (923ft, 281.3 m, 140mph); without one the unit beside the field applies, and a typed unit also applies "
-        "to the next flight. A lone - means not recorded. Implausible figures are marked with ! and accepted. All "
-        "keys are saved: after a dead battery the form is as you left it.",
-        tuple((question.title, question.help) for question in QUESTIONS),
-        ("fieldkit add", "fieldkit add --rocket R --motor M --apogee 935ft"),
-    )
+    ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
