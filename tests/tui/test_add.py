@@ -47,6 +47,29 @@ async def test_ten_readouts_take_fewer_than_45_keys_besides_their_digits(file: P
     assert flight.dry_mass == pytest.approx(0.448)
 
 
+async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is_undone(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    keys = ["f", "enter", "a"]
+    for text in ("198", "80", "2.1", "7.9", "4", "5.6", ".3", "195", "5", "45"):
+        keys += [*typed(text), "enter"]
+    keys.append("enter")
+    assert len(keys) <= 45
+    async with opened(file, page="home") as pilot:
+        for key in keys:
+            await press(pilot, key, *(["_"] if key in ("f", "a") else []))
+        seen = words(pilot)
+        for text in ("Saved flight 13", "Flown 198.0 m", "inside the 90 % interval", "Cd 0.", "Next", "Suggested"):
+            assert text in seen
+        with Ledger.open(file) as ledger:
+            assert [change.command for change in ledger.history()[-2:]] == ["keep", "add"]
+        await press(pilot, "u", "_", "u", "_")
+        assert "undone: keep Astra" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 12
+
+
 async def test_the_fields_stand_in_the_order_of_the_altimeter(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "2")

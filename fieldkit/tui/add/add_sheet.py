@@ -15,6 +15,24 @@ from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.picker import Picker
 
+FORM_CSS = """
+    AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
+    AddScreen.-narrow #setup { grid-size: 2; }
+    AddScreen.-narrow #big { width: 26; }
+    AddScreen #fields { padding: 0 1; height: 1fr; }
+    AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
+    AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
+    AddScreen.-tall #save { margin: 1 0; }
+    AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
+    AddScreen.-wide #fields { layout: horizontal; }
+    AddScreen.-tall Hand { margin: 1 0; }
+    AddScreen.-tall Field { height: 3; }
+    AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
+    AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
+    AddScreen.-tall Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
+"""
+"""How the parts of the form are laid out on the page, by its width and height."""
+
 
 class Sheet:
     """The lines on a page; `touched` names the questions that the flyer has answered there."""

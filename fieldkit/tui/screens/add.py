@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Button, Input
 
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import QUESTIONS, Question
+from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import (
     BY_NAME,
@@ -24,13 +24,13 @@ from fieldkit.tui.add.add_form import (
     beside,
 )
 from fieldkit.tui.add.add_hand import Hand
-from fieldkit.tui.add.add_sheet import Sheet, field_of
+from fieldkit.tui.add.add_help import ABOUT
+from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
 from fieldkit.tui.add.after_card import AfterCard
 from fieldkit.tui.add.draft_pen import DraftPen
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.add.saving import Saving
-from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 
@@ -44,14 +44,7 @@ class AddScreen(PageScreen):
     NAME = "add"
     AUTO_FOCUS = f"#in-{READ[0]}"  # ready to be typed while the ledger is still being read
     TITLE = "Add a flight"
-    ABOUT = Help(
-        "Type what your altimeter shows, in its order; Enter goes on, the arrow up goes back. A unit may follow the "
-        "number (923ft, 281.3 m, 140mph); without one the unit beside the field applies, and a typed unit also applies "
-        "to the next flight. A lone - means not recorded. Implausible figures are marked with ! and accepted. All "
-        "keys are saved: after a dead battery the form is as you left it.",
-        tuple((question.title, question.help) for question in QUESTIONS),
-        ("fieldkit add", "fieldkit add --rocket R --motor M --apogee 935ft"),
-    )
+    ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
@@ -62,22 +55,7 @@ class AddScreen(PageScreen):
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
     ]
-    DEFAULT_CSS = """
-    AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
-    AddScreen.-narrow #setup { grid-size: 2; }
-    AddScreen.-narrow #big { width: 26; }
-    AddScreen #fields { padding: 0 1; height: 1fr; }
-    AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
-    AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
-    AddScreen.-tall #save { margin: 1 0; }
-    AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
-    AddScreen.-wide #fields { layout: horizontal; }
-    AddScreen.-tall Hand { margin: 1 0; }
-    AddScreen.-tall Field { height: 3; }
-    AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
-    AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
-    AddScreen.-tall Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
-    """
+    DEFAULT_CSS = FORM_CSS
 
     def __init__(self) -> None:
         super().__init__()
