@@ -35,6 +35,8 @@ class Bench:
         self.file = self.desk / "ledger.db"
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
+        self.spoken: set[str] = set()
+        """What the call says where nothing is wrong: how far it is."""
 
     def fresh(self) -> None:
         """The desk as the call finds it."""
@@ -52,7 +54,7 @@ class Bench:
         self.fresh()
         with at_home(self.desk / "home"):
             before = state(self.file)
-        self.tried()
+        self.spoken = set(self.tried().said.splitlines())
         found = made(self.notes, self.desk)
         with at_home(self.desk / "home"):
             self.states = (before, state(self.file))
@@ -85,6 +87,7 @@ class Bench:
         if changes and name == "after":
             denied = any("nothing was changed" in line for line in lines)
             return "refused, and done", "it said that nothing was changed" if denied else ""
+        lines = [line for line in lines if line not in self.spoken]
         return "refused in a line", "" if len(lines) <= 3 else f"refused in {len(lines)} lines"
 
     def torn(self) -> str:

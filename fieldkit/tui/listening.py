@@ -33,7 +33,7 @@ class Connections:
         self._open[transport] = address
 
     async def accept(self, listening: socket.socket, server: web.Server) -> None:
-        """Take in whoever asks; who is too many is sent away at once, before anything is read."""
+        """Accept connections; one too many is closed at once, before anything is read."""
         loop = asyncio.get_running_loop()
         while True:
             connection, where = await loop.sock_accept(listening)
@@ -41,7 +41,7 @@ class Connections:
             if not self.has_room(address):
                 connection.close()
                 continue
-            with suppress(OSError):  # who has gone again
+            with suppress(OSError):  # closed by the other side already
                 transport, _ = await loop.connect_accepted_socket(server, connection)
                 self.came(transport, address)
 
@@ -59,7 +59,7 @@ async def serve(app: web.Application, host: str, port: int) -> None:
 
 
 async def _accepted(sockets: list[socket.socket], server: web.Server) -> None:
-    """Take in connections until a signal comes."""
+    """Accept connections until a signal comes."""
     connections, over = Connections(), asyncio.Event()
     with suppress(NotImplementedError):  # Windows, where an interrupt ends the loop itself
         for one in (signal.SIGINT, signal.SIGTERM):

@@ -11,7 +11,7 @@ ARENA_MAX_OPTION = -8
 """glibc's `M_ARENA_MAX`, from `malloc.h`."""
 MAX_ARENAS = 2
 """Arenas of memory: one for the keys, one for all else. [1]"""
-MAX_GROWTH = 1.5
+MAX_GROWTH = 1.2
 """Of the objects that the collector passes by, before they are looked through again. [1]"""
 
 
@@ -51,7 +51,7 @@ class PassedBy:
         """Pass by what is there now.
 
         Garbage goes first, for what is frozen as garbage stays: that of what is new each time, and all of it where the
-        number of objects has grown by half.
+        number of objects has grown by a fifth.
         """
         everything = gc.get_freeze_count() > MAX_GROWTH * self.last
         if everything:

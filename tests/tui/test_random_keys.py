@@ -13,8 +13,8 @@ from tests.pressing import ROOT, season
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
 SEEDS = (1, 2, 3)
 """Those that have found something stay: 2 closed the palette twice, and listed a flight while it was removed."""
-MAX_GROWTH = 400
-"""Of the memory over 10,000 keys. [MB] Of it the loop takes up to 300, the libraries that it calls included."""
+MAX_AT_REST = 250
+"""Memory after 10,000 keys. [MB] About 105 of it are there before the first: Python, Textual, SQLAlchemy, numpy."""
 
 
 def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
@@ -37,4 +37,4 @@ def test_some_random_keys_do_no_harm(tmp_path: Path) -> None:
 def test_random_keys_do_no_harm_and_cost_no_memory(seed: int, tmp_path: Path) -> None:
     found = pressed(seed, 10_000, tmp_path)
     assert found["errors"] == []
-    assert int(str(found["rest"])) - int(str(found["start"])) < MAX_GROWTH
+    assert int(str(found["rest"])) <= MAX_AT_REST, found
