@@ -246,8 +246,8 @@ START = Hyperprior(
 was looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
 differ by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and
 wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. Devices are off
-about the truth, for each maker means to show it: the open flights come from one device, and one cannot tell a mean over
-devices from how far they differ. How far devices
+about the truth, for each maker means to show it: the open flights come from one device, and one does not distinguish a
+mean over devices from how far they differ. How far devices
 differ from each other in noise (`reading`) stays a judgment for the same reason. Readouts measured in
 samples differ from the simulated ones as those of one rocket do, and have no device's rule in them. What a log shows of
 drag and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it two

@@ -1,8 +1,8 @@
 """Drag and thrust of single flights, by the model that forecasts are made with or an ensemble with a prior of its own.
 
 Each flight is taken by itself, with what the flyer's other rockets show: the network of whole histories is asked about
-a history of that one flight. The field ensemble, which sees nothing but the flight, warns of readouts unlike those it
-was trained with.
+a history of that one flight. The field ensemble, which sees nothing but the flight, warns of readouts that are far from
+those it was trained with.
 """
 
 from collections.abc import Iterator, Sequence

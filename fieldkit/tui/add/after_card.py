@@ -28,7 +28,7 @@ Draw = Callable[[Any, Any], None]
 MAX_EARLIER = 24
 """Earlier forecasts that are drawn, the newest. [1]"""
 WORKING = "comparing it with its forecast ..."
-NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight says nothing of drag."
+NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight has no Cd."
 
 
 @dataclass(frozen=True, slots=True)
