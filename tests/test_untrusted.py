@@ -245,6 +245,7 @@ LONG = {
     "contest": ["--season", "2026"],
     "finals": ["--season", "2027", "--motor", "F24-4W", "--targets", "795-800"],
     "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
+    "daysheet": ["--motor", "F24-4W", "--wind", "3m/s", "--out", "sheet.png"],
 }
 APART = {"serve", "tui", "train", "track"}
 """Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask

@@ -28,6 +28,7 @@ MORE = (
     "mappings --forget 1",
     "capture PORT --device micropeak --import --set rocket=Comet",
     "predict --flights planned.csv",
+    "daysheet --flights planned.csv --out planned.pdf",
     "loop --rocket Astra --effect motor_thrust",
     "loop --rocket Astra --look --report loop.html",
     "loop --rocket Astra --decline wind",

@@ -114,12 +114,13 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
 def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, float]:
     """The part of the dynamic pressure by which that in the airframe is off, 0 where the delay may as well explain what
     is seen [1], and the standard deviation of the delay. [s]"""
-    costs = np.array([one.cost for one in every])
+    fitted = [(delay, one) for delay, one in zip(_DELAYS, every, strict=True) if np.isfinite(one.cost)]
+    costs = np.array([one.cost for _, one in fitted])
     weight = np.exp(-(costs - best.cost) / _apart(best.left) ** 2)
     weight /= weight.sum()
-    delays, static = np.array(_DELAYS), np.array([one.static for one in every])
+    delays, static = np.array([delay for delay, _ in fitted]), np.array([one.static for _, one in fitted])
     mean = float(weight @ static)
-    within = weight @ np.array([one.static_sd**2 for one in every])
+    within = weight @ np.array([one.static_sd**2 for _, one in fitted])
     sd = float(np.sqrt(within + weight @ (static - mean) ** 2))
     delay_sd = float(np.sqrt(weight @ (delays - weight @ delays) ** 2))
     return (best.static if abs(mean) > _SIGNIFICANT * sd else 0.0), delay_sd

@@ -21,7 +21,15 @@ from fieldkit.ledger import Ledger
 
 ROOT = Path(__file__).parents[2]
 CHECK_SHAPES = False
-FILLERS = {"what": "1", "recipe": "paper", "motor": "F24-4W", "rocket": "Astra", "config": "A", "number": "1"}
+FILLERS = {
+    "what": "1",
+    "recipe": "paper",
+    "motor": "F24-4W",
+    "rocket": "Astra",
+    "config": "A",
+    "number": "1",
+    "out": "written.png",
+}
 """What other arguments a command needs, by name."""
 
 

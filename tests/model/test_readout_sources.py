@@ -74,5 +74,6 @@ def test_drag_and_thrust_are_found_from_logged_readouts_whatever_devices_show(sl
         truth = START.mean("drag") + 0.3
         return abs(cd.mean() - truth) / cd.std(), abs(alpha.mean()) / alpha.std()
 
-    assert max(misses("accel")) < 1.0
-    assert max(misses("typed")) > 2.0
+    logged, typed = max(misses("accel")), max(misses("typed"))
+    assert logged < 1.0
+    assert typed > logged + 0.5

@@ -171,7 +171,7 @@ def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is
     assert "fieldkit simulate flies several" in capsys.readouterr().err
 
 
-def test_a_flight_on_several_motors_is_recorded_as_flown() -> None:
-    with Ledger.open(":memory:") as ledger:
+def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Trio", motor="3 x C6-5", apogee=150.0)])
         assert ledger.flights("Trio")[0].motor == "3 x C6-5"

@@ -313,7 +313,7 @@ def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, m
     said = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found) for mass in masses], draws=600)
     chances = [float((np.abs(one.apogee - 240.0) < 10.0).mean()) for one in said]
     assert best.met
-    assert chances[1] == max(chances)
+    assert chances[1] > max(chances) - 0.02  # as near as 600 draws show
     assert best.apogee[1] == pytest.approx(240.0, abs=4.0)  # the middle of the band, not the luck of some draws
     assert best.there.chance == pytest.approx(chances[1], abs=0.05)
     assert best.there.chance >= best.today.chance
@@ -331,8 +331,8 @@ def test_a_target_out_of_reach_says_what_can_be(
     assert best.apogee[1] == pytest.approx(best.reach[end], abs=0.01)  # the height it names is the end of its reach
 
 
-def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:
-    with Ledger.open(":memory:") as ledger:
+def test_a_site_is_saved_beside_what_flights_say_of_it(tmp_path: Path) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([Flight(flight_id="1", rocket="A", site="Meadow", site_elevation=212.0, apogee=100.0)])
         keep_site(ledger, "Meadow", size=400.0)
         keep_site(ledger, "Meadow", ceiling=900.0)
@@ -344,16 +344,16 @@ def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:
 
 
 @pytest.mark.parametrize(("days", "offered"), [(0, "3 m/s"), (1, "")])
-def test_the_weather_of_the_day_is_offered_and_no_older_one(days: int, offered: str) -> None:
+def test_the_weather_of_the_day_is_offered_and_no_older_one(tmp_path: Path, days: int, offered: str) -> None:
     question = next(one for one in QUESTIONS if one.name == "wind")
-    with Ledger.open(":memory:") as ledger:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         flown = Flight(flight_id="1", rocket="A", date_time=datetime.now() - timedelta(days=days), wind=3.0, apogee=9.0)
         ledger.add([flown])
         assert offer(ledger, Flight(rocket="A"), question) == offered
 
 
-def test_a_typed_flight_takes_the_elevation_of_its_site() -> None:
-    with Ledger.open(":memory:") as ledger:
+def test_a_typed_flight_takes_the_elevation_of_its_site(tmp_path: Path) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         keep_site(ledger, "Meadow", elevation=212.0)
         flight, _ = enter(ledger, Flight(rocket="A", site="Meadow", apogee=100.0))
         assert flight.site_elevation == 212.0

@@ -149,7 +149,7 @@ def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
 
 
 def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_metre_a_second_is_not(said: Prediction) -> None:
-    """Under a parachute that opens at apogee the drift is the descent time times the mean wind on the way."""
+    """The drift is the descent time times the mean wind on the way, less what the rocket flies into the wind."""
     calm = replace(said, plan=PLAN.with_changes(wind=None))
     fall = fall_of([], calm.plan, FOUND)
     found = landing(calm, fall)
@@ -157,7 +157,8 @@ def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_metre_a_se
     assert (shown["away_m"], shown["downwind_m"], shown["ellipse"]) == (None, None, None)
     height, time = np.median(calm.true_apogee), np.median(found.duration - calm.rise_time)
     profile = WindProfile(1.0).components(np.linspace(0.0, height, 200))[0].mean()
-    assert np.median(found.drift) == pytest.approx(time * profile, rel=0.05)
+    assert np.median(found.drift) == pytest.approx(time * profile, rel=0.08)
+    assert np.median(found.drift) < time * profile
     words = " ".join(landing_in_words(calm, found, fall, [], Site(size=300.0)))
     assert "unknown without the wind" in words
     assert " 0 m from the pad" not in words
@@ -224,8 +225,8 @@ def test_a_charge_that_comes_too_late_is_ballistic(said: Prediction) -> None:
     assert not descents(unknown, usual(), np.full(300, 5.0)).ballistic.any()
 
 
-def test_a_plan_comes_down_as_its_configuration_last_did() -> None:
-    with Ledger.open(":memory:") as ledger:
+def test_a_plan_comes_down_as_its_configuration_last_did(tmp_path: Path) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         flight = PLAN.with_changes(flight_id="1", apogee=200.0, extra={"main_altitude_m": "80", "unrelated": "x"})
         ledger.add([flight])
         plan = completed_plan(ledger, catalogue(), Flight(rocket="Comet", motor="F39T-6"), Settings())

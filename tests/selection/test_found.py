@@ -11,7 +11,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import shown
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import Diagnosis, diagnose

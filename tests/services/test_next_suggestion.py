@@ -61,7 +61,7 @@ def test_with_a_target_a_motor_that_passes_the_checks_and_ends_near_it_is_named(
     assert found.apogee[0] <= 230.0 <= found.apogee[2]
     assert f"{found.motor}, " in suggestion_line(found, "SI")
     assert "nearest to 230" in suggestion_line(found, "SI")
-    assert suggestion(ledger, catalogue(), Settings(target=20.0), last).kind == "repeat", "no motor goes so low"
+    assert suggestion(ledger, catalogue(), Settings(target=4.0), last).kind == "repeat", "no motor goes so low"
 
 
 def test_misses_beyond_chance_lead_to_the_loop_and_one_in_ten_does_not(ledger: Ledger, last: Outcome) -> None:
