@@ -37,7 +37,10 @@ def prior_table() -> str:
             READOUTS, units, card.fixed, card.ratio, given.fixed, given.ratio, strict=True
         )
     ]
-    means = [f"| {name.replace('_', ' ')} | {START.mean(name):.3f} | {card.mean(name):.3f} |" for name in card.means]
+    means = [
+        f"| {name.replace('_', ' ')} | {START.mean(name):.3f} | {card.mean(name):.3f} | {card.mean_sds[name]:.3f} |"
+        for name in card.means
+    ]
     data = [
         f"| {one['flyer'].replace('_', ' ')} | {one['flights']} | {one['rockets']} | {_digests(one['sha256'])} |"
         for one in card.about["data"]
@@ -55,9 +58,12 @@ plain model has to explain a misfit. {WRITTEN_BY}
 |---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-| mean over all flyers of | start | learned |
-|---|---|---|
+| mean over all flyers of | start | learned | known to |
+|---|---|---|---|
 {chr(10).join(means)}
+
+Devices have no mean: each maker means to show what happened. The fleet of a flyer may be off the mean by how far fleets
+differ and by how well the mean is known, both. *Logged* is of readouts that were measured in the samples of a log.
 
 Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
 factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
@@ -74,8 +80,8 @@ The log frontal area of a rocket whose diameter was not recorded has a standard 
 {card.opening[0]:g} ± {card.opening[1]:g} s.
 
 Priors of the strength of each effect are in [the effects](effects.md), those of the networks' simulated flights in
-[the trained ensembles](models.md): these networks were trained before this hyperprior was learned and have priors of
-their own.
+[the trained ensembles](models.md). The network of whole histories has the hyperprior that it was trained with in its
+card; the field ensemble, which warns of odd flights, has a prior of its own.
 
 ## What it was learned from
 
