@@ -70,6 +70,12 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ledger.db"
 
 
+@pytest.fixture(autouse=True)
+def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The forecast under the cursor stays the first one: the finer one comes when the cursor has rested a while."""
+    monkeypatch.setattr("fieldkit.tui.screens.next_flight.REST", 3600.0)
+
+
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
 @pytest.mark.parametrize("scene", SCENES)
 async def test_a_page_looks_as_it_did_and_can_be_read(
