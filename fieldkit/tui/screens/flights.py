@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from fieldkit.services.inferred import FlightInference
     from fieldkit.tui.flights.flight_screen import FlightScreen
 
-FLIGHTS_PER_BATCH = 200
-"""Flights whose drag and thrust are computed together, so that others need not wait."""
+FLIGHTS_PER_BATCH = 40
+"""Flights whose drag and thrust are computed together, a second's work, so that others need not wait. [1]"""
+MAX_INFERRED = 400
+"""Flights, those on top, whose drag and thrust are computed without being asked for. [1]"""
 REST = 0.15
 """How long the cursor stays on a flight before its log is read. [s]"""
 NOT_FOUND = "no flight holds all of these words; / changes them"
@@ -130,10 +132,11 @@ class FlightsScreen(PageScreen):
 
     def _infer(self) -> None:
         """Work out drag and thrust where they are not known yet: some flights at a time, those on top first."""
-        waiting = [row for row in self._sorted(self._rows.values()) if row.id not in self._asked][:FLIGHTS_PER_BATCH]
+        top = self._sorted(self._rows.values())[:MAX_INFERRED]
+        waiting = [row for row in top if row.id not in self._asked][:FLIGHTS_PER_BATCH]
         if waiting:
             self._asked |= {row.id for row in waiting}
-            self.ask(partial(self._inferred, waiting), self._have_drag, "drag")
+            self.ask(partial(self._inferred, waiting), self._have_drag, "drag", in_turn=True)
         else:
             self.field_app.settled()
 
@@ -267,11 +270,13 @@ class FlightsScreen(PageScreen):
         self._sort = (self._sort + 1) % len(self._shown())
         self._down = self._sort in (1, 5, 8)
         self._refill()
+        self._infer()
 
     def action_turn(self) -> None:
         """The other way round."""
         self._down = not self._down
         self._refill()
+        self._infer()
 
     def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
