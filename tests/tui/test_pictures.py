@@ -72,8 +72,10 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(autouse=True)
 def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The forecast under the cursor stays the first one: the finer one comes when the cursor has rested a while."""
+    """What comes when keys have rested a while is not waited for: the finer forecast under the cursor, and the estimate
+    of a flight as it is typed."""
     monkeypatch.setattr("fieldkit.tui.screens.next_flight.REST", 3600.0)
+    monkeypatch.setattr("fieldkit.tui.add.estimate_line.PAUSE", 3600.0)
 
 
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
