@@ -46,7 +46,8 @@ def predict(
         ModelVersion, typer.Option(help="Without or with the effects that the loop found.")
     ] = ModelVersion.after,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Apogee only, from the network if a check confirms it; not saved.")
+        bool,
+        typer.Option("--quick", help="From the network if a check confirms it; not saved, and without safety checks."),
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,

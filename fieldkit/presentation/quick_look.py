@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.forecast.prediction import Prediction
+from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
 from fieldkit.selection.quick_look import QuickLook
@@ -13,6 +13,8 @@ from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
 
 EVALUATION = "amortized"
+READOUT_KEYS = {"ejection_s": "apogee_to_eject", "coast_s": "coast_to_apogee", "top_speed_mps": "top_speed"}
+"""What is forecast beside the apogee, in the median, as it is named in JSON."""
 DRAWS = 1000
 """Equally likely apogees that mean and standard deviation are taken of. [1]"""
 
@@ -95,7 +97,7 @@ def _by_the_network(said: QuickAnswer) -> dict[str, Any]:
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
-        "ejection_s": None,
+        **{key: said.readouts[name][1] if name in said.readouts else None for key, name in READOUT_KEYS.items()},
         "cd": {"median": float(np.exp(said.log_cd[0])), "log_sd": said.log_cd[1]},
         "alpha": {"median": float(np.exp(said.log_alpha[0])), "log_sd": said.log_alpha[1]},
         "rests_on": int(said.summary.data.seen.any(axis=1).sum()),
@@ -108,6 +110,8 @@ def _by_the_fit(said: Prediction) -> dict[str, Any]:
     return {
         "apogee_m": apogee_summary(said),
         "ejection_s": said.median_eject,
+        "coast_s": median(said.coast),
+        "top_speed_mps": median(said.top_speed),
         "cd": {"median": float(np.median(said.cd)), "log_sd": float(np.log(said.cd).std())},
         "alpha": {"median": float(np.median(said.alpha)), "log_sd": float(np.log(said.alpha).std())},
         "rests_on": said.rests_on,

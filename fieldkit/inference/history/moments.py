@@ -9,6 +9,8 @@ from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.response import slopes
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.posterior import term_sds
+from fieldkit.model.hyperprior import FROM_LOGS
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Term, apogee_scatter
 from fieldkit.shapes import Array, Float
 
@@ -60,6 +62,81 @@ def moments(linear: LinearFit) -> Moments:
         alpha_sd,
         (acts[0] * (covariance @ acts[1])).sum(axis=0) / (cd_sd * alpha_sd),
     )
+
+
+FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("apogee", *FROM_LOGS))
+"""Readouts of a plan that are forecast beside its apogee."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadoutMoments:
+    """What plans will show beside the apogee by a linear fit, but for the error of the reading: mean and standard
+    deviation of each of `FORECAST_READOUTS` as they are compared, and its covariance with the plan's log Cd and log
+    alpha."""
+
+    mean: Float[Array, "plan readout"]
+    sd: Float[Array, "plan readout"]
+    with_parameters: Float[Array, "plan readout 2"]
+
+    def given(self, before: "ParameterMoments", after: "ParameterMoments") -> "ReadoutMoments":
+        """The same where log Cd and log alpha are distributed otherwise than by the linear fit: the distribution given
+        the two stays as it is (Jeffrey, The Logic of Decision, 1965, chapter 11)."""
+        gain = self.with_parameters @ np.linalg.inv(before.covariance)
+        change = after.covariance - before.covariance
+        mean = self.mean + (gain @ (after.mean - before.mean)[..., None])[..., 0]
+        variance = self.sd**2 + np.einsum("pri,pij,prj->pr", gain, change, gain)
+        return replace(self, mean=mean, sd=np.sqrt(np.maximum(variance, 1e-8)), with_parameters=gain @ after.covariance)
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterMoments:
+    """Mean and covariance of the log Cd and log alpha that plans fly with. [1]"""
+
+    mean: Float[Array, "plan 2"]
+    covariance: Float[Array, "plan 2 2"]
+
+
+def parameter_moments(
+    cd: Float[Array, "plan"],
+    cd_sd: Float[Array, "plan"],
+    alpha: Float[Array, "plan"],
+    alpha_sd: Float[Array, "plan"],
+    correlation: Float[Array, "plan"],
+) -> ParameterMoments:
+    """Means, standard deviations and a correlation as a mean and a covariance."""
+    both = np.asarray(correlation * cd_sd * alpha_sd)
+    covariance = np.array([[np.asarray(cd_sd) ** 2, both], [both, np.asarray(alpha_sd) ** 2]])
+    return ParameterMoments(np.stack([cd, alpha], axis=-1), np.moveaxis(covariance, -1, 0))
+
+
+def readout_moments(linear: LinearFit) -> ReadoutMoments:
+    """What plans will show beside the apogee, by a linear fit."""
+    fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
+    plans, count = slice(linear.flown, None), len(model.flights)
+    columns = [OBSERVED_READOUTS.index(name) for name in FORECAST_READOUTS]
+    terms = (*model.terms, *linear.fresh)
+    fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
+    fresh_means = np.array([term.mean for term in linear.fresh])
+    middle, covariance = _mixture(fit.mean, fit.covariance, weights)
+    slope = np.concatenate([near.slope, slopes(linear.fresh, linear.moved)], axis=-1)[plans][:, columns]
+    whole = np.zeros((len(terms), len(terms)))
+    whole[: len(middle), : len(middle)] = covariance
+    whole[len(middle) :, len(middle) :] = np.diag(weights @ fresh_sds**2)
+    away = np.concatenate([middle - near.at, fresh_means])
+    spread = slope @ whole
+    acts = np.stack([acting(terms, kind, count)[:, plans] for kind in ("drag", "thrust")], axis=-1)
+    values = near.values[plans][:, columns]
+    return ReadoutMoments(
+        values + slope @ away,
+        np.sqrt((spread * slope).sum(axis=-1) + np.tensordot(weights, _scatter_of_readouts(linear, columns), 1)),
+        np.einsum("prt,tpk->prk", spread, acts),
+    )
+
+
+def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Array, "scale plan readout"]:
+    """Variance of what single flights do, beside what is not known of the rocket."""
+    scatter, plans = linear.model.hyperprior.scales()[0][:, None, None], slice(linear.flown, None)
+    return np.asarray(scatter**2 * (linear.near.scatter_slope[plans][:, columns] ** 2).sum(axis=-1))
 
 
 def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:

@@ -10,10 +10,19 @@ import numpy as np
 
 from fieldkit.errors import DamagedModel
 from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.moments import FORECAST_READOUTS, parameter_moments, readout_moments
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
-from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
+from fieldkit.inference.network.history_parts import (
+    LEVELS,
+    OVERALL_OUTPUTS,
+    PARAMETERS,
+    STANDARD,
+    answer,
+    quantile_draws,
+)
 from fieldkit.model.hyperprior import Hyperprior, read_card
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.shapes import Array, Float
 
@@ -21,6 +30,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 NAME = "history"
+NORMAL_95 = STANDARD[LEVELS.index(0.95)]
+"""The 95 % quantile of a standard normal distribution. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +41,9 @@ class QuickAnswer:
     `inclusion` is the probability of each effect that the network knows, `none` that nothing is missing, `unexplained`
     that something is that no effect stands for; no effect excludes another. `log_apogee` are quantiles of the plan's
     log apogee [log m] at `levels`; `log_cd` and `log_alpha` mean and standard deviation, `correlation` theirs. [1]
-    `plan` is the number of the plan among those of the history.
+    `readouts` are the 5, 50 and 95 % quantiles of what the plan will show beside the apogee but for the error of the
+    reading, in SI: the linear fit's, with the network's Cd and alpha. `plan` is the number of the plan among those of
+    the history.
     """
 
     inclusion: Mapping[str, float]
@@ -41,6 +54,7 @@ class QuickAnswer:
     log_cd: tuple[float, float]
     log_alpha: tuple[float, float]
     correlation: float
+    readouts: Mapping[str, tuple[float, float, float]]
     summary: HistorySummary
     model: str
     plan: int = 0
@@ -110,6 +124,10 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     sds = np.stack([base.cd_sd * said.scale[:, 0], base.alpha_sd * said.scale[:, 1]], axis=-1)
     correlation = np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + said.coupling)
     apogees = base.apogee[:, None] + base.apogee_sd[:, None] * said.quantiles
+    plans = readout_moments(summary.forecast).given(
+        parameter_moments(base.cd, base.cd_sd, base.alpha, base.alpha_sd, base.correlation),
+        parameter_moments(middle[:, 0], sds[:, 0], middle[:, 1], sds[:, 1], correlation),
+    )
     return [
         QuickAnswer(
             {name: float(said.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
@@ -120,12 +138,24 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
             (float(middle[plan, 0]), float(sds[plan, 0])),
             (float(middle[plan, 1]), float(sds[plan, 1])),
             float(correlation[plan]),
+            _readouts(plans.mean[plan], plans.sd[plan]),
             summary,
             network.name,
             plan,
         )
         for plan in range(len(apogees))
     ]
+
+
+def _readouts(mean: Float[Array, "readout"], sd: Float[Array, "readout"]) -> dict[str, tuple[float, float, float]]:
+    """Quantiles in SI of readouts that are normal as they are compared; none of one that the plan does not show."""
+    found = {}
+    for name, middle, spread in zip(FORECAST_READOUTS, mean, sd, strict=True):
+        ends = [middle + standard * spread for standard in (-NORMAL_95, 0.0, NORMAL_95)]
+        values = np.exp(ends) if IS_LOGARITHMIC[OBSERVED_READOUTS.index(name)] else ends
+        if np.isfinite(values).all():
+            found[name] = (float(values[0]), float(values[1]), float(values[2]))
+    return found
 
 
 def untrained_effects(ensemble: "Ensemble") -> tuple[str, ...]:
