@@ -5,28 +5,20 @@ the earlier ones, with the plain model: what the set hides is not declared, so t
 Nothing of the product is imported.
 """
 
-import argparse
-import json
-import os
-import shlex
-import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from bench.commands import read_labels, run, sets_parser
+
 
 def score_set(command: Sequence[str], folder: Path, name: str) -> dict[str, Any]:
-    """What `fieldkit score` says of all flights of a set."""
+    """What `fieldkit score` says of all flights of a set. Raises CommandFailed."""
     with tempfile.TemporaryDirectory() as home:
-        fieldkit = [*command, "--ledger", str(Path(home) / "ledger.db")]
-        files = [str(folder / f"{name}.csv"), str(folder / f"{name}_future.csv")]
-        for arguments in (["import", *files], ["score"]):
-            done = subprocess.run([*fieldkit, *arguments, "--json"], capture_output=True, text=True, env=os.environ)
-            if done.returncode:
-                raise SystemExit(f"{name}: {done.stderr.strip()}")
-    found: dict[str, Any] = json.loads(done.stdout)
+        run(command, Path(home), "import", str(folder / f"{name}.csv"), str(folder / f"{name}_future.csv"))
+        found: dict[str, Any] = run(command, Path(home), "score")
     return found
 
 
@@ -38,16 +30,12 @@ def say(line: str) -> None:
 
 def main() -> int:
     """Score every set of a folder and print a line for each and for all."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("sets", type=Path)
-    parser.add_argument("--command", default=f"{sys.executable} -m fieldkit.cli.main")
-    parser.add_argument("--limit", type=int, default=None, help="only so many of the sets")
-    options = parser.parse_args()
-    labels = json.loads((options.sets / "labels.json").read_text())[: options.limit]
+    options = sets_parser(__doc__).parse_args()
+    labels = read_labels(options.sets, options.limit)
     rows: list[dict[str, Any]] = []
     say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
     for label in labels:
-        found = score_set(shlex.split(options.command), options.sets, label["set"])
+        found = score_set(options.command, options.sets, label["set"])
         late = [row for row in found["flights"] if row["corrected"]]
         rows += late
         own, after = (_share(late, which) for which in ("own", "corrected"))

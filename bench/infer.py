@@ -4,13 +4,8 @@ Each set's history goes into a ledger of its own, and each flight is judged by i
 happened, with noise. Nothing of the product is imported.
 """
 
-import argparse
 import csv
-import json
 import math
-import os
-import shlex
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -18,6 +13,8 @@ from itertools import islice
 from pathlib import Path
 from statistics import NormalDist, median
 from typing import Any
+
+from bench.commands import read_labels, run, sets_parser
 
 MODELS = ("history", "field")
 """What is asked: the model that forecasts are made with, and the ensemble that sees nothing but a flight."""
@@ -27,16 +24,12 @@ NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 
 def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
-    """What `fieldkit infer` says of the first flights of a table. Raises SystemExit where a command fails."""
+    """What `fieldkit infer` says of the first flights of a table. Raises CommandFailed."""
     with table.open(encoding="utf-8", newline="") as rows:
         first = [row["flight_id"] for row in islice(csv.DictReader(rows), FLIGHTS)]
     with tempfile.TemporaryDirectory() as home:
-        fieldkit = [*command, "--ledger", str(Path(home) / "ledger.db")]
-        for arguments in (["import", str(table)], ["infer", "--model", model, *first]):
-            done = subprocess.run([*fieldkit, *arguments, "--json"], capture_output=True, text=True, env=os.environ)
-            if done.returncode:
-                raise SystemExit(f"{table.name}: {done.stderr.strip()}")
-    flights: list[dict[str, Any]] = json.loads(done.stdout)["flights"]
+        run(command, Path(home), "import", str(table))
+        flights: list[dict[str, Any]] = run(command, Path(home), "infer", "--model", model, *first)["flights"]
     return flights
 
 
@@ -60,15 +53,11 @@ def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
 
 def main() -> int:
     """Judge every set of a folder, and print a line for each model and kind of readouts."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("sets", type=Path)
-    parser.add_argument("--command", default=f"{sys.executable} -m fieldkit.cli.main")
-    parser.add_argument("--limit", type=int, default=None, help="only so many of the sets")
-    options = parser.parse_args()
+    options = sets_parser(__doc__).parse_args()
     found: dict[str, list[tuple[float, float, float]]] = {}
-    for label in json.loads((options.sets / "labels.json").read_text())[: options.limit]:
+    for label in read_labels(options.sets, options.limit):
         for model in MODELS:
-            flights = inferred(shlex.split(options.command), options.sets / f"{label['set']}.csv", model)
+            flights = inferred(options.command, options.sets / f"{label['set']}.csv", model)
             kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
             found.setdefault(f"{model}, {kind}", []).extend(misses(flights, label["true"]["cd"]))
     columns = ("flights", "bias", "|error|", "in 90 %", "score", "alpha")

@@ -19,12 +19,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.altimeter import RESOLUTION
+from bench.commands import CommandFailed, read_labels, run
 from bench.make import IMPERIAL
 from bench.result import Errors, Result, effects
 from bench.tables import summary, table
@@ -42,29 +44,25 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         "level": label["level"],
     }
     with tempfile.TemporaryDirectory() as scratch:
-        ledger = Path(scratch) / "ledger.db"
-
-        def run(*arguments: str) -> Any:
-            return _json([*command, "--ledger", str(ledger), *arguments, "--json"], timeout)
-
+        ask = partial(run, command, Path(scratch), timeout=timeout)
         try:
-            taken = run("import", str(folder / f"{label['set']}.csv"))
+            taken = ask("import", str(folder / f"{label['set']}.csv"))
             if taken["rejected"]:
                 return Result(**known, error=f"import rejected {taken['rejected'][0]}")
             started = os.times().elapsed
-            said = run("loop", "--rocket", label["rocket"])
+            said = ask("loop", "--rocket", label["rocket"])
             seconds = os.times().elapsed - started
             later = folder / f"{label['set']}_future.csv"
             planned = _planned(later, Path(scratch) / "planned.csv")
 
             def forecast(model: str) -> Errors:
-                return _errors(run("predict", "--flights", str(planned), "--model", model)["predictions"], later)
+                return _errors(ask("predict", "--flights", str(planned), "--model", model)["predictions"], later)
 
             before, after, given = forecast("before"), forecast("after"), None
             if label["label"] not in ("none", "unexplained") and _could_be(said, label["label"]):
-                run("loop", "--rocket", label["rocket"], "--effect", label["label"])
+                ask("loop", "--rocket", label["rocket"], "--effect", label["label"])
                 given = forecast("after")
-        except (OSError, ValueError, KeyError, TypeError, subprocess.SubprocessError) as trouble:
+        except (OSError, ValueError, KeyError, TypeError, subprocess.SubprocessError, CommandFailed) as trouble:
             return Result(**known, error=f"{type(trouble).__name__}: {trouble}"[:400])
     verdict = said["verdict"]
     return Result(
@@ -130,13 +128,6 @@ def _could_be(said: Mapping[str, Any], label: str) -> bool:
     return effects(label) <= {candidate["effect"] for candidate in said["candidates"]}
 
 
-def _json(command: Sequence[str], timeout: float) -> Any:
-    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
-    if done.returncode:
-        raise ValueError(f"{shlex.join(command[-6:])}: {done.stderr.strip()[-300:]}")
-    return json.loads(done.stdout)
-
-
 def _planned(later: Path, path: Path) -> Path:
     """The future flights without what was read off the altimeter."""
     hidden = set(RESOLUTION)
@@ -180,7 +171,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, help="only the first so many sets of all")
     parser.add_argument("--out", type=Path, help="where the results go as JSON")
     given = parser.parse_args()
-    labels = json.loads((given.sets / "labels.json").read_text())[: given.first]
+    labels = read_labels(given.sets, given.first)
     seen: Counter[str] = Counter()
     chosen = []
     for label in labels:

@@ -13,9 +13,10 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.tags import CHECKED_TAG
-from fieldkit.model.hyperprior import READOUTS, Hyperprior, Scale
+from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, groups, shared_names
+from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.setups import field_setup

@@ -117,7 +117,7 @@ def test_the_bench_scores_a_set_from_what_it_is_given_and_goes_on(tmp_path: Path
         (tmp_path / name).write_text("flight_id\n1\n")
     failing = score.to_score(tmp_path, [label], [sys.executable, "-c", "raise SystemExit(1)"], 20.0)
     (result,) = score.results(failing, tmp_path / "kept", 1, "")
-    assert result.error.startswith("ValueError")
+    assert result.error.startswith("CommandFailed")
     kept = json.loads((tmp_path / "kept" / "set_001").read_text())
     assert kept["scenario"] == "wind"
     (tmp_path / "kept" / "set_001").write_text(json.dumps(kept | {"error": "", "verdict": "wind", "also": ["mass"]}))

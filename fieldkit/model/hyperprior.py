@@ -22,6 +22,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedModel
 from fieldkit.files import read_own
+from fieldkit.model.scale import Scale, scale_pairs
 from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
@@ -40,30 +41,6 @@ samples of a sensor, which take no part in the bias of a device."""
 CARD = "hyperprior.json"
 
 Kind = Literal["learned", "certified"]
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """A factor on standard deviations that differs from rocket to rocket: log-normal, integrated on a grid. [1]"""
-
-    grid: tuple[float, ...]
-    median: float
-    log_sd: float
-
-    @property
-    def values(self) -> Float[Array, "scale"]:
-        """The grid. [1]"""
-        return np.array(self.grid)
-
-    def refined(self) -> "Scale":
-        """The same on a grid twice as fine."""
-        values = self.values
-        return replace(self, grid=tuple(np.sort(np.r_[values, np.sqrt(values[1:] * values[:-1])]).tolist()))
-
-    @property
-    def log_prior(self) -> Float[Array, "scale"]:
-        """Log prior weight of each value of the grid, not normalized."""
-        return np.asarray(-0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +95,7 @@ class Hyperprior:
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
         """Scatter scale, reading scale and normalized log prior of every pair on the grid."""
-        return _pairs(self.scatter, self.reading)
+        return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
         """The card, as `learned` reads it."""
@@ -140,18 +117,6 @@ class Hyperprior:
             "opening_s": list(self.opening),
             "tail": self.tail,
         }
-
-
-@cache
-def _pairs(
-    scatter: Scale, reading: Scale
-) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    values = np.meshgrid(scatter.values, reading.values, indexing="ij")
-    prior = (scatter.log_prior[:, None] + reading.log_prior).ravel()
-    found = values[0].ravel(), values[1].ravel(), prior - np.logaddexp.reduce(prior)
-    for one in found:
-        one.flags.writeable = False
-    return found
 
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))

@@ -1,19 +1,8 @@
 """Site elevation: a field that lies higher or lower than was written down, and the air and the altimeter that go
 with it."""
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.setups import at_elevation
-from fieldkit.physics.state import Setup
-from fieldkit.shapes import Array, Float
-
-
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The air of a pad this much higher, and what an altimeter makes of it. [m]"""
-    return at_elevation(setup, strength, flights)
-
 
 EFFECT = Effect(
     title="a higher or lower site",
@@ -23,7 +12,7 @@ EFFECT = Effect(
     prior=Prior(mean=0.0, sd=1200.0, low=-3000.0, high=5000.0),
     source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m",
     tell_apart="record the site's elevation",
-    setup=setup,
+    setup=at_elevation,
     per="site",
     everywhere=False,
     form_of="air_density",

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
-from fieldkit.model.hyperprior import Hyperprior, Scale, learned
+from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
+from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array
 from studies.generated_ledgers import Recipe, ledger
 from studies.reference_posterior.hamiltonian import effective_size, sample, split_r_hat

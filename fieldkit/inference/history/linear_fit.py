@@ -19,9 +19,10 @@ from fieldkit.inference.history.response import (
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
-from fieldkit.model.hyperprior import Hyperprior, Scale
+from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, Term, base_model
+from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects

@@ -16,9 +16,10 @@ from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
-from fieldkit.tui.help import NO_FLIGHTS, Help
+from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
@@ -44,29 +45,7 @@ class FlightsScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flights"
-    ABOUT = Help(
-        "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
-        "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
-        "what it says of drag and thrust, and what was forecast for it.",
-        (
-            ("id, date", "Its number in the ledger, and when it flew; without a date it stands where it was entered."),
-            ("rocket, cfg", "The rocket and its configuration; motor is what it flew on, with the delay."),
-            ("apogee", "Highest point above the pad, as your altimeter showed it."),
-            ("Cd", "How much drag the rocket had in this flight, inferred from its readouts alone."),
-            ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
-            ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
-            ("miss*", "The forecast was stale: mass, motor, weather or model had changed between it and the flight."),
-            ("tags", "What was odd. A flight with a tag such as weak_launch stays and is left out of the fit."),
-        ),
-        (
-            "fieldkit flights [--rocket R] [--tag T]",
-            "fieldkit infer",
-            "fieldkit tag FLIGHT TAG",
-            "fieldkit remove FLIGHT",
-            "fieldkit undo",
-            "fieldkit report DAY --out day.html",
-        ),
-    )
+    ABOUT = FLIGHTS_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
         Binding("slash", "filter", "Filter", key_display="/"),

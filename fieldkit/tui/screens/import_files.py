@@ -1,6 +1,6 @@
 """Import: pick a file, see what was recognised and what would be rejected, then store it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from os.path import abspath
@@ -16,8 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import or_why
-from fieldkit.tui.help import Help
+from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
     UP,
     Look,
@@ -40,7 +39,6 @@ from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.services.imports import Receipt
-    from fieldkit.services.imports.mappings import TableColumns
 
 
 class ImportScreen(PageScreen):
@@ -48,35 +46,7 @@ class ImportScreen(PageScreen):
 
     NAME = "import_files"
     TITLE = "Import"
-    ABOUT = Help(
-        "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-        "what it was recognized as, how many flights it would bring, each row that would be left out, with the "
-        "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
-        "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
-        "of several altimeters in one flight.",
-        (
-            ("format", "The parser that recognised the file, by what is in it. F names another one."),
-            (
-                "look",
-                "L draws the flight from lift-off with a cursor, and lists columns, readouts, events, what is stored.",
-            ),
-            ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
-            (
-                "columns",
-                "m asks which column of a table is what; M lists what was named before, to change or forget it.",
-            ),
-            ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
-            (
-                "design",
-                "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
-            ),
-        ),
-        (
-            "fieldkit import FILE ... --dry-run",
-            "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
-            "fieldkit ork FILE.ork --rocket Lark --config A",
-        ),
-    )
+    ABOUT = IMPORT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("F", "format", "Format", tooltip="Name the parser to read with"),
@@ -287,29 +257,12 @@ class ImportScreen(PageScreen):
         if path is None or path == UP or path.is_dir():
             self.complain("There is no table here")
             return
-        self._ask_columns(path, "")
+        from fieldkit.tui.imports.ask_columns import ask_columns
 
-    def _ask_columns(self, path: Path, of: str) -> None:
-        """Ask what the columns of a file are, whose rows are `of` samples or of flights."""
-        from fieldkit.services.imports.mappings import table_columns
+        ask_columns(self, path, self._columns_named)
 
-        self.ask(or_why(partial(table_columns, path, of)), partial(self._have_columns, path), "columns")
-
-    def _have_columns(self, path: Path, columns: "TableColumns | str") -> None:
-        from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm
-
-        if isinstance(columns, str):
-            self.complain(columns)
-            return
-
-        def answered(values: dict[str, object] | None) -> None:
-            if values is not None and OTHER_ROWS in values:
-                self._ask_columns(path, "flights" if columns.of == "samples" else "samples")
-            elif values is not None:
-                named = tuple(f"{name}={column}" for name, column in values.items() if column)
-                self._read_as(replace(self._reading, columns=named))
-
-        self.app.push_screen(MappingForm(columns), answered)
+    def _columns_named(self, columns: Sequence[str]) -> None:
+        self._read_as(replace(self._reading, columns=tuple(columns)))
 
     def action_mappings(self) -> None:
         """The columns that were named before."""

@@ -17,9 +17,10 @@ from fieldkit.inference.laplace.fleet import (
 )
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, solve
-from fieldkit.model.hyperprior import Scale, learned
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, with_shared
+from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array

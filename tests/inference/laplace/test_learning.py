@@ -8,8 +8,9 @@ import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.learning import MEAN_SD, evidence, learn_hyperprior, mean_sds
-from fieldkit.model.hyperprior import START, Hyperprior, Scale
+from fieldkit.model.hyperprior import START, Hyperprior
 from fieldkit.model.rocket_model import base_model, fleet_term
+from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue

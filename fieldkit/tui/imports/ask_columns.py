@@ -1,0 +1,28 @@
+"""Asking which column of a table is what: its rows as the table has them, or as the flyer says."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from fieldkit.services.flight_facts import or_why
+from fieldkit.services.imports.mappings import TableColumns, table_columns
+from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm
+from fieldkit.tui.page import PageScreen
+
+
+def ask_columns(page: PageScreen, path: Path, answer: Callable[[Sequence[str]], None], of: str = "") -> None:
+    """Ask what the columns of a file are, whose rows are `of` samples or of flights; answered as NAME=COLUMN."""
+
+    def show(columns: TableColumns | str) -> None:
+        if isinstance(columns, str):
+            page.complain(columns)
+        else:
+            page.app.push_screen(MappingForm(columns), partial(answered, columns))
+
+    def answered(columns: TableColumns, values: dict[str, object] | None) -> None:
+        if values is not None and OTHER_ROWS in values:
+            ask_columns(page, path, answer, "flights" if columns.of == "samples" else "samples")
+        elif values is not None:
+            answer([f"{name}={column}" for name, column in values.items() if column])
+
+    page.ask(or_why(partial(table_columns, path, of)), show, "columns")
