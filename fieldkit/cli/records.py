@@ -12,7 +12,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_s
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.ledger import Ledger
+    from fieldkit.ledger import FlightSummary, Ledger
     from fieldkit.services.replay import Recording
 
 app = typer.Typer()
@@ -38,31 +38,26 @@ def flights(
 ) -> None:
     """List the flights in the ledger."""
     from fieldkit.cli.stream import stream_json, stream_table
-    from fieldkit.presentation.export import document
 
     with open_ledger(context) as ledger:
-        pages = ledger.pages(rocket, tag)
         if json:
-            stream_json("flights", (document(flight) for page in pages for _, flight in page))
-        elif (first := next(pages, None)) is None:
+            from fieldkit.presentation.export import document
+
+            stream_json("flights", (document(flight) for page in ledger.pages(rocket, tag) for _, flight in page))
+            return
+        pages = ledger.summaries(rocket, tag)
+        if (first := next(pages, None)) is None:
             complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
-            rows = ([_listed(id, flight) for id, flight in page] for page in chain([first], pages))
+            rows = ([_listed(one) for one in page] for page in chain([first], pages))
             stream_table(headers, rows, numbers=["apogee"])
 
 
-def _listed(id: str, flight: "Flight") -> tuple[str, ...]:
+def _listed(one: "FlightSummary") -> tuple[str, ...]:
     """A flight as a row of the list."""
-    return (
-        id,
-        f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
-        flight.rocket,
-        flight.config,
-        flight.motor,
-        in_both_units("apogee", flight.apogee),
-        "; ".join(flight.tags),
-    )
+    day = one.day.isoformat() if one.day else ""
+    return one.id, day, one.rocket, one.config, one.motor, in_both_units("apogee", one.apogee), "; ".join(one.tags)
 
 
 @app.command()

@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from typing import TYPE_CHECKING
 
 from fieldkit.progress import ReportProgress, no_op
@@ -11,6 +12,7 @@ from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.units import Unit
 
 
 def say(text: str = "") -> None:
@@ -98,19 +100,23 @@ def print_card(flight: "Flight", id: str) -> None:
 
 def in_both_units(name: str, value: float | None) -> str:
     """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
+    if value is None:
+        return ""
+    scale, unit, other, other_unit = _both_units(name)
+    text = f"{scale.from_si(value):.5g} {unit}"
+    return text if other_unit == unit else f"{text} ({other.from_si(value):.4g} {other_unit})"
+
+
+@cache
+def _both_units(name: str) -> "tuple[Unit, str, Unit, str]":
+    """A column's unit and the other one that flyers write it in, each with how it is spelled."""
     from fieldkit import units
     from fieldkit.flight import BY_NAME
     from fieldkit.quantities import spelled, unit_of
 
     column = BY_NAME[name]
-    if value is None:
-        return ""
-    scale = units.unit(column.quantity, column.unit)
-    text = f"{scale.from_si(value):.5g} {spelled(column.unit)}"
-    other = unit_of(column, "US")
-    if other == column.unit:
-        return text
-    return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {spelled(other)})"
+    own, other = (units.unit(column.quantity, one) for one in (column.unit, unit_of(column, "US")))
+    return own, spelled(column.unit), other, spelled(unit_of(column, "US"))
 
 
 @contextmanager

@@ -7,13 +7,23 @@ alone spares every command about a tenth of a second of imports.
 from fieldkit.importing.incoming import Arrival
 from fieldkit.ledger.journal import Change
 from fieldkit.ledger.ledger import Ledger
-from fieldkit.ledger.records import Added, Conflict, NewPrediction, Past, Renewal, StoredPrediction, Version
+from fieldkit.ledger.records import (
+    Added,
+    Conflict,
+    FlightSummary,
+    NewPrediction,
+    Past,
+    Renewal,
+    StoredPrediction,
+    Version,
+)
 
 __all__ = [
     "Added",
     "Arrival",
     "Change",
     "Conflict",
+    "FlightSummary",
     "Ledger",
     "NewPrediction",
     "Past",

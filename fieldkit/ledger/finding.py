@@ -36,8 +36,9 @@ PAGE = 100
 """Flights of the first page of a list; every later one is larger, up to `MAX_ROWS_BY_NAME`. [1]"""
 
 
-def load_pages(connection: Connection, *, rocket: str | None = None, tag: str | None = None) -> Iterator[list[Held]]:
-    """The same as `load`, some at a time: first only the order is read, of the first page alone, then of the others."""
+def row_pages(connection: Connection, *, rocket: str | None = None, tag: str | None = None) -> Iterator[list[Row]]:
+    """The rows of flights in the order flown, some at a time: the order of the first page is read alone, then that of
+    all others. Raises DamagedRow."""
     order = _chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection))
     first = list(connection.scalars(order.limit(PAGE)))
     if first:
@@ -49,10 +50,11 @@ def load_pages(connection: Connection, *, rocket: str | None = None, tag: str | 
         yield _at(connection, entries[start : start + MAX_ROWS_BY_NAME])
 
 
-def _at(connection: Connection, entries: Sequence[int]) -> list[Held]:
-    """The flights at these entries, in their order."""
-    held = {one.entry: one for one in _all_held(connection, select(flights).where(flights.c.entry.in_(entries)))}
-    return [held[entry] for entry in entries]
+def _at(connection: Connection, entries: Sequence[int]) -> list[Row]:
+    """The rows of the flights at these entries, in their order."""
+    query = select(flights).where(flights.c.entry.in_(entries))
+    rows = {row["entry"]: row for row in sound_flights(connection, query)}
+    return [rows[entry] for entry in entries]
 
 
 def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:

@@ -2,11 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime
 from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.importing.incoming import Arrival, Original
+
+
+@dataclass(frozen=True, slots=True)
+class FlightSummary:
+    """What a list shows of a flight: the id that names it, its day, its apogee. [m]"""
+
+    id: str
+    day: date | None
+    rocket: str
+    config: str
+    motor: str
+    apogee: float | None
+    tags: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

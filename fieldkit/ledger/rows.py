@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from datetime import datetime
+from datetime import date, datetime
 from types import MappingProxyType
 from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
+from fieldkit.ledger.records import FlightSummary
 
 Row = dict[str, Any]
 """Column name to a value that JSON can hold."""
@@ -48,6 +49,12 @@ def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
         told = row.get(column) or {}
         values[part] = {name: value for name, value in told.items() if values.get(name) is not None}
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
+
+
+def summary_of(name: str, row: Mapping[str, Any]) -> FlightSummary:
+    """What a list shows of the flight that a row of `flights` and its tags hold, named so."""
+    day = date.fromisoformat(row["date_time"][:10]) if row["date_time"] else None
+    return FlightSummary(name, day, row["rocket"], row["config"], row["motor"], row["apogee"], tuple(row["tags"]))
 
 
 def same(one: Flight, other: Flight) -> bool:

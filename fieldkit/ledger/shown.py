@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 from fieldkit.flight import Flight
 from fieldkit.ledger import finding, logs, naming, past
 from fieldkit.ledger.opened import OpenLedger
-from fieldkit.ledger.records import Past
+from fieldkit.ledger.records import FlightSummary, Past
+from fieldkit.ledger.rows import Row, flight_of, summary_of
 
 
 class FlightsOut(OpenLedger):
@@ -25,10 +26,19 @@ class FlightsOut(OpenLedger):
 
     def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:
         """The same flights some at a time, each with the id that names it; all of one state of the ledger."""
+        for page in self._named_pages(rocket, tag):
+            yield [(name, flight_of(row, row["tags"])) for name, row in page]
+
+    def summaries(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[FlightSummary]]:
+        """What a list shows of the same flights, some at a time: a third less work than whole flights."""
+        for page in self._named_pages(rocket, tag):
+            yield [summary_of(name, row) for name, row in page]
+
+    def _named_pages(self, rocket: str | None, tag: str | None) -> Iterator[list[tuple[str, Row]]]:
         with self._reading() as connection:
-            for held in finding.load_pages(connection, rocket=rocket, tag=tag):
-                names = naming.ids(connection, [(one.flight.rocket, one.flight.flight_id) for one in held])
-                yield [(names[one.flight.rocket, one.flight.flight_id], one.flight) for one in held]
+            for rows in finding.row_pages(connection, rocket=rocket, tag=tag):
+                names = naming.ids(connection, [(row["rocket"], row["flight_id"]) for row in rows])
+                yield [(names[row["rocket"], row["flight_id"]], row) for row in rows]
 
     def flight(self, id: str) -> Flight:
         """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.

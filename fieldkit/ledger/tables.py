@@ -69,6 +69,7 @@ flights = Table(
     _checksum(),  # its tags are in it
     UniqueConstraint("rocket", "flight_id"),
     Index("flights_by_id", "flight_id"),
+    Index("flights_by_date", "date_time", "entry"),
     Index(
         "flights_edited", "entry", sqlite_where=IS_EDITED
     ),  # on PostgreSQL, too: naming it here would wake its dialect

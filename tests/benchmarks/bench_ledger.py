@@ -6,8 +6,6 @@ each, so that what is asked of one rocket is the same work.
 """
 
 import shutil
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from datetime import datetime, timedelta
@@ -27,7 +25,7 @@ from fieldkit.ledger.opening import keep_backup
 from fieldkit.motors import Catalogue, catalogue
 from fieldkit.services.close_loop import close_loop
 from fieldkit.services.forecasts import predict_plans
-from tests.benchmarks.timing import FLYER, beside, measured, of_children
+from tests.benchmarks.timing import beside, measured
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 SIZES = (100, 1_000, 10_000, 100_000)
@@ -99,38 +97,3 @@ def test_a_question(benchmark: BenchmarkFixture, question: str, size: int) -> No
     with Ledger.open(ledger(size)) as opened:
         took = measured(benchmark, ask, opened, rounds=rounds)
     beside(benchmark, took, FIRST.setdefault(question, took), f"{question} of 100 flights")
-
-
-def listed(size: int, lines: int | None) -> None:
-    """`fieldkit flights` in a process of its own, ended after so many lines, or left to print them all."""
-    command = [sys.executable, "-c", LIST.format(str(ledger(size)))]
-    with subprocess.Popen(command, env=FLYER, stdout=subprocess.PIPE) as process:
-        assert process.stdout is not None
-        for read, _ in enumerate(process.stdout, start=1):
-            if read == lines:
-                process.stdout.close()
-                process.kill()
-                break
-
-
-LIST = "import sys; sys.argv[1:] = ['--ledger', {!r}, 'flights']; from fieldkit.cli.main import run; run()"
-SCREEN = 24
-"""Lines of a terminal. [1]"""
-
-
-@pytest.mark.benchmark(timer=of_children)
-@pytest.mark.parametrize(("size", "lines"), [(100, SCREEN), (100_000, SCREEN), (100, None), (10_000, None)])
-def test_the_command_flights(benchmark: BenchmarkFixture, size: int, lines: int | None) -> None:
-    benchmark.group = "the first screen of `flights`" if lines else "all of `flights`"
-    took = measured(benchmark, listed, size, lines, rounds=5)
-    ratio = beside(benchmark, took, FIRST.setdefault(benchmark.group, took), f"{benchmark.group} of 100 flights")
-    assert ratio < (2.0 if lines else 4.0)
-
-
-@pytest.mark.parametrize("count", [10, 20, 50, 100, 200])
-def test_the_loop_of_a_rocket_with_so_many_flights(benchmark: BenchmarkFixture, count: int, tmp_path: Path) -> None:
-    benchmark.group = "loop of one rocket"
-    with Ledger.open(ledger(1_000)) as source, Ledger.open(tmp_path / "ledger.db") as one:
-        one.add([flight.with_changes(rocket="Astra") for flight in source.flights()[:count]])
-        took = measured(benchmark, lambda: close_loop(one, motors(), "Astra", accept=False), rounds=1)
-    beside(benchmark, took, FIRST.setdefault("loop of one rocket", took), "the loop of 10 flights")

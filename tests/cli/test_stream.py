@@ -74,6 +74,12 @@ def test_pages_are_the_flights_in_the_order_flown(tmp_path: Path, dated: bool) -
             assert [flight for _, flight in listed] == expected
             assert [id for id, _ in listed] == (ledger.ids(expected) if expected else [])
             assert all(len(page) <= MAX_ROWS_BY_NAME for page in pages)
+            summaries = [one for page in ledger.summaries(rocket, tag) for one in page]
+            assert [(one.id, one.rocket, one.motor, one.apogee, one.tags) for one in summaries] == [
+                (id, flight.rocket, flight.motor, flight.apogee, flight.tags) for id, flight in listed
+            ]
+            days = [flight.date_time.date() if flight.date_time else None for flight in expected]
+            assert [one.day for one in summaries] == days
 
 
 def test_a_list_is_printed_before_its_last_page_is_read(
@@ -83,14 +89,14 @@ def test_a_list_is_printed_before_its_last_page_is_read(
     with Ledger.open(file) as ledger:
         ledger.add([flown(number) for number in range(1300)])
     printed: list[int] = []
-    pages = Ledger.pages
+    pages = Ledger.summaries
 
     def watched(*given: object, **named: object) -> object:
         for page in pages(*given, **named):  # type: ignore[arg-type]
             printed.append(capsys.readouterr().out.count("\n"))
             yield page
 
-    monkeypatch.setattr(Ledger, "pages", watched)
+    monkeypatch.setattr(Ledger, "summaries", watched)
     assert main(["--ledger", str(file), "flights"]) == 0
     assert len(printed) == 4
     assert printed[0] == 0
