@@ -196,7 +196,8 @@ def make(
 ) -> list[dict[str, object]]:
     """Make sets of the named scenarios into a folder, in mixed order, and give their labels.
 
-    Scenarios that RocketPy is not asked for are left out where that is the truth. The strength of the `first` set of each is at that level; the next ones go round the levels.
+    Scenarios that RocketPy is not asked for are left out where that is the truth. The strength of the `first` set of
+    each is at that level; the next ones go round the levels.
     """
     folder.mkdir(parents=True, exist_ok=True)
     labels: list[dict[str, object]] = []
