@@ -196,11 +196,14 @@ def make(
 ) -> list[dict[str, object]]:
     """Make sets of the named scenarios into a folder, in mixed order, and give their labels.
 
-    The strength of the `first` set of each is at that level; the next ones go round the levels.
+    Scenarios that RocketPy is not asked for are left out where that is the truth. The strength of the `first` set of
+    each is at that level; the next ones go round the levels.
     """
     folder.mkdir(parents=True, exist_ok=True)
     labels: list[dict[str, object]] = []
     cases = [case(SCENARIOS[name], seed, k) for name in names for k in range(first, first + per_scenario)]
+    if truth == "rocketpy":
+        cases = _within_rocketpy(cases)
     order = [int(i) for i in np.random.default_rng(seed).permutation(len(cases))]
     for start in range(0, len(order), TOGETHER):
         part = [cases[i] for i in order[start : start + TOGETHER]]
@@ -209,6 +212,15 @@ def make(
         (folder / "labels.json").write_text(json.dumps(labels, indent=1) + "\n")
         sys.stderr.write(f"{len(labels)}/{len(cases)} sets\n")
     return labels
+
+
+def _within_rocketpy(cases: Sequence[Case]) -> list[Case]:
+    """The cases that RocketPy can fly; the scenarios of the others are named on stderr."""
+    beyond = [any(f.launch.beyond_rocketpy for f in c.bent.flights) for c in cases]
+    names = dict.fromkeys(c.scenario.name for c, out in zip(cases, beyond, strict=True) if out)
+    if names:
+        sys.stderr.write(f"left out, for RocketPy is not asked for it: {', '.join(names)}\n")
+    return [c for c, out in zip(cases, beyond, strict=True) if not out]
 
 
 def _flier(truth: str) -> Fly:

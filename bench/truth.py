@@ -23,7 +23,7 @@ STEP = 0.005
 
 def fly(launch: Launch) -> Track:
     """The track of one launch. Raises BadValue for what RocketPy is not asked to do here."""
-    if launch.friction or launch.air.updraft or launch.drag.reynolds:
+    if launch.beyond_rocketpy:
         raise BadValue(
             "found friction, an updraft or drag by Reynolds number, expected a launch without: use --truth fast"
         )

@@ -115,6 +115,12 @@ class Launch:
     opening: float = 0.4
     """From the ejection charge to the open parachute. [s]"""
 
+    @property
+    def beyond_rocketpy(self) -> bool:
+        """Whether it has what RocketPy is not asked for here: friction of the rail, an updraft, drag by Reynolds
+        number."""
+        return bool(self.friction or self.air.updraft or self.drag.reynolds)
+
 
 @dataclass(frozen=True, slots=True)
 class Track:

@@ -277,6 +277,17 @@ def test_a_verdict_counts_in_any_order_and_when_listed_as_indistinguishable() ->
     assert not replace(base, verdict="wind").right
 
 
+def test_scenarios_that_rocketpy_is_not_asked_for_are_left_out_and_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("bench.make._flier", lambda truth: fast_truth.fly)
+    labels = make(tmp_path, ["rail_friction", "null", "unknown_hour", "null_realistic"], 1, 7, "rocketpy")
+    assert [(label["scenario"], label["truth"]) for label in labels] == [("null", "rocketpy")]
+    assert "left out, for RocketPy is not asked for it: rail_friction, unknown_hour, null_realistic" in (
+        capsys.readouterr().err
+    )
+
+
 @pytest.mark.skipif(importlib.util.find_spec("rocketpy") is None, reason="rocketpy, of the extra `bench`, is missing")
 @pytest.mark.filterwarnings("default")
 def test_rocketpy_and_the_fast_truth_agree_within_one_percent() -> None:
