@@ -52,12 +52,12 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
         why = f"the average of {mean.value / GRAVITY:.3g} g would be above the peak of {peak.value / GRAVITY:.3g} g"
     strongest = max((one.value for one in (mean, peak) if one), default=0.0)
     if strongest > MAX_BOOST:
-        why = f"{strongest / GRAVITY:.0f} g is more than any airframe bears"
+        why = f"{strongest / GRAVITY:.0f} g is more than any airframe survives"
     if not why:
         return dict(figures), ()
     out = [name for name in BOOST if name in figures]
     names = ", ".join(_NAMES[name] for name in out)
-    return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}, for {why}",)
+    return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}; {why}",)
 
 
 def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
@@ -67,7 +67,7 @@ def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[
     if not unknown:
         return kept, ()
     names = ", ".join(_NAMES[name] for name in unknown)
-    return kept, (f"not measured: {names}, for the samples give no more than its order of magnitude",)
+    return kept, (f"not measured: {names}; the samples give only the order of magnitude",)
 
 
 def _is_unknown(figure: Figure) -> bool:

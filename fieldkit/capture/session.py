@@ -201,7 +201,7 @@ def _reopened(
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
-    yield Instruction("listening for a unit that sends by itself; name one that must be asked with --device")
+    yield Instruction("listening for a unit that sends unprompted; if yours must be asked, name it with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
     heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fieldkit.cli.options import FIELD
-from fieldkit.cli.screen import progress, say, say_wrapped
+from fieldkit.cli.screen import progress, say, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
 
 if TYPE_CHECKING:
@@ -261,13 +261,6 @@ def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, 
         "safety": [line.json() for line in lines],
         "decides": ADVICE_NOTE,
     }
-
-
-def system() -> str:
-    """The flyer's system of units."""
-    from fieldkit.settings import read_settings
-
-    return read_settings().units
 
 
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:

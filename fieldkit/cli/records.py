@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
+from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
@@ -48,19 +48,23 @@ def flights(
             complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
-            rows = ([_listed(id, flight) for id, flight in page] for page in chain([first], pages))
+            chosen = system()
+            rows = ([_listed(id, flight, chosen) for id, flight in page] for page in chain([first], pages))
             stream_table(headers, rows, numbers=["apogee"])
 
 
-def _listed(id: str, flight: "Flight") -> tuple[str, ...]:
-    """A flight as a row of the list."""
+def _listed(id: str, flight: "Flight", system: str) -> tuple[str, ...]:
+    """A flight as a row of the list, in the units of a system."""
+    from fieldkit.flight import BY_NAME
+    from fieldkit.quantities import measure
+
     return (
         id,
         f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
         flight.rocket,
         flight.config,
         flight.motor,
-        in_both_units("apogee", flight.apogee),
+        measure(BY_NAME["apogee"], flight.apogee, system),
         "; ".join(flight.tags),
     )
 
@@ -128,7 +132,9 @@ def _print_events(recording: "Recording") -> None:
         print_table(("event", "on the log's clock", "by"), rows)
     if recorded.figures:
         say()
-        figures = [(TITLES[n], spoken(n, f.value, f.sd), f.source) for n in TITLES if (f := recorded.figures.get(n))]
+        figures = [
+            (TITLES[n], spoken(n, f.value, f.sd, system()), f.source) for n in TITLES if (f := recorded.figures.get(n))
+        ]
         print_table(("measured", "", "by"), figures)
     for note in recorded.notes:
         complain(f"note: {note}")

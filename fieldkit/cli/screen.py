@@ -72,11 +72,13 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 
 
 def print_card(flight: "Flight", id: str) -> None:
-    """Print what is known of a flight, a line each, in both units."""
+    """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit import units
     from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import spelled
+    from fieldkit.quantities import spelled, unit_of
+
+    chosen = system()
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
     lines = [
@@ -84,11 +86,10 @@ def print_card(flight: "Flight", id: str) -> None:
         *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
     ]
     for column in COLUMNS:
-        value = in_both_units(column.name, flight.number(column.name))
-        if sd := flight.sd.get(column.name):
-            spread = units.unit(column.quantity, column.unit).difference_from_si(sd)
-            value += f" ± {spread:.2g} {spelled(column.unit)}"
-        lines.append((column.title, value))
+        number, unit = flight.number(column.name), unit_of(column, chosen)
+        scale = units.unit(column.quantity, unit)
+        spread = f" ± {scale.difference_from_si(sd):.2g}" if (sd := flight.sd.get(column.name)) else ""
+        lines.append((column.title, "" if number is None else f"{scale.from_si(number):.4g}{spread} {spelled(unit)}"))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)
@@ -96,21 +97,19 @@ def print_card(flight: "Flight", id: str) -> None:
         say(f"{title:{width}}  {value}")
 
 
-def in_both_units(name: str, value: float | None) -> str:
-    """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
-    from fieldkit import units
-    from fieldkit.flight import BY_NAME
-    from fieldkit.quantities import spelled, unit_of
+def system() -> str:
+    """The user's system of units."""
+    from fieldkit.settings import read_settings
 
-    column = BY_NAME[name]
-    if value is None:
-        return ""
-    scale = units.unit(column.quantity, column.unit)
-    text = f"{scale.from_si(value):.5g} {spelled(column.unit)}"
-    other = unit_of(column, "US")
-    if other == column.unit:
-        return text
-    return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {spelled(other)})"
+    return read_settings().units
+
+
+def measured(name: str, value: float | None) -> str:
+    """A value of a column [SI] in the user's units: `281.3 m` or `923 ft`."""
+    from fieldkit.flight import BY_NAME
+    from fieldkit.quantities import measure
+
+    return measure(BY_NAME[name], value, system())
 
 
 @contextmanager

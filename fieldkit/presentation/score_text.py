@@ -95,14 +95,14 @@ def against_the_bar(found: "ScoreReport") -> Iterator[str]:
     for one in found.against:
         if one.rival == BAR:
             words = {
-                "better": "The scalar correction is beaten",
-                "worse": "The scalar correction is BETTER than fieldkit",
-                "unclear": "These flights do not show whether the scalar correction is beaten",
+                "better": "Better than the scalar correction",
+                "worse": "WORSE than the scalar correction",
+                "unclear": "Not clearly different from the scalar correction",
             }
             yield f"{words[one.verdict]}: {_errors(one)}."
     for rocket, one in found.behind:
         chance = ", which may be chance" if one.verdict != "worse" else ""
-        yield f"Not beaten on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
+        yield f"Not better on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
 
 
 def _errors(one: "Against", mean: str = "mean error ") -> str:

@@ -49,7 +49,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
         return Verdict(UNEXPLAINED, something, _unexplained(posterior))
-    why = "the flights match the model within their scatter, as far as they can show"
+    why = "the flights match the model within their scatter"
     return Verdict("none", posterior.nothing, why)
 
 

@@ -78,7 +78,7 @@ class FlightInference:
             if np.isfinite([*said.log_cd, *said.log_alpha]).all():
                 inferred.append(_with_answer(one, said))
             else:
-                left_out.append(f"flight {one.flight.flight_id}, its readouts do not go together")
+                left_out.append(f"flight {one.flight.flight_id}, its readouts are inconsistent")
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":

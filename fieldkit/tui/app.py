@@ -53,10 +53,10 @@ class FieldkitApp(Surviving):
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
-        Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
+        Binding("U", "redo", "Redo", show=False, tooltip="Redo what was undone"),
         Binding("T", "next_theme", "Colors", show=False, tooltip="Next colors: field, sun, night, terminal"),
         Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
-        Binding("W", "whole_notice", "Whole notice", show=False, tooltip="All of a notice, files by their whole paths"),
+        Binding("W", "whole_notice", "Full notice", show=False, tooltip="The full notice, with full file paths"),
         Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
         Binding("ctrl+q", "quit", "Quit", show=False),
         Binding("q", "quit", "Quit"),
@@ -212,15 +212,15 @@ class FieldkitApp(Surviving):
 
     def action_help_quit(self) -> None:
         """What ^C does where nothing can be copied: it says how to leave."""
-        self.show_notice("q leaves the app; so does ^Q, from a field as well")
+        self.show_notice("q quits; so does ^Q, even in a field")
 
     def action_undo(self) -> None:
         """Undo the last change, no matter who made it."""
         self._journal("undo", "undone")
 
     def action_redo(self) -> None:
-        """Do again what was undone last."""
-        self._journal("redo", "done again")
+        """Redo what was undone last."""
+        self._journal("redo", "redone")
 
     def _journal(self, method: str, said: str) -> None:
         page = self.screen

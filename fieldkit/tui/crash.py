@@ -33,8 +33,8 @@ class Crash:
 
     def line(self) -> str:
         """What a flyer reads."""
-        kept = f"{self.file} says where, without your flights" if self.file else "no file of it could be kept"
-        return f"an error in fieldkit itself, {self.where}; what was typed and saved is kept; {kept}"
+        kept = f"details are in {self.file}, without your flights" if self.file else "no report could be saved"
+        return f"an error in fieldkit itself, {self.where}; your flights and drafts are safe; {kept}"
 
 
 def record(error: BaseException) -> Crash:

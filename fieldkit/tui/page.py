@@ -174,7 +174,7 @@ class PageScreen(AskingScreen):
             self.app.copy_to_clipboard(text)
             self.show_notice("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
         else:
-            self.show_notice("there is nothing here to copy")
+            self.show_notice("nothing to copy")
 
     def action_back(self) -> None:
         """Read a notice; else leave a field; else leave the screen, where it lies above a page."""

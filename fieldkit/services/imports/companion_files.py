@@ -56,7 +56,7 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
             why = "which has the same number" if _number(arrival.flight) else "whose lift-off time is uncertain"
             sorting.notes.append(
                 f"{arrival.source}: may belong to flight {' or '.join(maybe[:3])}, {why}; "
-                f"where it is, `fieldkit remove` that flight and import its files together"
+                f"if so, `fieldkit remove` that flight and import its files together"
             )
     return sorting
 
@@ -137,14 +137,14 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(
-            f"{arrival.source}: belongs to flight {id} but cannot be read with its other files: {error}"
+            f"{arrival.source}: belongs to flight {id} but cannot be read together with its other files: {error}"
         )
         return
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
     given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
     sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
-    sorting.notes.append(f"{arrival.source}: added to flight {id}, to which it belongs")
+    sorting.notes.append(f"{arrival.source}: added to flight {id}")
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:

@@ -8,7 +8,7 @@ from fieldkit.tui.add.add_sheet import Sheet
 from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
 from fieldkit.tui.page import PageScreen
 
-DUPLICATE = "It is in the ledger already."
+DUPLICATE = "Duplicate: it is already in the ledger."
 
 
 class Saving:

@@ -27,9 +27,9 @@ class TagScreen(PageScreen):
     NAME = "flights"
     TITLE = "Tags"
     ABOUT = Help(
-        "A tag says that something was odd. A flight that bears one of these stays in the ledger and is left "
-        "out of the fit. Below the list you see what that does to the rocket's drag and to the forecast of its "
-        "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
+        "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the fit. Below the list is "
+        "the effect on the rocket's drag and on the forecast of its next flight on the same motor, before your "
+        "changes and now. u undoes, any number of times.",
         tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
@@ -63,7 +63,7 @@ class TagScreen(PageScreen):
             with Vertical(id="left"):
                 yield Table(id="tags", enter="On/off")
                 yield Static(id="means")
-                yield Static("working out what the tags do ...", id="effect")
+                yield Static("computing the effect of the tags ...", id="effect")
             yield TagCard()
 
     def on_mount(self) -> None:

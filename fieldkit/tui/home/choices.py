@@ -9,7 +9,7 @@ from textual.widgets import Static
 
 CHOICES = (
     ("f", "Fly", "choose a motor"),
-    ("a", "Type in", "add a flight"),
+    ("a", "Add", "add a flight"),
     ("p", "Plan", "rocket and weather"),
 )
 """Key, name, and what it leads to."""

@@ -49,26 +49,25 @@ class ImportScreen(PageScreen):
     NAME = "import_files"
     TITLE = "Import"
     ABOUT = Help(
-        "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-        "what it was recognized as, how many flights it would bring, each row that would be left out, with the "
-        "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
-        "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
-        "of several altimeters in one flight.",
+        "Choose a log or a flight table. The file under the cursor is read but not stored: you see its format, how "
+        "many flights it would add, each rejected row with the reason, and the flights. Enter stores it. Duplicates "
+        "change nothing, so a file may be imported twice. The space bar marks files to read together, such as the "
+        "logs of several altimeters in one flight.",
         (
-            ("format", "The parser that recognised the file, by what is in it. F names another one."),
+            ("format", "The parser that recognized the file by its content. F chooses another one."),
             (
                 "look",
-                "L draws the flight from lift-off with a cursor, and lists columns, readouts, events, what is stored.",
+                "L draws the flight from lift-off with a cursor, and lists columns, readouts and events.",
             ),
-            ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
+            ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),
             (
                 "columns",
-                "m asks which column of a table is what; M lists what was named before, to change or forget it.",
+                "m maps the columns of a table; M lists saved mappings, to change or delete.",
             ),
-            ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
+            ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
             (
                 "design",
-                "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
+                "An OpenRocket file adds no flight: its mass, diameter and Cd are the start of a rocket.",
             ),
         ),
         (
@@ -79,15 +78,13 @@ class ImportScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
-        Binding("F", "format", "Format", tooltip="Name the parser to read with"),
-        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
-        Binding("l", "look", "Look", tooltip="The log as it is drawn, its columns, readouts and events"),
-        Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
-        Binding(
-            "M", "mappings", "Mappings", tooltip="Columns that were named before: change or forget them", show=False
-        ),
-        Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
-        Binding("r", "reload", "Look again", tooltip="List the folder and read the file again", show=False),
+        Binding("F", "format", "Format", tooltip="Choose the parser"),
+        Binding("e", "set", "Edit", tooltip="Values that the file lacks: rocket, motor, mass"),
+        Binding("l", "look", "Look", tooltip="The log as a plot, with its columns, readouts and events"),
+        Binding("m", "columns", "Columns", tooltip="Map the columns of a table"),
+        Binding("M", "mappings", "Mappings", tooltip="Saved mappings: change or delete them", show=False),
+        Binding("space", "mark", "Mark", tooltip="Mark files to read together", show=False),
+        Binding("r", "reload", "Reload", tooltip="Reload the folder and the file", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -111,7 +108,7 @@ class ImportScreen(PageScreen):
         """Where we are, the files, what one would bring."""
         yield Static("", id="where")
         with Horizontal(id="split"):
-            yield Table(id="files", empty="nothing here", enter="Store")
+            yield Table(id="files", empty="empty", enter="Store")
             with VerticalScroll(id="look"):
                 yield Static("", id="said")
                 yield Static("", id="more")
@@ -226,7 +223,7 @@ class ImportScreen(PageScreen):
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("Saved as the start of this rocket: Next uses it. u to undo" if new else "Saved already")
+        self.show_notice("Saved as the start of this rocket, used by Next. u to undo" if new else "Saved already")
         self.field_app.changed()
 
     def action_reload(self) -> None:
@@ -241,7 +238,7 @@ class ImportScreen(PageScreen):
         """Show the file under the cursor as it was read: plots with a cursor, columns, readouts, events."""
         look = self._look
         if look is None or look.receipt is None or not look.receipt.files:
-            self.complain(look.trouble if look is not None and look.trouble else "There is no file here to look into")
+            self.complain(look.trouble if look is not None and look.trouble else "No file under the cursor")
             return
         from fieldkit.tui.flights.log_view import LogView, looks_at
 
@@ -282,10 +279,10 @@ class ImportScreen(PageScreen):
         self._read_as(replace(self._reading, given=given))
 
     def action_columns(self) -> None:
-        """Say which column of a table is what."""
+        """Map the columns of a table."""
         path = self.query_one("#files", Table).current
         if path is None or path == UP or path.is_dir():
-            self.complain("There is no table here")
+            self.complain("No table under the cursor")
             return
         self._ask_columns(path, "")
 
@@ -330,7 +327,7 @@ class ImportScreen(PageScreen):
         elif path.exists():
             self.go(path.parent, path)
         else:
-            self.complain(f"{path}: there is no such file or folder")
+            self.complain(f"{path}: no such file or folder")
 
     def copied(self) -> str:
         """What the file would bring."""

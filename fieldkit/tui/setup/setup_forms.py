@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 BUILD = (
-    Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
+    Question("rocket", "Rocket", "Its name; renames it in every flight of this build."),
     Question("config", "Configuration", "The name of this build."),
     Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
     Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),

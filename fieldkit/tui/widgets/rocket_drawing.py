@@ -45,4 +45,4 @@ def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -
 
 def caption(length: float | None) -> str:
     """What of a drawing is to scale."""
-    return "" if length else "its length is not known: sketched; an .ork on the page Import has it"
+    return "" if length else "length not known: a sketch; import its .ork file for the length"
