@@ -27,7 +27,7 @@ NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 
 def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
-    """What `fieldkit infer` says of the first flights of a table. Raises SystemExit where a command fails."""
+    """What `fieldkit infer` says of the first flights of a table. Raises SystemExit if a command fails."""
     with table.open(encoding="utf-8", newline="") as rows:
         first = [row["flight_id"] for row in islice(csv.DictReader(rows), FLIGHTS)]
     with tempfile.TemporaryDirectory() as home:

@@ -1,7 +1,7 @@
 """Figures that no rocket can have: taken out, and named as not measured, with why.
 
 Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
-of a hobby rocket bears some accelerations. Where figures contradict each other all are out, for any may be wrong.
+of a hobby rocket bears some accelerations. If figures contradict each other all are out, for any may be wrong.
 """
 
 from collections.abc import Mapping
@@ -100,9 +100,9 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
 
 
 def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
-    """What was measured, less sure where the device itself states another apogee or top speed, and a note of that.
+    """What was measured, less sure if the device itself states another apogee or top speed, and a note of that.
 
-    Device and samples are two witnesses of one figure: where they differ by more than the samples' own error, and by
+    Device and samples are two witnesses of one figure: if they differ by more than the samples' own error, and by
     more than devices filter, either may be off by half of what they differ.
     """
     figures, notes = dict(recorded.figures), []

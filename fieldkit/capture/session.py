@@ -18,7 +18,7 @@ from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 RECOGNITION_BYTES = 16_384
 """How much of the end of the received data is searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
-"""Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
+"""Speeds at which units talk unasked, tried in turn if one makes no sense. [baud]"""
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 

@@ -86,7 +86,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
 
 
 def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
-    """Go on with a draft where the flyer wants to; a script that says nothing leaves it where it is."""
+    """Go on with a draft if the flyer wants to; a script that says nothing leaves it where it is."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)

@@ -184,7 +184,7 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 
 
 def _tell(end: "Ended") -> None:
-    """Say how a capture ended and, where something is missing, how to go on."""
+    """Say how a capture ended and, if something is missing, how to go on."""
     kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
@@ -194,7 +194,7 @@ def _tell(end: "Ended") -> None:
 def _received(
     context: typer.Context, end: "Ended", wanted: bool | None, defaults: dict[str, object], json: bool
 ) -> "Receipt | None":
-    """Import a capture, where that is wanted; a damaged log stays in the capture, which the message names."""
+    """Import a capture, if that is wanted; a damaged log stays in the capture, which the message names."""
     from fieldkit.services.imports import bring_in
 
     if wanted is None and end.whole and sys.stdin.isatty() and not json:

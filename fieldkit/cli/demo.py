@@ -122,7 +122,7 @@ def _loop(found: "Demo") -> None:
 
 
 def _paper(on_progress: ReportProgress) -> "PaperReport | None":
-    """The reference paper put to the test, where the studies are here."""
+    """The reference paper put to the test, if the studies are here."""
     if not studies_are_here():
         return None
     from studies.paper.report import report

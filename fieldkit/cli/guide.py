@@ -172,7 +172,7 @@ def _unknown(choice: "MotorChoice", name: str) -> bool:
 
 
 def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
-    """The designation, and the maker where another has one of the same name."""
+    """The designation, and the maker if another has one of the same name."""
     motor = choice.motor
     alone = sum(one.motor.designation == motor.designation for one in choices) == 1
     return motor.designation if alone else f"{motor.designation} {motor.maker}"

@@ -138,7 +138,7 @@ def import_(
 
 
 def _fail_for(unusable: int) -> None:
-    """End with status 1 where a file could not be used at all; it was named, and the others were taken."""
+    """End with status 1 if a file could not be used at all; it was named, and the others were taken."""
     if unusable:
         raise typer.Exit(1)
 

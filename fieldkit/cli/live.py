@@ -110,7 +110,7 @@ def printable_lines(lines: list[str]) -> str:
 
 
 def flight_line(sample: "Sample", age: float) -> str:
-    """What else the stream says of the flight, and how old it is where that is long. [s]"""
+    """What else the stream says of the flight, and how old it is if that is long. [s]"""
     parts = (
         [f"{'+' if sample.speed >= 0 else ''}{ShownUnits(system()).speed(sample.speed)}"]
         if sample.speed is not None

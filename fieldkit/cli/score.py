@@ -59,7 +59,7 @@ def score(
 
 
 def _print_scores(found: "LedgerScores") -> None:
-    """Saved forecasts, later flights and first flights, each where there are some, and what the next rests on."""
+    """Saved forecasts, later flights and first flights, each if there are some, and what the next rests on."""
     from fieldkit.presentation.score_text import next_lines, titles
 
     for report, title in titles(found):

@@ -30,7 +30,7 @@ from fieldkit.flight.readout import beside
 from fieldkit.quantities import significant
 
 NOT_RECORDED = "-"
-"""Typed for "not recorded" where an empty answer would accept the offered value."""
+"""Typed for "not recorded" if an empty answer would accept the offered value."""
 
 
 @dataclass(frozen=True, slots=True)

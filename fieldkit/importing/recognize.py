@@ -37,7 +37,7 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
 
 
 def claims(log: bytes) -> list[str]:
-    """The names of the parsers that recognize a log, the surest first; fallbacks only where no other does."""
+    """The names of the parsers that recognize a log, the surest first; fallbacks only if no other does."""
     shelf = parsers()
     for fallback in (False, True):
         claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
@@ -47,7 +47,7 @@ def claims(log: bytes) -> list[str]:
 
 
 def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
-    """The parsers to try, by name and the surest first; where the flyer maps the columns, one that takes a mapping."""
+    """The parsers to try, by name and the surest first; if the flyer maps the columns, one that takes a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     shelf = parsers()
@@ -138,7 +138,7 @@ class ParsedLog:
 def open_log(log: bytes, source: str, format: str | None, choices: Sequence[ColumnChoice] = ()) -> ParsedLog:
     """A log as the parser reads it that recognizes it most surely and finds a flight in it.
 
-    Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
+    If none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
     log = table_of(log, source)
@@ -221,7 +221,7 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
-    """How a log was read: by the tables that were read of it, or where there is none by what was found."""
+    """How a log was read: by the tables that were read of it, or if there is none by what was found."""
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:

@@ -31,7 +31,7 @@ class FlightsOut(OpenLedger):
                 yield [(names[one.flight.rocket, one.flight.flight_id], one.flight) for one in held]
 
     def flight(self, id: str) -> Flight:
-        """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
+        """The flight with this id: its flight_id if that is unique, else `rocket/flight_id`.
 
         Raises LedgerError that suggests near ones, or lists those that it may mean.
         """

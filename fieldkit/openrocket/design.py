@@ -57,7 +57,7 @@ class Design:
 
 
 def read_design(content: bytes, source: str) -> Design:
-    """The design in an `.ork` file. Raises DamagedLog that names it where it is damaged, or is no design."""
+    """The design in an `.ork` file. Raises DamagedLog that names it if it is damaged, or is no design."""
     root = root_of(content, source)
     try:
         return _design(root, source)
@@ -113,7 +113,7 @@ def _mass(
 ) -> tuple[float | None, str]:
     """By a stored simulation of the design as it is, else by the sum of its parts.
 
-    A stored mass has three decimals in kg: where the sum of the parts agrees within that, it is taken.
+    A stored mass has three decimals in kg: if the sum of the parts agrees within that, it is taken.
     """
     unknown: list[str] = []
     whole, _ = override(rocket)

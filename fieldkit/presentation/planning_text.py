@@ -24,7 +24,7 @@ FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
     """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
-    starts from where the rocket has one among `starts`; in the units of a system."""
+    starts from if the rocket has one among `starts`; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = written(RAIL_LENGTH, "m", system, 1)

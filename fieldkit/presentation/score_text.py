@@ -65,7 +65,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `DIFFERENCES` for each rival: by how much a mean score of the model is smaller, its 90 % bootstrap
-    interval in percent of the apogee flown, starred where that leaves out zero."""
+    interval in percent of the apogee flown, starred if that leaves out zero."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
         for one in found.against

@@ -127,7 +127,7 @@ def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
 
 
 def _measurements(side: Explanation) -> Iterator[Advice]:
-    """What could be measured on the ground, where an effect knows how well its strength can be."""
+    """What could be measured on the ground, if an effect knows how well its strength can be."""
     mean, sd = side.fit.moments()
     for place in side.places:
         effect = effects()[place.effect]

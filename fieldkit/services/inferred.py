@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Model = Literal["history", "field", "paper"]
 """What can be asked: the network of whole histories, the field ensemble, the reference paper's."""
 FIT_SHARE = 0.5
-"""Part of the progress that fitting the other rockets takes, where none is cached. [1]"""
+"""Part of the progress that fitting the other rockets takes, if none is cached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ class TypedEstimate:
     """What the network makes of a rocket's flights with the one that is being typed.
 
     `cd` (on the body's frontal area) and `alpha` are those that the same flight flown again would have [1], and
-    `next_apogee` is what it would show [m]; all None where `needs` says what is missing for them, or `odd` why the
+    `next_apogee` is what it would show [m]; all None if `needs` says what is missing for them, or `odd` why the
     figures cannot be those of a flight.
     """
 

@@ -26,7 +26,7 @@ MAX_FRAMES = 60
 
 @dataclass(frozen=True, slots=True)
 class Crash:
-    """An error that nobody foresaw: where it was raised, and the file that says more, None where none could be kept."""
+    """An error that nobody foresaw: where it was raised, and the file that says more, None if none could be kept."""
 
     where: str
     file: Path | None

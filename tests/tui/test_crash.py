@@ -1,4 +1,4 @@
-"""Errors that nobody foresaw: a line, a file with nothing of the flyer's, the draft kept, and back where one was."""
+"""Errors that nobody foresaw: a line, a file with nothing of the flyer's, the draft kept, and back if one was."""
 
 from collections.abc import Callable, Coroutine
 from pathlib import Path

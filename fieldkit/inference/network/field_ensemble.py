@@ -53,7 +53,7 @@ class FieldPosterior:
     """Drag and thrust of flights, one entry a flight; drag area in m^2, Cd and alpha in 1.
 
     Without a diameter Cd spreads over every body that the motor and the mass
-    allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
+    allow; the drag area does not. `fits` is false if a readout did not fit and was left out: such a
     flight should not be used in a fit before its flyer has looked at it. `density` is over the logarithm of
     the drag area, and alpha.
     """
@@ -154,7 +154,7 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
 
 
 def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
-    """Means and standard deviations of Cd where only the drag area is known.
+    """Means and standard deviations of Cd if only the drag area is known.
 
     Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
     uniform where both are possible.

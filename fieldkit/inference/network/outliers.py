@@ -82,7 +82,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
 
     Of those too far from what the others predict, it is the one without which the others agree best. One that is
-    vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
+    vaguer than usual counts as what it likeliest was: it is no misfit if it is as vague as it is far out.
     """
     if (excess_sd(observed) > 0).any():
         foretold = predict_readouts(ensemble, observed)

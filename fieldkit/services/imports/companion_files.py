@@ -1,10 +1,10 @@
 """Files that come after others of the same flight: each is added to its flight if that is certain.
 
-A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
+A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight if the
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
 lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
 logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
-high too. Where neither is certain it may be so: it is said, and the flyer decides.
+high too. If neither is certain it may be so: it is said, and the flyer decides.
 """
 
 import zlib
@@ -117,7 +117,7 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
 
 
 def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
-    """Add the files of an arrival to a flight, or leave it where its files are a flight of their own after all."""
+    """Add the files of an arrival to a flight, or leave it if its files are a flight of their own after all."""
     from fieldkit.ledger import Renewal
 
     flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)

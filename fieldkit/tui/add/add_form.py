@@ -178,7 +178,7 @@ class Draft:
                 self._units = units
 
     def forget(self) -> bool:
-        """Drop what was typed, which undo brings back; False where nothing was."""
+        """Drop what was typed, which undo brings back; False if nothing was."""
         from fieldkit.services.manual_entry import DRAFT
 
         with self._lock:
@@ -221,7 +221,7 @@ class Draft:
         return "\n".join(doubts)
 
     def motor_trouble(self, name: str) -> str:
-        """Why a motor is not known, empty where it is or none is named."""
+        """Why a motor is not known, empty if it is or none is named."""
         from fieldkit.motors import is_cluster
 
         trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)

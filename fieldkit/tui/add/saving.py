@@ -1,4 +1,4 @@
-"""Saving the flight that is typed on the page Add: questioned where it may be a slip, and what came of it shown."""
+"""Saving the flight that is typed on the page Add: questioned if it may be a slip, and what came of it shown."""
 
 from functools import partial
 

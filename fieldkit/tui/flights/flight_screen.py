@@ -273,7 +273,7 @@ class Hills:
 
 
 def hills(flight: Flight, resources: "Resources") -> Hills:
-    """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
+    """The posterior of a flight as it is drawn. Raises FieldkitError if it can have none."""
     from fieldkit.tui.widgets.plots import draw_density
 
     said = drag_facts(flight, resources.ledger, resources.motors)

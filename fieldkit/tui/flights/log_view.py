@@ -44,7 +44,7 @@ class LogLook:
 
 
 def looks_at(file: "FileView", system: str) -> list[LogLook]:
-    """A look at each flight of a file, and at each simulation; one without a curve where there is none."""
+    """A look at each flight of a file, and at each simulation; one without a curve if there is none."""
     whole = _file_facts(file)
     shown = [
         LogLook(

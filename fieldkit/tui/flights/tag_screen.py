@@ -123,7 +123,7 @@ class TagScreen(PageScreen):
         self._beside()
 
     def _beside(self) -> None:
-        """The same drawn, where there is room."""
+        """The same drawn, if there is room."""
         if self.has_class("-wide") and self._before is not None and self._now is not None:
             self.query_one(TagCard).show_shift(self._before, self._now, self.resources.settings.units)
 
@@ -152,7 +152,7 @@ class TagScreen(PageScreen):
             self._change(text.strip())
 
     def _change(self, tag: str) -> None:
-        """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
+        """Put a tag on, or take it off if it is; one after the other, however fast keys come."""
 
         def work() -> None:
             ledger = self.resources.ledger

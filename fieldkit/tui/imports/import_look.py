@@ -83,7 +83,7 @@ def folder_text(folder: Path) -> str:
 
 
 def listed(folder: Path) -> list[Path]:
-    """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
+    """Folders and then files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
         return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]

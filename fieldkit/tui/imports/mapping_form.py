@@ -40,7 +40,7 @@ OTHER_ROWS = "rows"
 
 
 class MappingForm(Form):
-    """A line for each channel of samples, or each field of flights; empty where the table has no such column."""
+    """A line for each channel of samples, or each field of flights; empty if the table has no such column."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)

@@ -1,4 +1,4 @@
-"""The five panels of the page Loop: one at a time where room is short, all at once where it is not."""
+"""The five panels of the page Loop: one at a time if room is short, all at once if it is not."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -69,7 +69,7 @@ class Panels(Container):
             yield Table(id="versions", enter="Use it")
 
     def on_mount(self) -> None:
-        """The titles, where all are in sight."""
+        """The titles, if all are in sight."""
         for name in PANELS:
             self.query_one(f"#p-{name}").border_title = name
         self.forget()

@@ -53,7 +53,7 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
 
 def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
     """Residuals against a column, the `turn`-th by how much they hang together: what is said of it, the points, and
-    the names along the axis where the column holds no numbers."""
+    the names along the axis if the column holds no numbers."""
     import numpy as np
 
     from fieldkit.selection.residual import columns_of, kinds_of, residuals
@@ -78,7 +78,7 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
 
 
 def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
-    """The fingerprint of the residual beside that of an effect; bars are shorter where it is `narrow`."""
+    """The fingerprint of the residual beside that of an effect; bars are shorter if it is `narrow`."""
     if not found.fingerprints:
         return Content("no effect to compare with")
     trial, marks = found.fingerprints[turn % len(found.fingerprints)]

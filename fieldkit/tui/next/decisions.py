@@ -108,7 +108,7 @@ class Decision:
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
-        """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
+        """The forecasts of the rocket that are kept, the newest first, each marked if it is stale, and why."""
         from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
@@ -183,7 +183,7 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
 
 
 def rule_of(year: int) -> "Season":
-    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 

@@ -53,7 +53,7 @@ class Plan:
         return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
 
     def misfit(self, motor: "Motor") -> str:
-        """Why the rocket cannot fly on a motor, empty where it can."""
+        """Why the rocket cannot fly on a motor, empty if it can."""
         from fieldkit.planning.motor_guide import lifts
 
         if self.wanted.fits(motor):
@@ -87,7 +87,7 @@ class Plan:
 
 
 def read_plan(resources: "Resources") -> Plan | None:
-    """The plan as it was left, else for the rocket of known mass that flew last; None where nothing has flown.
+    """The plan as it was left, else for the rocket of known mass that flew last; None if nothing has flown.
 
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
     """

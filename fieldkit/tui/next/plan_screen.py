@@ -144,7 +144,7 @@ class PlanScreen(PageScreen):
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
-        """What explains the answer, where there is something to draw."""
+        """What explains the answer, if there is something to draw."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#picture").set_class(bool(answer.title), "-shown")

@@ -262,7 +262,7 @@ class AddScreen(PageScreen):
             self._saving.object_to(trouble)
 
     def _offer_again(self) -> None:
-        """Another rocket or configuration suggests other answers where nothing was typed."""
+        """Another rocket or configuration suggests other answers if nothing was typed."""
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:

@@ -185,7 +185,7 @@ class ImportScreen(PageScreen):
             self.show_notice("Still reading the file; Enter again stores it")
 
     def _store(self, path: Path, look: Look) -> None:
-        """Store a file; where it names no rocket or motor and a forecast waits for its flight, ask first whether it is
+        """Store a file; if it names no rocket or motor and a forecast waits for its flight, ask first whether it is
         of that flight."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 
@@ -259,7 +259,7 @@ class ImportScreen(PageScreen):
             self._read_as(replace(self._reading, format=text.strip() or None))
 
     def _read_as(self, reading: ReadOptions) -> None:
-        """Read the file under the cursor so, and those after it. Where that cannot be, say why."""
+        """Read the file under the cursor so, and those after it. If that cannot be, say why."""
         try:
             reading.defaults()
             reading.named()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class LoopScreen(PageScreen):
-    """Five panels: one at a time where room is short, all at once where it is not."""
+    """Five panels: one at a time if room is short, all at once if it is not."""
 
     NAME = "loop"
     TITLE = "Loop"

@@ -285,7 +285,7 @@ class NextScreen(PageScreen):
         self._refill()
 
     def copied(self) -> str:
-        """The forecast as text, or the row under the cursor where all are compared."""
+        """The forecast as text, or the row under the cursor if all are compared."""
         if self.has_class("-comparing"):
             return self.query_one(Table).current_text()
         self._show_card()

@@ -172,7 +172,7 @@ class SetupScreen(PageScreen):
 
     @on(Table.Moved)
     def _beside(self) -> None:
-        """What is known of the row under the cursor, where there is room for it."""
+        """What is known of the row under the cursor, if there is room for it."""
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units

@@ -52,7 +52,7 @@ class SetupCard(VerticalScroll):
         yield Static(id="facts")
 
     def show(self, facts: Facts) -> None:
-        """All of it; the picture where there is room for one."""
+        """All of it; the picture if there is room for one."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#facts", Static).update(stacked(facts.blocks))

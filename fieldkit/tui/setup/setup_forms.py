@@ -93,7 +93,7 @@ def _changed(page: PageScreen, what: str, count: int) -> None:
 
 
 def ask_rail(page: PageScreen) -> None:
-    """Length and tilt of the rail that is used where a plan names none."""
+    """Length and tilt of the rail that is used if a plan names none."""
     settings = page.resources.settings
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}

@@ -47,7 +47,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
 
 
 def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
-    """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
+    """The builds of the rockets that flights name; if it is narrow, their last motors stand in the card alone."""
     narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(group: Group) -> list[str]:

@@ -1,4 +1,4 @@
-"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings where they are due."""
+"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings if they are due."""
 
 import json
 from dataclasses import replace
