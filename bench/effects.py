@@ -1,7 +1,7 @@
 """Effects as they truly are: each bends the launches of a season and says what it did.
 
 `bend(rng, strength, flights)` gives the bent flights and the true parameters. What the flyer wrote down
-(`declared`) is touched only where the effect is about it.
+(`declared`) is touched only if the effect is about it.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -10,7 +10,7 @@ NAMES = (
     "F35W", "F27R", "F26FJ", "F37W", "F40W", "F52T", "F67W", "G38FJ", "AeroTech G40W", "G54W", "G64W", "AeroTech G80T",
     "G125T", "H128W", "H165R", "AeroTech H100W", "H182R", "H135W",
 )  # fmt: skip
-"""As flyers print them, the maker where a name is used by several."""
+"""As flyers print them, the maker if a name is used by several."""
 
 
 @cache

@@ -53,7 +53,7 @@ class Result:
 
     @property
     def decidable(self) -> bool:
-        """Whether what is missing matters: to the product's fit of it, or in truth where nothing known is it."""
+        """Whether what is missing matters: to the product's fit of it, or in truth if nothing known is it."""
         return (self.reach if self.label == "unexplained" else self.gain) >= WORTH_IT
 
     @property

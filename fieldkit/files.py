@@ -99,7 +99,7 @@ def write(file: Path, content: bytes, *, force: bool = False) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write files that belong together, none of them where one may not be written; see `write`."""
+    """Write files that belong together, none of them if one may not be written; see `write`."""
     for file in contents:
         check_target(file, force=force)
     for file, content in contents.items():

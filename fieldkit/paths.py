@@ -15,7 +15,7 @@ DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons"
 def data_folder() -> Path:
     """The folder of the user's data, made if it is not there yet and can be.
 
-    Where it cannot, there is nothing in it to read, and who writes there says why that fails.
+    If it cannot, there is nothing in it to read, and who writes there says why that fails.
     """
     folder = _data_path()
     with suppress(OSError):
@@ -61,7 +61,7 @@ def crash_folder() -> Path:
 
 
 def own_files() -> list[Path]:
-    """The files and folders that fieldkit keeps a flyer's choices and additions in, where the home can be used."""
+    """The files and folders that fieldkit keeps a flyer's choices and additions in, if the home can be used."""
     try:
         folder = data_folder().resolve()
         return [settings_file().resolve(), *(folder / name for name in DATA_FILES)]

@@ -81,6 +81,10 @@ class ShownUnits:
         """`97 to 600 m`."""
         return f"{self.length(low).split()[0]} to {self.length(high)}"
 
+    def difference(self, value: float, digits: int = 1) -> str:
+        """A signed difference of two lengths: `+5.6 m` or `-18 ft`."""
+        return ("" if value < 0 else "+") + self.length(value, digits)
+
     def speed(self, value: float, digits: int = 1) -> str:
         """`13.4 m/s` or `30 mph`."""
         return written(value, "m/s", self.system, digits)
@@ -92,6 +96,12 @@ class ShownUnits:
     def temperature(self, value: float) -> str:
         """`21 °C` or `70 °F`."""
         return written(value, "c", self.system)
+
+
+def significant(column: Column, value: float, system: str) -> str:
+    """A value [SI] with its unit and four significant digits: `922.9 ft`."""
+    unit = unit_of(column, system)
+    return f"{units.unit(column.quantity, unit).from_si(value):.4g} {spelled(unit)}"
 
 
 def measure(column: Column, value: float | None, system: str) -> str:

@@ -70,7 +70,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _groups(names: Sequence[str]) -> list[tuple[int, list[int]]]:
-    """The clock of each group of columns and the columns of it that are known, where there are any."""
+    """The clock of each group of columns and the columns of it that are known, if there are any."""
     starts = [place for place, name in enumerate(names) if name == "time"]
     groups = [
         (clock, [place for place in range(clock + 1, end) if names[place] in {*CHANNELS, *FLAGS}])

@@ -50,7 +50,7 @@ def recognises(head: bytes) -> bool:
 
 
 def _header(text: str) -> tuple[int, list[str], str] | None:
-    """The row of names, the names and what parts them, None where none is of the journal."""
+    """The row of names, the names and what parts them, None if none is of the journal."""
     rows = ((*first_row(text, separator), separator) for separator in SEPARATORS)
     return next((one for one in rows if _kind(one[1])), None)
 
@@ -159,7 +159,7 @@ def _date(row: int, cell: str) -> datetime | None:
 def _tags(motors: str, readouts: Flight) -> list[str]:
     """Why a flight is not one to learn from: several motors, or figures that slipped a column.
 
-    A slipped row is one where the average acceleration is above the peak, or the top speed is not
+    A slipped row is one if the average acceleration is above the peak, or the top speed is not
     within a factor of two of what acceleration and burn time make it; a mere typing error is less.
     """
     stages = STAGE_MARK.split(motors)

@@ -199,7 +199,7 @@ def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "
 
 
 def _position(values: dict[str, Any]) -> dict[str, Any]:
-    """Positions with nan where there was no fix, and heights with all the bytes they have. [deg, m]"""
+    """Positions with nan if there was no fix, and heights with all the bytes they have. [deg, m]"""
     fixed = values.pop("fixed").astype(int) & FIX_BIT == FIX_BIT
     high = values.pop("mode").astype(int) & HIGH_BYTE_BIT == HIGH_BYTE_BIT
     whole = values.pop("height_low") + values.pop("height_high") * 65536.0

@@ -45,7 +45,7 @@ def recognises(head: bytes) -> bool:
 
 
 def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
-    """The sentences with their row: fields where the checksum holds, else what is wrong."""
+    """The sentences with their row: fields if the checksum holds, else what is wrong."""
     row, place = 1, 0
     for match in _SENTENCE.finditer(log):
         row, place = row + log.count(b"\n", place, match.start()), match.start()

@@ -104,7 +104,7 @@ def _reading(series: Series, table: LogTable, head: Header, log: bytes) -> Readi
 
 
 def _lift_off(table: LogTable, head: Header, log: bytes) -> datetime | None:
-    """When the clock of a flight was zero; the day alone where a spreadsheet has spoilt the time of day."""
+    """When the clock of a flight was zero; the day alone if a spreadsheet has spoilt the time of day."""
     lines = lines_of(decode(log[:HEAD]))
     row = int(table.rows[0])
     places = [head.place(name) for name in ("year", "month", "day", "time")]

@@ -108,7 +108,7 @@ def _number(value: str, quantity: str, unit: str) -> float:
 
 
 def _moment(lines: Mapping[str, str], key: str) -> datetime | None:
-    """A time of day on the day of launch, or None where either is not to be read."""
+    """A time of day on the day of launch, or None if either is not to be read."""
     date = _DATE.match(lines.get("launch date", ""))
     if not date or date[2].lower() not in _MONTHS:
         return None

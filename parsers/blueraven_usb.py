@@ -91,7 +91,7 @@ def recognises(head: bytes) -> bool:
 
 
 def frames_of(lines: Sequence[bytes]) -> list[SampleFrame | None]:
-    """The frame of each line, the last one if several were printed over each other; None where none is sound."""
+    """The frame of each line, the last one if several were printed over each other; None if none is sound."""
     starts = [line.rfind(b"@ LOG_") for line in lines]
     checked = [
         _CHECKED_LINE.match(line, start) if start >= 0 else None for line, start in zip(lines, starts, strict=True)

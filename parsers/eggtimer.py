@@ -1,7 +1,7 @@
 """Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
 
 Neither text names its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall settles it:
-near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. Where that is not to be
+near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. If that is not to be
 seen the log is refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. `T` is in ms or in s, as its
 steps of a tenth or a twentieth of a second show. A column of events holds the altitude at its event, else zero.
 """
@@ -121,7 +121,7 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
 
 
 def _unit(table: LogTable, head: Header) -> str:
-    """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
+    """The unit of the heights of a table. Raises DamagedLog if nothing settles it."""
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
     settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
     if not settled:
@@ -163,7 +163,7 @@ def _below(item: Found, rows: int) -> Found:
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:
-    """`m` or `ft`, by how the height changes in the last seconds before its top; empty where neither is sure."""
+    """`m` or `ft`, by how the height changes in the last seconds before its top; empty if neither is sure."""
     middle = np.median([altitude[:-4], altitude[1:-3], altitude[2:-2], altitude[3:-1], altitude[4:]], axis=0)
     clock = time[2:-2]
     if len(middle) < 40:

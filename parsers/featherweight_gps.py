@@ -80,7 +80,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
-    """The lines of a ground station's log, with the time of day in seconds where it was `14:09:44.6`."""
+    """The lines of a ground station's log, with the time of day in seconds if it was `14:09:44.6`."""
     mark = head.separator.encode()
     for row, line in enumerate(lines(log), start=1):
         cells = line.rstrip(b"\r").replace(b'"', b"").split(mark)
@@ -136,7 +136,7 @@ def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
 
 
 def _utc(log: bytes, head: Header, table: LogTable, time: np.ndarray) -> dict[str, str]:
-    """The stated UTC of the earliest row, where it stands near the start of the log."""
+    """The stated UTC of the earliest row, if it stands near the start of the log."""
     place = head.place("utctime")
     texts = lines_of(decode(log[:HEAD]))
     row = int(table.rows[int(np.argmin(time))])

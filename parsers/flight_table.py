@@ -154,11 +154,11 @@ def _holds_numbers(heading: ColumnRole) -> bool:
 
 
 def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
-    """The decimal mark of a table, `.` or `,`; empty where `1,148` could be either number.
+    """The decimal mark of a table, `.` or `,`; empty if `1,148` could be either number.
 
     A number that has no second meaning (`281,3`) settles it for the table. Without one, points are
     decimal points, and commas are decimal commas if semicolons stand between the cells, which is what
-    programs write where the comma is decimal; elsewhere a comma may part the thousands.
+    programs write if the comma is decimal; elsewhere a comma may part the thousands.
     """
     cells = list(numbers)
     used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}

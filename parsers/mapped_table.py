@@ -1,6 +1,6 @@
 """Any table of samples that no logger's parser knows: a team's own logger, AltimeterThree's mailed sheet.
 
-The columns are taken from the flyer's mapping where there is one (`altitude=Alt (ft)`), else from their names.
+The columns are taken from the flyer's mapping if there is one (`altitude=Alt (ft)`), else from their names.
 A unit is what the header or the mapping says, or what physics settles; one that stays open is an error for time,
 height and pressure, and leaves out any other column. What is read as what comes back as a `Mapped`, to be shown.
 
@@ -179,7 +179,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
 
 
 def _with_total(table: LogTable) -> LogTable:
-    """The table with what three axes come to, where it lacks that: their magnitude, and the push along the rocket."""
+    """The table with what three axes come to, if it lacks that: their magnitude, and the push along the rocket."""
     if not all(name in table.values for name in AXES):
         return table
     values = dict(table.values)

@@ -79,7 +79,7 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
 
 
 def _height(text: str) -> float:
-    """A sample, nan where it is none. [ft]"""
+    """A sample, nan if it is none. [ft]"""
     match = SAMPLE.fullmatch(text.rstrip("\r"))
     return np.nan if not match else float(match[2]) * (-1 if match[1] == "-" else 1)
 

@@ -61,7 +61,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _plain(log: bytes) -> bytes:
-    """A log with one byte a character, also where a terminal saved it as UTF-16 with its mark."""
+    """A log with one byte a character, also if a terminal saved it as UTF-16 with its mark."""
     return narrow(log) if log.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else log
 
 

@@ -40,7 +40,7 @@ _SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach numbe
 class ExportHeader:
     """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off.
 
-    `quoted` where a spreadsheet put quotation marks about every cell, the comments among them.
+    `quoted` if a spreadsheet put quotation marks about every cell, the comments among them.
     """
 
     names: tuple[str, ...]
@@ -97,7 +97,7 @@ def _split(line: str, separator: str | None) -> list[str]:
 
 
 def _mark(text: str) -> str:
-    """The comment mark of the events, where the header lost its own."""
+    """The comment mark of the events, if the header lost its own."""
     match = re.search(r'^"?([^\w\s"]{1,4})\s*Event [A-Z_]+ occurred', text, re.MULTILINE)
     return match[1] if match else "#"
 

@@ -1,7 +1,7 @@
 """PerfectFlite .pf2, by whatever name: Pnut, StratoLogger SL100 and StratoLoggerCF, 20 samples a second.
 
 A block of `Name: value` lines, a line that names the columns, and rows. Heights are in feet, temperatures in the
-unit that the line of columns says. The stated apogee is the device's own and is not the highest row. Where power
+unit that the line of columns says. The stated apogee is the device's own and is not the highest row. If power
 was lost the log is filled with 25.50 V to its end; what these rows say of heights was never measured. A spreadsheet
 may have put quotation marks and commas about the lines.
 Source: files of nine flights, listed with the format.
@@ -126,7 +126,7 @@ def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
 
 
 def _events(header: Mapping[str, str]) -> dict[str, float]:
-    """When the outputs fired; none where the header says no time after launch. [s]"""
+    """When the outputs fired; none if the header says no time after launch. [s]"""
     events = {}
     for name, value in header.items():
         seconds = re.match(r"\s*(\d{1,4}(?:\.\d{1,3})?)", value)

@@ -33,7 +33,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _header(head: bytes) -> tuple[int, list[str], str] | None:
-    """The row of names, the names and what parts them, or None where none is RockSim's."""
+    """The row of names, the names and what parts them, or None if none is RockSim's."""
     text = decode(head)
     first = [(row, line) for row, line in enumerate(lines_of(text), start=1) if line.strip()][:MOST_ABOVE]
     rows = ((row, split(line, separator), separator) for row, line in first for separator in SEPARATORS)

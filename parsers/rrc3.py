@@ -1,7 +1,7 @@
 """Missile Works RRC3, exported by mDACS: `Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages`, 20 a second.
 
 The header bears no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
-whether altitude and velocity are in feet or in metres; where it proves neither they are left out. Temperature is
+whether altitude and velocity are in feet or in metres; if it proves neither they are left out. Temperature is
 in the degrees that go with them; it is filled once a second. Cells are parted by comma, TAB or semicolon (with
 decimal commas), the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
 """
@@ -23,7 +23,7 @@ from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
 WORDS = ("temperature", "events")
-"""Where there is no temperature the event stands in its place, so both are read as words."""
+"""If there is no temperature the event stands in its place, so both are read as words."""
 MOST_WORDS = 300
 """So many different words are looked at for events. [1]"""
 AIR = (100.0, 115_000.0)

@@ -1,7 +1,7 @@
 """StratoLogger live telemetry: a table of seconds and feet that a capture makes of the lines the unit sends.
 
-The unit sends one altitude in feet a line and no clock; the seconds are those of arrival. Where it sends on the
-pad already, its first line is the pad's elevation above sea level and the others are above the pad; where it sends
+The unit sends one altitude in feet a line and no clock; the seconds are those of arrival. If it sends on the
+pad already, its first line is the pad's elevation above sea level and the others are above the pad; if it sends
 from launch on, all are. The first kind shows by a step down to about nothing after the first line.
 
 Source: docs/telem.md (UND-ARC/StratoLogger).
@@ -67,7 +67,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def _began(log: bytes, head: Header) -> str:
-    """When the capture began, as the lines above the table say; empty where they do not."""
+    """When the capture began, as the lines above the table say; empty if they do not."""
     above = lines_of(decode(log[:HEAD]))[: head.row - 1]
     parted = (line.replace('"', "").partition(head.separator) for line in above)
     return next((value.strip(head.separator) for name, _, value in parted if name == "began"), "")

@@ -1,7 +1,7 @@
 """Simulation-based calibration of forecasts over the hyperprior: python -m studies.calibration [--table FILE].
 
 Ledgers are drawn from the model; the next flight of one rocket is forecast with what the ledger's other rockets show.
-Where fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
+If fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
 Simpson, Vehtari and Gelman, 2018). Uniformity is judged at all places at once (Säilynoja, Bürkner and Vehtari, 2022).
 """
 
@@ -139,7 +139,7 @@ def _figures(ranks: Float[Array, "forecast"]) -> str:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Read the command line, draw ledgers and forecast, print the table and keep it where asked."""
+    """Read the command line, draw ledgers and forecast, print the table and keep it if asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ledgers", type=int, default=LEDGERS)
     parser.add_argument("--table", type=Path, metavar="FILE")

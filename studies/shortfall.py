@@ -110,7 +110,7 @@ def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
 
 
 def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
-    """The flights with the launch angle that is usual where none was written down."""
+    """The flights with the launch angle that is usual if none was written down."""
     return [
         (flight if flight.rail_angle is not None else flight.with_changes(rail_angle=ASSUMED_LAUNCH_ANGLE), motor)
         for flight, motor in flown

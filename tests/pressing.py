@@ -108,7 +108,7 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
 
 
 LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
-"""Keys that only add a letter where a text is typed."""
+"""Keys that only add a letter if a text is typed."""
 
 WORKED_OUT: dict[str, Any] = {}
 """Forecasts of many motors, by all that decides them: the same are not worked out for every page that is opened."""
@@ -136,7 +136,7 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 async def opened(
     file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
 ) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, started on a page, once it is calm; as flyers have it where it
+    """The app on a ledger, its settings kept beside it, started on a page, once it is calm; as flyers have it if it
     `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with (

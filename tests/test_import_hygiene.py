@@ -1,4 +1,4 @@
-"""What wakes up when a command starts: each heavy library only where it is needed. Plug-ins keep to their own."""
+"""What wakes up when a command starts: each heavy library only if it is needed. Plug-ins keep to their own."""
 
 import ast
 import json
@@ -116,7 +116,7 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
 
 
 def imported(file: Path, known: Container[str]) -> Iterator[str]:
-    """Those of the known modules that a file imports; of `from a import b` it is `a.b` where that is a module."""
+    """Those of the known modules that a file imports; of `from a import b` it is `a.b` if that is a module."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             whole = [f"{node.module}.{name.name}" for name in node.names]

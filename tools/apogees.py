@@ -1,7 +1,7 @@
 """Print how well apogee and its time are measured in the recordings beside the checkout: python -m tools.apogees
 
 For each flight the highest median of eleven samples, what is measured, and how far that is off; and the time of the top
-of the parabola through those medians, where the samples show it, and how far the measured one is off.
+of the parabola through those medians, if the samples show it, and how far the measured one is off.
 """
 
 import sys

@@ -264,7 +264,7 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
 
 
 def write(name: str, network: Ensemble, document: Mapping[str, Any]) -> None:
-    """Keep what was measured of a network, apart where it is not the one that is shipped."""
+    """Keep what was measured of a network, apart if it is not the one that is shipped."""
     name += "" if network is load_history() else AGAIN
     (MEASURED / f"{name}.json").write_text(json.dumps(rounded(document), indent=1) + "\n", encoding="utf-8")
 

@@ -125,7 +125,7 @@ def _prior(prior: Prior) -> str:
 
 
 CARD = ("recipe", "physics", "command", "seed", "n_train", "members", "features", "outputs")
-"""What of a card its page lists first, where it is there."""
+"""What of a card its page lists first, if it is there."""
 
 
 def model_cards() -> str:

@@ -39,7 +39,7 @@ def estimate_propellant(rows: list[Row]) -> None:
 
 
 def estimate_casing(rows: list[Row]) -> None:
-    """Estimates what stays behind where the loaded mass is missing; hybrids are left alone.
+    """Estimates what stays behind if the loaded mass is missing; hybrids are left alone.
 
     The median of the maker's motors in the same case (leave-one-out error 3 % in the median), else a
     power law of diameter and length fitted to the motors of the same kind (10 to 12 %).

@@ -1,7 +1,7 @@
 """What the published logs say of the force along a climb: `python tools/real_forces.py LOGS OUT.md`.
 
 LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was felt, what
-is known of rocket and motor, and so whether a missing force can be had; where mass and motor are known, the law that
+is known of rocket and motor, and so whether a missing force can be had; if mass and motor are known, the law that
 this one flight asks for, beside a drag of its own. Of every coast, drag area over mass, which needs neither.
 """
 
@@ -40,7 +40,7 @@ KNOWN = {
 CD = 0.5
 """Where the law begins; each flight has a drag of its own. [1]"""
 GUESSED_DIAMETER = 0.15
-"""Where none is known, as a place to begin. [m]"""
+"""If none is known, as a place to begin. [m]"""
 SLOW, FAST = 0.3, 0.7
 """Mach numbers between which a coast is compared."""
 SOUND = 335.0

@@ -3,7 +3,7 @@
 `sbi`'s neural posterior estimation with its default settings, and a spline flow of `zuko` fitted by the ensemble's own
 loop, both shown the ensemble's features and the same flights; and the ensemble's mixture at that size, and as shipped.
 Judged by the mean log density of fresh flights, readouts by readouts. A second run with the same numbers keeps the
-rivals of the first where they are left out, so that another ensemble can be put beside them.
+rivals of the first if they are left out, so that another ensemble can be put beside them.
 
 Needs torch, onnx, sbi and zuko; the last two are no part of any extra of fieldkit.
 """

@@ -2,11 +2,11 @@
 
     python tools/tested_impulses.py TESTS.csv thrustcurve-db.json
 
-TESTS.csv has a row per test: manufacturer, designation, tested_impulse_ns, tested_peak_n, source and note, where the
+TESTS.csv has a row per test: manufacturer, designation, tested_impulse_ns, tested_peak_n, source and note, if the
 note begins with `basis=letter`, `basis=stated` or `basis=curve` and states the `file class`. Printed are rows of
 `fieldkit/data/motor_corrections.csv`.
 
-The rule: an impulse is nominal where it is the upper limit of its class (2.5, 5, 10 ... N s). It gives way to the best
+The rule: an impulse is nominal if it is the upper limit of its class (2.5, 5, 10 ... N s). It gives way to the best
 test (a letter before stated figures before a certified curve before any other; of equals the one whose peak thrust is
 nearest to the certified one) unless a test of that rank agrees with it within two standard deviations of tests of
 one motor. That standard deviation is measured on the same table.

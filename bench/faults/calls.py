@@ -73,7 +73,7 @@ def can_trace() -> bool:
 def run_with(
     work: Callable[[], int], folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None
 ) -> Ended:
-    """Run some work in a fork, with a fault in it that counts where it is in this folder; `notes` is a folder beside.
+    """Run some work in a fork, with a fault in it that counts if it is in this folder; `notes` is a folder beside.
 
     `largest` is a limit on the size of a file. [byte]
     """

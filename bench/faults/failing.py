@@ -1,6 +1,6 @@
 """Every call of every command gone wrong in turn, and histories of commands with faults among them.
 
-What a command says must be so: after an exit status of 0 the ledger is as after the command, also where a fault came;
+What a command says must be so: after an exit status of 0 the ledger is as after the command, also if a fault came;
 after any other it is as before, or as after and the line does not deny it. A history is replayed: what was
 acknowledged, without a fault on a ledger of its own, and the two must hold the same.
 """
@@ -36,7 +36,7 @@ class Bench:
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
         self.spoken: set[str] = set()
-        """What the call says where nothing is wrong: how far it is."""
+        """What the call says if nothing is wrong: how far it is."""
 
     def fresh(self) -> None:
         """The desk as the call finds it."""

@@ -2,7 +2,7 @@
 
 A command is the real one, run by `fieldkit.cli.main`. It goes on up to where it first takes the ledger to change it
 (before the backup that comes first), and from there it is forked, once a trial, on a fresh copy of the ledger: so a
-long computation before is done once, and every kill falls where there is something to lose. Other trials fork before
+long computation before is done once, and every kill falls if there is something to lose. Other trials fork before
 the first line of the command. The moment of each SIGKILL is drawn evenly over 1.1 times what that part takes when
 it is left alone, as measured just before; a trial that was done by then is repeated and not counted.
 A SIGKILL takes the process and not the machine: what the system has taken over reaches the disk.

@@ -39,7 +39,7 @@ def mixed_work(ours: Server, folder: Path, laptops: int, commands: int, kills: i
 
 
 def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:
-    """The same where the server does not come back: a standby takes its place, and laptops know both addresses."""
+    """The same if the server does not come back: a standby takes its place, and laptops know both addresses."""
     what = f"{laptops} laptops, {commands} commands each, a standby takes the server's place"
     with standby(ours, folder.with_name(f"{folder.name}-standby")) as other:
         places = f"host=127.0.0.1,127.0.0.1&port={ours.port},{other.port}&target_session_attrs=read-write"

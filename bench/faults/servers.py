@@ -63,7 +63,7 @@ class Server:
         return f"postgresql://postgres@127.0.0.1:{self.port}/postgres"
 
     def start(self, *, followed: bool = False) -> None:
-        """Start it, and wait until it answers; where it is `followed`, no change is done before a standby has it."""
+        """Start it, and wait until it answers; if it is `followed`, no change is done before a standby has it."""
         options = f"-p {self.port} -c listen_addresses=127.0.0.1 -c unix_socket_directories=''"
         options += " -c synchronous_standby_names=*" if followed else ""
         self.call("pg_ctl", "-D", "data", "-l", "log", "-s", "-w", "-o", options, "start")

@@ -37,7 +37,7 @@ class Recorder:
     accel_step: float = 0.01
     """In which it is written. [g]"""
     axes: int = 1
-    """3 where the axis of the rocket lies somewhere between three."""
+    """3 if the axis of the rocket lies somewhere between three."""
     scale: float = 0.01
     """Spread of the accelerometer's scale. [1]"""
     bias: float = 0.15

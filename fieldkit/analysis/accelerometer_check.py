@@ -57,7 +57,7 @@ class Agreement:
     """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s].
 
     `missed` is what it felt beyond the end of its range in the mean, with its standard deviation [m/s^2], `misfit`
-    what that leaves [1]. `derived` where it is no sensor's but was worked out.
+    what that leaves [1]. `derived` if it is no sensor's but was worked out.
     """
 
     scale: float
@@ -82,7 +82,7 @@ class Agreement:
 
     @property
     def why(self) -> str:
-        """What is wrong where they do not."""
+        """What is wrong if they do not."""
         if self.is_off:
             return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
         return f"makes a climb of {100 / self.scale:.0f} % of that by the heights"

@@ -1,4 +1,4 @@
-"""The top of a fitted ascent: when and how high, where the samples show it."""
+"""The top of a fitted ascent: when and how high, if the samples show it."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def falls(ascent: Ascent) -> bool:
 
 
 def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
-    """The top of the curve, or None where it is still rising when the log ends."""
+    """The top of the curve, or None if it is still rising when the log ends."""
     heard = _heard(ascent.time, track)
     place = int(np.argmax(np.where(heard, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:

@@ -52,7 +52,7 @@ class Ascent:
     noise: float
     """Of a sample, as the fit has it. [m]"""
     burnout_sd: float
-    """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
+    """Of the time of burnout as heights alone have it; 0 if an accelerometer saw it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
     resolution: float = 0.0
@@ -70,7 +70,7 @@ def ascend(
     marked: float | None,
     sighted: Sightings | None = None,
 ) -> Ascent | None:
-    """The ascent, or None where it has too few samples.
+    """The ascent, or None if it has too few samples.
 
     `sighted` is the satellite data that complement the heights, `blow` when the charge was felt, `marked` when the
     logger detected apogee, after which it may have fired a charge. [s]
@@ -99,7 +99,7 @@ def ascend(
 class _FitStart:
     """What a fit begins with: the samples that count, the coast that they suggest, and a first guess.
 
-    `fused` where an accelerometer gave the guess.
+    `fused` if an accelerometer gave the guess.
     """
 
     samples: Samples
@@ -145,7 +145,7 @@ def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
 def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
     """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted again.
 
-    Where heights are `pressed`, made of pressures, those in a fast airframe are off, which moves burnout.
+    If heights are `pressed`, made of pressures, those in a fast airframe are off, which moves burnout.
     """
     samples, grid = start.samples, start.samples.grid
     if start.fused:

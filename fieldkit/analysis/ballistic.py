@@ -1,7 +1,7 @@
 """A coast against drag and gravity, straight up: the shape that heights after burnout are first compared with.
 
 Drag per mass is `k v²`, thinner with height as the air is, and greater by half beyond the speed of sound, which is
-typical of slender rockets. Where a rocket has another drag, the true curve bends a little away from this one: that
+typical of slender rockets. If a rocket has another drag, the true curve bends a little away from this one: that
 is what the fit to the rest is for.
 """
 

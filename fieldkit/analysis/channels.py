@@ -39,16 +39,16 @@ _MAX_ACCELERATION = 10_000.0
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Samples of one value that make an end of range, and how many times more than of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
-"""Part of the samples that are zero where a logger fills up with it [1], and what is surely none. [m, Pa]"""
+"""Fraction of samples that are zero in a channel padded with zeros [1], and values below it. [m, Pa]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heights:
-    """Clean heights on one clock; `zeroed` where the logger itself took the pad's off.
+    """Clean heights on one clock; `zeroed` if the logger itself took the pad's off.
 
-    `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` where samples near the
+    `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
     speed of sound were left out, for shocks had faked a fall in them. `lag` is by how much they came late, behind a
     filter or small vents, which has been taken off. [s]
     """
@@ -66,9 +66,9 @@ class Heights:
 class Push:
     """Acceleration along the axis on one clock, as an accelerometer feels it: one g at rest, nose up. [m/s^2]
 
-    `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
+    `vertical` if it is the vertical one already, gravity added, as from an inertial speed; `weighs` if the
     channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
-    range, to which `missed` has been added, by the heights; None where it never was there. That makes a speed off by
+    range, to which `missed` has been added, by the heights; None if it never was there. That makes a speed off by
     `missed_speed_sd` [m/s]. `scale` is the ratio of the climb by the heights to the climb by the accelerometer: it
     differs from 1 because of calibration, tilt, or a pressure error. [1]
     """
@@ -85,7 +85,7 @@ class Push:
 
 
 def heights(clocks: Sequence[Series]) -> Heights | None:
-    """The best height channel of a log, or None where none has enough samples."""
+    """The best height channel of a log, or None if none has enough samples."""
     for name in HEIGHTS:
         for series in clocks:
             values = getattr(series, name)
@@ -130,7 +130,7 @@ def sensor(source: str) -> str:
 def is_clipped(push: Push, begin: float, end: float) -> bool:
     """Whether an accelerometer was saturated: its highest value is repeated many times, and no other is.
 
-    A converter that is full gives one number, in a row or, where the thrust plays about the end, now and again; a
+    A converter that is full gives one number, in a row or, if the thrust plays about the end, now and again; a
     thrust that only happens to be even has the sensor's noise. Low values, as of a rest, come again in any log.
     """
     felt = push.felt[(push.time >= begin) & (push.time <= end)]

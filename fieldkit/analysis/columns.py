@@ -15,7 +15,7 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     """Fields of a flight and its extra columns, from what was measured and what the device stated.
 
     The measured figure is the readout, for its uncertainty is known and a device may state a spike for the apogee; what
-    the device stated is kept beside it. Where the samples do not show a figure, as the apogee of a log that ends
+    the device stated is kept beside it. If the samples do not show a figure, as the apogee of a log that ends
     before it, the stated one is the readout. Of a log without a flight in it nothing stated is believed either.
     Standard deviations keep two digits.
     """

@@ -16,7 +16,7 @@ _REACH = 3.0
 class FigureDifference:
     """How much more the second says than the first; `sd` is of both together, `apart` the difference in it.
 
-    `apart` is None where neither has an uncertainty. [SI], [1]
+    `apart` is None if neither has an uncertainty. [SI], [1]
     """
 
     value: float
@@ -29,7 +29,7 @@ class Comparison:
     """The second of two recordings against the first.
 
     `shift` is what the second's clock must be put forward by to agree with the first's [s], `rms` how far their
-    heights are apart from then on, over the `seconds` of ascent that both have [m]; None where either has no samples.
+    heights are apart from then on, over the `seconds` of ascent that both have [m]; None if either has no samples.
     """
 
     differences: Mapping[str, FigureDifference]
@@ -41,7 +41,7 @@ class Comparison:
 def compare(first: Recorded, second: Recorded) -> Comparison:
     """What the second recording of a flight says against the first.
 
-    The clocks are set by lift-off, or apogee where one has no lift-off, and then so that the heights of the ascent
+    The clocks are set by lift-off, or apogee if one has no lift-off, and then so that the heights of the ascent
     agree best by least squares.
     """
     shared = [name for name in first.figures if name in second.figures]

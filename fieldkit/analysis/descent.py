@@ -45,7 +45,7 @@ def ejection(
 
 
 def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
-    """When a free fall of some length turned into a steady descent, before it was down; None where it did not.
+    """When a free fall of some length turned into a steady descent, before it was down; None if it did not.
 
     If a fall was braked before it got faster than the parachute allows, it cannot be distinguished from ejection at
     apogee, and nothing is reported.
@@ -113,7 +113,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
 
 def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:
-    """How fast heights seem to change where nothing moves, wind and noise together: three deviations. [m/s]"""
+    """How fast heights seem to change if nothing moves, wind and noise together: three deviations. [m/s]"""
     step = even[1] - even[0]
     pad = np.arange(max(track.time[0], even[0] - 60), seen.lift - 1, step) if seen.lift is not None else even[:0]
     if pad.size < 4 * reach:
@@ -126,7 +126,7 @@ def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None
     """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
 
     In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent
-    speed in the median of 47 flights. Without landing it is the mean over what the log has, where it has a fifth of
+    speed in the median of 47 flights. Without landing it is the mean over what the log has, if it has a fifth of
     the way down; the rest may be as much slower or faster as it is long, for a second parachute may open in it.
     """
     start = begin.time

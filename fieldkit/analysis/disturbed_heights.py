@@ -37,9 +37,9 @@ _FALL = 5.0
 
 
 def undisturbed(track: Heights) -> Heights:
-    """Heights without those that steps and shocks fake; `disturbed` where shocks did.
+    """Heights without those that steps and shocks fake; `disturbed` if shocks did.
 
-    Where hardly anything would be left, they are as they came.
+    If hardly anything would be left, they are as they came.
     """
     kept = ~_steps(track)
     if not kept.all() and kept.sum() >= MIN_SAMPLES:

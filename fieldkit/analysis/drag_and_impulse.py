@@ -113,7 +113,7 @@ def _undisturbed(
 ) -> _Fit | None:
     """The fit to the longest coast that ends before a parachute which no sensor felt seems to brake it.
 
-    A coast is taken for longer where what it is fitted to besides makes the fit to the shorter one no worse than by
+    A coast is taken for longer if what it is fitted to besides makes the fit to the shorter one no worse than by
     chance.
     """
     best: _Fit | None = None
@@ -149,7 +149,7 @@ def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str) 
 
 
 def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Float[Array, "four"]) -> _Fit | None:
-    """The coast that fits samples, None where none does.
+    """The coast that fits samples, None if none does.
 
     Outliers among the samples count less (Student's t, by weights that are set again in each round). Errors with a
     lag-1 autocorrelation r are worth (1 - r) / (1 + r) of independent ones.

@@ -192,7 +192,7 @@ def _between(first: Event, second: Event, source: str) -> Figure:
 
 
 def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
-    """The pad above sea level, as its pressure or a channel above sea level has it; 0 where none does. [m]"""
+    """The pad above sea level, as its pressure or a channel above sea level has it; 0 if none does. [m]"""
     for name in ("pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)

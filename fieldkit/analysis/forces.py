@@ -31,7 +31,7 @@ _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
 _MIN_FELT_FRACTION = 0.9
 """Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
 _MOSTLY = 0.5
-"""A speed rests on satellites too, where they have a greater part in it. [1]"""
+"""A speed rests on satellites too, if they have a greater part in it. [1]"""
 _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
@@ -107,7 +107,7 @@ def boost_event(
     """When the rocket was fastest and how fast, by the curve, with the spread of its draws.
 
     Heights that are off by a part k of v²/2g make a speed v that brakes with a look as if it were off by k·v·a/g; and
-    where it is not known to the moment when it was fastest, neither is how much it had braked by then.
+    if it is not known to the moment when it was fastest, neither is how much it had braked by then.
     """
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]

@@ -5,6 +5,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
+from fieldkit.quantities import spelled, unit_of
 
 TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in MEASURED} | {"time_to_apogee": "Time to apogee"})
 """Titles of the figures, in the order of the readouts."""
@@ -38,9 +39,10 @@ def at_the_edge(name: str, value: float) -> float:
     return value if column is None else units.unit(column.quantity, column.unit).from_si(value)
 
 
-def spoken(name: str, value: float, sd: float) -> str:
-    """A figure as it is printed: `553.7 ± 0.7 m`."""
+def spoken(name: str, value: float, sd: float, system: str = "SI") -> str:
+    """A figure [SI] in the units of a system: `553.7 ± 0.7 m`."""
     column = BY_NAME.get(name)
-    unit = column.unit if column else "s"
-    spread = f" ± {at_the_edge(name, sd):.2g}" if sd > 0 else ""
-    return f"{at_the_edge(name, value):.4g}{spread} {unit}"
+    unit = unit_of(column, system) if column else "s"
+    scale = units.unit(column.quantity if column else "time", unit)
+    spread = f" ± {scale.difference_from_si(sd):.2g}" if sd > 0 else ""
+    return f"{scale.from_si(value):.4g}{spread} {spelled(unit)}"

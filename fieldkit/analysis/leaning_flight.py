@@ -68,7 +68,7 @@ class LeaningFlight:
 
 
 def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> LeaningFlight | None:
-    """The leaning climb that an accelerometer makes and most of the heights agree with; None where there is none."""
+    """The leaning climb that an accelerometer makes and most of the heights agree with; None if there is none."""
     net = levelled(push, lift.time)
     end = lift.time + _COMPARED_PART * (seen.top - lift.time)
     inside = (track.time > lift.time) & (track.time < end)

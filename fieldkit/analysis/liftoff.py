@@ -11,7 +11,7 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
-    """Lift-off by the accelerometer where it saw it, else by the rise from the pad; None where neither did."""
+    """Lift-off by the accelerometer if it saw it, else by the rise from the pad; None if neither did."""
     return (_by_push(push, seen) if push else None) or _by_rise(track, seen)
 
 
@@ -53,7 +53,7 @@ def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: flo
 def _by_rise(track: Heights, seen: Outline) -> Event | None:
     """The corner where a flat pad turns into a rise with acceleration and jerk, by least squares over the corner.
 
-    A log that begins in the boost, but low, is followed back to the pad's level where the logger knows it.
+    A log that begins in the boost, but low, is followed back to the pad's level if the logger knows it.
     """
     known = seen.lift is not None
     if not known and not track.zeroed:
@@ -90,7 +90,7 @@ def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:
 
 
 def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool) -> float:
-    """Sum of squares about the best rise from a corner; `level` where the pad's height is free too. [m^2]"""
+    """Sum of squares about the best rise from a corner; `level` if the pad's height is free too. [m^2]"""
     after = np.maximum(time - corner, 0)
     columns = [after**2 / 2, after**3 / 6, *([np.ones_like(time)] if level else [])]
     design = np.stack(columns, axis=1)

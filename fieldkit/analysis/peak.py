@@ -87,7 +87,7 @@ def _smoothed_peak(
 ) -> Figure:
     """The peak by heights alone: that of the curve, and what motors have beyond it in a window as long as it resolves.
 
-    Where an accelerometer was at the end of its range, `hidden`, the mean there [m/s^2] and how long it was [s] are
+    If an accelerometer was at the end of its range, `hidden`, the mean there [m/s^2] and how long it was [s] are
     known, `filled`.
     Disturbed pressure at high speed makes peaks that no motor has: if the curve's peak is further from what motors
     have for such a mean than the uncertainty of both, only the mean is used.

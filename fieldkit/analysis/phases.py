@@ -29,7 +29,7 @@ LONGEST_CLIMB = 120.0
 class Outline:
     """Times on the log's clock [s], and heights as it has them [m].
 
-    `lift` is None where the log begins in flight, `down` (the top was passed) False where it ends before apogee.
+    `lift` is None if the log begins in flight, `down` (the top was passed) False if it ends before apogee.
     `pad` and `pad_sd` are the level before lift-off; `fastest` is when the climb was fastest.
     """
 
@@ -49,7 +49,7 @@ class Outline:
 
 
 def outline(track: Heights) -> Outline | None:
-    """The flight in a height channel, or None where nothing rises as a rocket does."""
+    """The flight in a height channel, or None if nothing rises as a rocket does."""
     time, height = track.time, track.height
     step = median_step(time)
     calm = running_median(height, int(np.clip(1.0 / step, 3, 201)) | 1)
@@ -96,10 +96,10 @@ def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Fl
 def _lift(
     time: Float[Array, "_"], climb: Float[Array, "_"], speed: Float[Array, "_"], fastest: int, least: float
 ) -> int | None:
-    """The last sample before the climb that is not part of it; None where the log begins in the climb.
+    """The last sample before the climb that is not part of it; None if the log begins in the climb.
 
     Near the speed of sound the air around a rocket can make it seem to stand still or to fall for a while; so a
-    sample counts as quiet only where nothing rose in the ten seconds before.
+    sample counts as quiet only if nothing rose in the ten seconds before.
     """
     earlier = climb[np.searchsorted(time, time - 10)]
     quiet = (speed < max(0.06 * speed[fastest], 1.0)) & (climb - earlier < least)
@@ -110,7 +110,7 @@ def _lift(
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
 
-    A zero that drifts there goes on to drift, and is off by that at the top. Without such samples, or where they rise
+    A zero that drifts there goes on to drift, and is off by that at the top. Without such samples, or if they rise
     already, it is what the logger took for zero, or for a height that counts from elsewhere nothing: then its standard
     deviation is infinite.
     """
@@ -130,7 +130,7 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
 
 
 def _drift(track: Heights, lift: float) -> float:
-    """How fast the zero drifts in the minute before lift-off; 0 where it does not surely. [m/s]
+    """How fast the zero drifts in the minute before lift-off; 0 if it does not surely. [m/s]
 
     What is carried to the pad and set up there jumps and stands still; a drift goes one way all the time.
     """

@@ -1,7 +1,7 @@
 """Figures that no rocket can have: taken out, and named as not measured, with why.
 
 Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
-of a hobby rocket bears some accelerations. Where figures contradict each other all are out, for any may be wrong.
+of a hobby rocket bears some accelerations. If figures contradict each other all are out, for any may be wrong.
 """
 
 from collections.abc import Mapping
@@ -52,12 +52,12 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
         why = f"the average of {mean.value / GRAVITY:.3g} g would be above the peak of {peak.value / GRAVITY:.3g} g"
     strongest = max((one.value for one in (mean, peak) if one), default=0.0)
     if strongest > MAX_BOOST:
-        why = f"{strongest / GRAVITY:.0f} g is more than any airframe bears"
+        why = f"{strongest / GRAVITY:.0f} g is more than any airframe survives"
     if not why:
         return dict(figures), ()
     out = [name for name in BOOST if name in figures]
     names = ", ".join(_NAMES[name] for name in out)
-    return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}, for {why}",)
+    return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}; {why}",)
 
 
 def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
@@ -67,7 +67,7 @@ def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[
     if not unknown:
         return kept, ()
     names = ", ".join(_NAMES[name] for name in unknown)
-    return kept, (f"not measured: {names}, for the samples give no more than its order of magnitude",)
+    return kept, (f"not measured: {names}; the samples give only the order of magnitude",)
 
 
 def _is_unknown(figure: Figure) -> bool:
@@ -100,9 +100,9 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
 
 
 def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
-    """What was measured, less sure where the device itself states another apogee or top speed, and a note of that.
+    """What was measured, less sure if the device itself states another apogee or top speed, and a note of that.
 
-    Device and samples are two witnesses of one figure: where they differ by more than the samples' own error, and by
+    Device and samples are two witnesses of one figure: if they differ by more than the samples' own error, and by
     more than devices filter, either may be off by half of what they differ.
     """
     figures, notes = dict(recorded.figures), []

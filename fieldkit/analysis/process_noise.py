@@ -42,8 +42,8 @@ _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
 
 @dataclass(frozen=True, slots=True)
 class Marks:
-    """When a flight changes from one phase to the next [s]: lift-off, None where the log begins later; burnout; when a
-    parachute may first be out; and when a charge was felt, infinite where none was."""
+    """When a flight changes from one phase to the next [s]: lift-off, None if the log begins later; burnout; when a
+    parachute may first be out; and when a charge was felt, infinite if none was."""
 
     lift: float | None
     burnout: float
@@ -57,7 +57,7 @@ class Samples:
 
     The first `own` samples are the heights of the log's main source; those after them are satellite data, heights and
     speeds by their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights
-    are late by a `lag` [s]. `hidden` is the extra process noise of the acceleration where an accelerometer was
+    are late by a `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was
     saturated. [m^2/s^5]
     """
 
@@ -166,7 +166,7 @@ class FittedCurve:
 def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
     """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
 
-    `fused` where an accelerometer gave the guess its shape.
+    `fused` if an accelerometer gave the guess its shape.
     """
     model = _model(samples, guess, fused, marks)
     settings, weight = model.centre, np.ones(samples.time.size)

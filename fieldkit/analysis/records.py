@@ -51,8 +51,8 @@ class Forces:
 
     `push` is thrust less drag over mass [m/s^2], that is acceleration with gravity taken out: what an axial
     accelerometer feels. While the rocket coasts it is drag alone, and `drag_area` is Cd·A over mass [m^2/kg], by
-    the density of the standard atmosphere at that height; nan while burning and where the rocket is too slow to say.
-    `window` is how long the push of an axial accelerometer was averaged [s]; None where smoothed heights were made
+    the density of the standard atmosphere at that height; nan while burning and if the rocket is too slow to say.
+    `window` is how long the push of an axial accelerometer was averaged [s]; None if smoothed heights were made
     into it.
     """
 
@@ -109,7 +109,7 @@ class Recorded:
     track: HeightTrack | None = None
 
     def height_at(self, time: float) -> float | None:
-        """The height above the pad at a time on the log's clock, by the smoothed ascent where it has that. [m]"""
+        """The height above the pad at a time on the log's clock, by the smoothed ascent if it has that. [m]"""
         for path in (self.climb, self.track):
             if path is not None and path.time[0] <= time <= path.time[-1]:
                 return float(np.interp(time, path.time, path.height))

@@ -25,7 +25,7 @@ SOURCE = CHANNEL_TITLES["gps_altitude_msl"]
 _QUIET = 0.75
 """Part of the speed of sound up to which a barometer is believed beside satellites. [1]"""
 _MAX_HOLE = 1.5
-"""Nor is it where its samples are further apart. [s]"""
+"""Nor is it if its samples are further apart. [s]"""
 _PRIOR = (0.06, 5.0, 0.04)
 """Standard deviations of a scale, for a day's temperature [1], of a zero [m], and of a pressure in the airframe. [1]"""
 _DELAY, _DELAYS = 0.4, np.arange(-0.2, 1.51, 0.05).tolist()
@@ -53,7 +53,7 @@ _PAD_TIME = 30.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Receiver:
-    """The channels of a receiver: times [s], heights [m] and speeds, nan where it has none [m/s]."""
+    """The channels of a receiver: times [s], heights [m] and speeds, nan if it has none [m/s]."""
 
     time: Float[Array, "sample"]
     height: Float[Array, "sample"]
@@ -112,7 +112,7 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
 
 
 def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, float]:
-    """The part of the dynamic pressure by which that in the airframe is off, 0 where the delay may as well explain what
+    """The part of the dynamic pressure by which that in the airframe is off, 0 if the delay may as well explain what
     is seen [1], and the standard deviation of the delay. [s]"""
     fitted = [(delay, one) for delay, one in zip(_DELAYS, every, strict=True) if np.isfinite(one.cost)]
     costs = np.array([one.cost for _, one in fitted])
@@ -127,7 +127,7 @@ def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, fl
 
 
 def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
-    """The receiver of a log; None where it has none, or one that was hardly heard."""
+    """The receiver of a log; None if it has none, or one that was hardly heard."""
     for series in clocks:
         height = series.gps_altitude_msl
         if height is None:
@@ -204,7 +204,7 @@ def _apart(left: Float[Array, "sample"]) -> float:
 
 
 def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:
-    """The variance of the receiver's own vertical speeds; None where it has none, or none of this flight. [m^2/s^2]"""
+    """The variance of the receiver's own vertical speeds; None if it has none, or none of this flight. [m^2/s^2]"""
     both = found.quiet & np.isfinite(receiver.speed)
     if both.sum() < MIN_SAMPLES:
         return None

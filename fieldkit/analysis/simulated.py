@@ -23,7 +23,7 @@ _MOVING = 0.3
 def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded:
     """Events and figures of a simulated flight; `stated` are the events that the program wrote. [s]
 
-    Where it wrote none, lift-off is when it begins to move, burnout the end of its thrust, or else top speed.
+    If it wrote none, lift-off is when it begins to move, burnout the end of its thrust, or else top speed.
     """
     series = next((one for one in clocks if one.altitude is not None), None)
     if series is None or series.altitude is None:
@@ -47,7 +47,7 @@ def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded
 
 
 def _channel(series: Series, name: str, there: Flags) -> Array | None:
-    """A channel of the simulation without gaps, or None where it has none."""
+    """A channel of the simulation without gaps, or None if it has none."""
     values = getattr(series, name)
     if values is None or np.isfinite(values[there]).sum() < MIN_SAMPLES:
         return None

@@ -142,7 +142,7 @@ def fit(
     precision: Float[Array, "time"],
     process_noise: Float[Array, "interval"],
 ) -> CurvePosterior:
-    """The posterior of the curve. Raises LinAlgError where samples are so wild that there is none.
+    """The posterior of the curve. Raises LinAlgError if samples are so wild that there is none.
 
     `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `process_noise` the
     variance that acceleration gains in a second, for each interval [m^2/s^5].

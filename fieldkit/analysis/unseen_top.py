@@ -1,7 +1,7 @@
 """An apogee that no sample saw: a radio lost its rocket, or a logger its power, about the top.
 
 The last samples before the silence say how high and how fast the rocket was. From there it coasted: without drag it
-would have risen by v²/2g more, with the drag that slowed it then by less, and where a charge went early by less still.
+would have risen by v²/2g more, with the drag that slowed it then by less, and if a charge went early by less still.
 So the apogee lies between the highest sample and that bound.
 """
 
@@ -26,7 +26,7 @@ _DRAG_WINDOW = 1.0
 
 
 def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
-    """From when to when no height was taken about the top of a climb, None where it was seen. [s]"""
+    """From when to when no height was taken about the top of a climb, None if it was seen. [s]"""
     steps = np.diff(track.time)
     after = np.flatnonzero(track.time[:-1] > seen.fastest)
     if not after.size:
@@ -46,7 +46,7 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
 def unseen_apogee(
     track: Heights, seen: Outline, ascent: Ascent, hole: tuple[float, float]
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
-    """Apogee in a silence, and the heights that it lies between [m]; None where the rocket was at its top before.
+    """Apogee in a silence, and the heights that it lies between [m]; None if the rocket was at its top before.
 
     The figure is the coast with the drag that slowed the rocket last; its standard deviation spans from there to
     either bound.

@@ -21,7 +21,7 @@ _WINDOW, _LEAST_STEP = 1.5, 0.05
 class FlightCurve:
     """Heights above the pad [m], vertical speeds [m/s] and net accelerations [m/s^2], and the events by name [s].
 
-    Times count from lift-off, or from the beginning of the log where `from_liftoff` is False. [s]
+    Times count from lift-off, or from the beginning of the log if `from_liftoff` is False. [s]
     """
 
     time: Float[Array, "time"]
@@ -39,7 +39,7 @@ class FlightCurve:
 
 
 def flight_curve(recorded: Recorded) -> FlightCurve | None:
-    """The whole flight in a log; None where it has no heights.
+    """The whole flight in a log; None if it has no heights.
 
     The climb is as it was fitted; what comes after it, slopes of the heights.
     """

@@ -37,7 +37,7 @@ MICROPEAK_ADAPTER = (0x0403, 0x6015)
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A serial port: its name, its numbers where it has any, and what they say."""
+    """A serial port: its name, its numbers if it has any, and what they say."""
 
     name: str
     vendor: int | None = None

@@ -114,6 +114,6 @@ def logs_in(file: Path) -> list[Log]:
 
 
 def _overheard(raw: bytes) -> Protocol | None:
-    """The one protocol that bytes can be from, where the journal does not say it."""
+    """The one protocol that bytes can be from, if the journal does not say it."""
     fitting = [one for one in known_devices().values() if one.recognizes_stream(raw)]
     return fitting[0] if len(fitting) == 1 else None

@@ -18,7 +18,7 @@ from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 RECOGNITION_BYTES = 16_384
 """How much of the end of the received data is searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
-"""Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
+"""Speeds at which units talk unasked, tried in turn if one makes no sense. [baud]"""
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 
@@ -201,7 +201,7 @@ def _reopened(
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
-    yield Instruction("listening for a unit that sends by itself; name one that must be asked with --device")
+    yield Instruction("listening for a unit that sends unprompted; if yours must be asked, name it with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
     heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0

@@ -78,7 +78,7 @@ class Tape:
             self._journal.close()
 
     def discard_if_empty(self) -> None:
-        """Close, and leave nothing behind where nothing ever came."""
+        """Close, and leave nothing behind if nothing ever came."""
         self.close()
         if not self.size:
             self.file.unlink(missing_ok=True)

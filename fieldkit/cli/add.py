@@ -1,12 +1,13 @@
 """`fieldkit add`: a flight typed in, by answering questions or all at once in options."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, say_wrapped
+from fieldkit.cli.screen import complain, print_card, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
@@ -53,9 +54,10 @@ def _from_options(changes: dict[str, str]) -> "Flight":
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Say what looks mistyped; the flight is taken as it is."""
     from fieldkit.flight.plausibility import doubts
+    from fieldkit.quantities import significant
     from fieldkit.services.manual_entry import usual
 
-    for phrase in doubts(flight, usual(ledger, flight)):
+    for phrase in doubts(flight, usual(ledger, flight), partial(significant, system=system())):
         complain(f"note: {phrase}")
 
 
@@ -84,7 +86,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
 
 
 def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
-    """Go on with a draft where the flyer wants to; a script that says nothing leaves it where it is."""
+    """Go on with a draft if the flyer wants to; a script that says nothing leaves it where it is."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)

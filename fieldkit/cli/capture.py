@@ -34,16 +34,14 @@ def capture(
     flight: Annotated[list[int] | None, typer.Option(help="Read only this flight, as listed; can be repeated.")] = None,
     live: Annotated[bool, typer.Option("--live", help="Record telemetry instead of reading the memory.")] = False,
     frequency: Annotated[float | None, typer.Option(metavar="MHZ", help="Frequency to tune a TeleDongle to.")] = None,
-    baud: Annotated[int | None, typer.Option(help="Speed of the port, if the unit is not set to its default.")] = None,
+    baud: Annotated[int | None, typer.Option(help="Baud rate, if not the unit's default.")] = None,
     wait: Annotated[float | None, typer.Option(metavar="SECONDS", help="How long to wait for the first byte.")] = None,
-    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="How long a silence ends a stream.")] = None,
+    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="Silence that ends a stream.")] = None,
     seconds: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop after this time.")] = None,
     reconnect: Annotated[float, typer.Option(metavar="SECONDS", help="How long to wait for a lost unit.")] = 20.0,
     import_: Annotated[
         bool | None,
-        typer.Option(
-            "--import/--no-import", help="Import into the ledger, or do not, without asking.", show_default=False
-        ),
+        typer.Option("--import/--no-import", help="Import or do not import, without asking.", show_default=False),
     ] = None,
     given: Annotated[
         list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the logs lack: rocket=Astra.")
@@ -186,7 +184,7 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 
 
 def _tell(end: "Ended") -> None:
-    """Say how a capture ended and, where something is missing, how to go on."""
+    """Say how a capture ended and, if something is missing, how to go on."""
     kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
@@ -196,7 +194,7 @@ def _tell(end: "Ended") -> None:
 def _received(
     context: typer.Context, end: "Ended", wanted: bool | None, defaults: dict[str, object], json: bool
 ) -> "Receipt | None":
-    """Import a capture, where that is wanted; a damaged log stays in the capture, which the message names."""
+    """Import a capture, if that is wanted; a damaged log stays in the capture, which the message names."""
     from fieldkit.services.imports import bring_in
 
     if wanted is None and end.whole and sys.stdin.isatty() and not json:

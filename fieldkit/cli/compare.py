@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
@@ -51,31 +51,33 @@ def compare(
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     """A table of figures, a column per recording, with their differences."""
     from fieldkit.analysis.labels import TITLES, spoken
+    from fieldkit.quantities import ShownUnits
 
+    chosen = system()
     headers = ["", *(recording.name for recording in found), *("difference" for _ in compared)]
     rows = []
     for name, title in TITLES.items():
         figures = [recording.recorded.figures.get(name) for recording in found]
         if any(figures):
             apart = [comparison.differences.get(name) for comparison in compared]
-            cells = [spoken(name, figure.value, figure.sd) if figure else "" for figure in figures]
-            rows.append((title, *cells, *(_apart(name, one.value, one.apart) if one else "" for one in apart)))
+            cells = [spoken(name, figure.value, figure.sd, chosen) if figure else "" for figure in figures]
+            rows.append((title, *cells, *(_apart(name, one.value, one.apart, chosen) if one else "" for one in apart)))
     print_table(headers, rows)
     for recording, comparison in zip(found[1:], compared, strict=True):
         if comparison.rms is not None and comparison.shift is not None:
             say(
-                f"{recording.name}: heights differ by {comparison.rms:.3g} m rms "
-                f"over {comparison.seconds:.3g} s of ascent, after shifting its clock by {comparison.shift:.2f} s"
+                f"{recording.name}: heights differ by {ShownUnits(chosen).length(comparison.rms, 1)} (RMS) over "
+                f"{comparison.seconds:.1f} s of ascent, after shifting its clock by {comparison.shift:.2f} s"
             )
         else:
             say(f"{recording.name}: no samples to compare with those of {found[0].name}")
 
 
-def _apart(name: str, value: float, apart: float | None) -> str:
+def _apart(name: str, value: float, apart: float | None, system: str) -> str:
     from fieldkit.analysis.labels import spoken
 
     sign = "+" if value >= 0 else ""
-    return sign + spoken(name, value, 0.0) + (f", {abs(apart):.1f} sd" if apart is not None else "")
+    return sign + spoken(name, value, 0.0, system) + (f", {abs(apart):.1f} sd" if apart is not None else "")
 
 
 def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[str, object]:

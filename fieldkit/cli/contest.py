@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule, system
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
@@ -39,7 +39,13 @@ def finals(
     from fieldkit import files
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.finals import finals_table, finals_targets, trials
-    from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS, finals_basis, finals_heading, finals_rows
+    from fieldkit.presentation.finals_text import (
+        FINALS_NOTES,
+        finals_basis,
+        finals_headers,
+        finals_heading,
+        finals_rows,
+    )
     from fieldkit.units import FOOT, parse
 
     rule = season_rule(season).announced(None, read_window(window) if window else None)
@@ -56,10 +62,11 @@ def finals(
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
         table, lines = finals_table(flown, rule, finals_targets(rule)), plan.safety(flown.forecast)
-    heading, rows = list(finals_heading(plan.flight, found, rule, system())), finals_rows(table, found)
+    chosen = system()
+    heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
     notes = [*finals_basis(flown), rule.caveat]
     if card is not None:
-        files.write(card, finals_card(heading, rows, card.suffix.lower(), notes), force=force)
+        files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
         complain(f"{card}: the card")
     if json:
         document = {"season": season, "motor": found.motor.designation, "finals": table_of(table, found)}
@@ -68,7 +75,8 @@ def finals(
         return
     for line in heading:
         say_wrapped(line)
-    print_table(HEADERS, rows, numbers=HEADERS)
+    headers = finals_headers(chosen)
+    print_table(headers, rows, numbers=headers)
     for line in (*FINALS_NOTES, *notes):
         say_wrapped(line)
     print_safety(flown.forecast.plan, lines, plan.rocket.starts)

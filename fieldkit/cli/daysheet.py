@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import Given, PlanContext, field_of, own_limits, planned_table, planning, system
-from fieldkit.cli.screen import complain, progress
+from fieldkit.cli.planning import Given, PlanContext, field_of, own_limits, planned_table, planning
+from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import Force, settled
 from fieldkit.quantities import counted
@@ -26,7 +26,7 @@ def daysheet(
     context: typer.Context,
     out: Annotated[Path, typer.Option(metavar="FILE", help="File to write: .pdf, .png, .svg.", show_default=False)],
     flights: Annotated[
-        Path | None, typer.Option(help="Table of planned flights; without it the one plan that is given.")
+        Path | None, typer.Option(help="Table of planned flights; default: the one plan given here.")
     ] = None,
     title: Annotated[str, typer.Option(help="Heading of the sheet.")] = "",
     force: Force = False,
@@ -57,7 +57,7 @@ app.command()(daysheet)
 
 @contextmanager
 def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> Iterator[list[PlanContext]]:
-    """The plans of a table, each for its rocket, with the conditions, site, and descent that are given where a row says
+    """The plans of a table, each for its rocket, with the conditions, site, and descent that are given if a row says
     nothing; without a table the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
     from fieldkit.errors import BadValue
     from fieldkit.services.planning import rocket_of

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrapped
+from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
 from fieldkit.cli.studies import HOW, studies_are_here
 from fieldkit.progress import ReportProgress, part
-from fieldkit.units import FOOT
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from fieldkit.services.demo import Demo
@@ -66,8 +66,8 @@ def _import(found: "Demo") -> None:
 
 def _infer(found: "Demo") -> None:
     say_wrapped(
-        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone hardly "
-        "separates them: hence the wide ±, which the reference paper's network (last two columns) lacks.",
+        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone barely separates "
+        "the two, hence the wide ±; the reference paper's network (last two columns) has none.",
         "   ",
     )
     say()
@@ -76,7 +76,7 @@ def _infer(found: "Demo") -> None:
         (
             f"{one.flight.flight_id} {one.flight.config}",
             one.flight.motor,
-            f"{one.flight.apogee:.1f} m",
+            measured("apogee", one.flight.apogee),
             f"{one.cd:.2f} ± {one.cd_sd:.2f}",
             f"{one.alpha:.2f} ± {one.alpha_sd:.2f}",
             ", ".join(one.flight.tags),
@@ -92,8 +92,8 @@ def _infer(found: "Demo") -> None:
 def _predict(found: "Demo") -> None:
     say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean flights with certified thrust")
     say()
-    headers = ("motor", "config", "apogee", "", "90 % interval", "ejection")
-    rows = []
+    headers = ("motor", "config", "apogee", "90 % interval", "ejection")
+    shown, rows = ShownUnits(system()), []
     for one in found.predictions:
         p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())
         eject = one.median_eject
@@ -101,15 +101,14 @@ def _predict(found: "Demo") -> None:
             (
                 one.plan.motor,
                 one.plan.config,
-                f"{p50:.0f} m",
-                f"{p50 / FOOT:.0f} ft",
-                f"{p05:.0f} to {p95:.0f} m",
+                shown.length(p50),
+                shown.lengths(p05, p95),
                 "delay unknown"
                 if eject is None
                 else f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee",
             )
         )
-    print_table(headers, rows, numbers=headers[2:5])
+    print_table(headers, rows, numbers=headers[2:4])
     say()
 
 
@@ -118,12 +117,12 @@ def _loop(found: "Demo") -> None:
 
     say("4. The loop: what the model gets wrong, and what may be missing from it")
     say()
-    say_report(report(found.loop))
+    say_report(report(found.loop, system()))
     say()
 
 
 def _paper(on_progress: ReportProgress) -> "PaperReport | None":
-    """The reference paper put to the test, where the studies are here."""
+    """The reference paper put to the test, if the studies are here."""
     if not studies_are_here():
         return None
     from studies.paper.report import report
@@ -140,7 +139,7 @@ def _profile(paper: "PaperReport | None") -> None:
         say()
         return
     profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]
-    count = paper.reconstruction["n"]
+    count, shown = paper.reconstruction["n"], ShownUnits(system())
     headers = ("motor", "certified", "profile delivers", "excess")
     rows = [
         (
@@ -155,16 +154,16 @@ def _profile(paper: "PaperReport | None") -> None:
     say()
     below = profile["below_lowest_apogee_of_prior"]
     say_wrapped(
-        f"   Apogees simulated with it are biased by {bias['published']:+.1f} m over the {count} clean flights, "
-        f"and {bias['certified']:+.1f} m with certified curves; {below['published']} of the {count} lie below the "
-        f"lowest apogee that its prior allows, {below['certified']} with certified curves."
+        f"   Apogees simulated with it are biased by {shown.difference(bias['published'])} over the {count} clean "
+        f"flights, and {shown.difference(bias['certified'])} with certified curves; {below['published']} of the "
+        f"{count} lie below the lowest apogee that its prior allows, {below['certified']} with certified curves."
     )
     say()
     missed = {rule["rule"]: rule for rule in paper.rules}
     before, after = missed["published_carried_over"], missed["hierarchical_certified"]
+    was, now = (f"{shown.length(one['mae_m'], 1)} (bias {shown.difference(one['bias_m'])})" for one in (before, after))
     say_wrapped(
-        f"   Each clean flight forecast from the others (leave-one-out): mean error {before['mae_m']:.1f} m (bias "
-        f"{before['bias_m']:+.1f} m) with the published profile and parameters, {after['mae_m']:.1f} m (bias "
-        f"{after['bias_m']:+.1f} m) with certified curves. `fieldkit paper` has the rest."
+        f"   Each clean flight forecast from the others (leave-one-out): mean error {was} with the published profile "
+        f"and parameters, {now} with certified curves. `fieldkit paper` has the rest."
     )
     say()

@@ -13,10 +13,9 @@ from fieldkit.cli.planning import (
     planned_table,
     print_safety,
     safety_of,
-    system,
     way_down,
 )
-from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
+from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
         print_json({"predictions": [forecast_document(one) for one in found]})
         return
     for one in found:
-        say(forecast_line(one))
+        say(forecast_line(one, system()))
 
 
 def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":
@@ -122,7 +121,7 @@ def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
     for line in prediction.left_out:
         if line not in said:
             complain(line)
-    for line in in_words(prediction):
+    for line in in_words(prediction, system()):
         say(line)
 
 
@@ -137,9 +136,9 @@ def _print_table(predictions: "list[Prediction]") -> None:
                 one.plan.flight_id,
                 one.plan.config,
                 one.plan.motor,
-                in_both_units("apogee", float(p50)),
-                f"{p05:.0f}",
-                f"{p95:.0f}",
+                measured("apogee", float(p50)),
+                measured("apogee", float(p05)),
+                measured("apogee", float(p95)),
                 "" if eject is None else f"{eject:+.1f} s",
                 one.model,
             )

@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, season_rule, system
-from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
+from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, season_rule
+from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from fieldkit.planning.motor_advice import MotorAdvice
@@ -134,7 +135,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
 
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
-    say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
+    say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     say(f"{len(choices)} of {of} motors of {(wanted.mount or 0.0) * 1e3:g} mm fit: safe and sensible for it")
     say_wrapped(f"based on {rests_in_words(said)}")
     print_conditions(said.plan, plan.rocket.starts)
@@ -171,7 +172,7 @@ def _unknown(choice: "MotorChoice", name: str) -> bool:
 
 
 def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
-    """The designation, and the maker where another has one of the same name."""
+    """The designation, and the maker if another has one of the same name."""
     motor = choice.motor
     alone = sum(one.motor.designation == motor.designation for one in choices) == 1
     return motor.designation if alone else f"{motor.designation} {motor.maker}"
@@ -186,6 +187,7 @@ def _ejections(choice: "MotorChoice", most: int) -> str:
 def _table(choices: "list[MotorChoice]", most: int) -> None:
     from fieldkit.planning.quantiles import three
 
+    shown = ShownUnits(system())
     headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")
     rows = []
     for choice in choices:
@@ -195,19 +197,20 @@ def _table(choices: "list[MotorChoice]", most: int) -> None:
         rows.append(
             (
                 f"{_name(choice, choices)}{'' if choice.flown else ' *'}",
-                f"{middle:.0f}",
-                f"{low:.0f}-{high:.0f}",
-                f"{three(said.true_apogee)[1]:.0f}",
-                f"{three(said.rail_speed)[1]:.0f}",
+                shown.length(middle).split()[0],
+                "-".join(shown.length(end).split()[0] for end in (low, high)),
+                shown.length(three(said.true_apogee)[1]).split()[0],
+                shown.speed(three(said.rail_speed)[1], 0).split()[0],
                 f"{choice.first_thrust:.1f}",
                 f"{choice.average_thrust:.1f}",
-                f"{three(said.top_speed)[1]:.0f}",
+                shown.speed(three(said.top_speed)[1], 0).split()[0],
                 str(failed or ""),
                 _ejections(choice, most),
             )
         )
     print_table(headers, rows, numbers=headers[1:9])
     say_wrapped(
-        "*: not flown by this rocket. shown: apogee on the altimeter [m], true: true apogee [m]. rail, top: [m/s]. "
+        f"*: not flown by this rocket. shown: apogee on the altimeter, true: true apogee [{shown.length_unit}]. "
+        f"rail, top: speed off the rail and top speed [{shown.speed(0.0).split()[1]}]. "
         "T/W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks."
     )

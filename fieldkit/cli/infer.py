@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids
-from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress
+from fieldkit.cli.screen import complain, measured, print_json, print_table, progress
 from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
@@ -50,7 +50,7 @@ def infer(
         (
             id,
             one.flight.motor,
-            in_both_units("apogee", one.flight.apogee),
+            measured("apogee", one.flight.apogee),
             f"{one.cd:.3f}",
             f"{one.cd_sd:.3f}",
             f"{one.alpha:.3f}",

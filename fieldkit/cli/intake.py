@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped
+from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
 from fieldkit.quantities import counted
@@ -61,8 +61,8 @@ def inspect(
 ) -> None:
     """Show what logs and flight tables contain, without storing anything.
 
-    The format and why it was taken, the columns and their units, the readouts with how sure they are and which sensor
-    they rest on beside what the device states, the events, and what an import would store.
+    The format and why it was recognized, the columns and their units, the readouts with their standard deviations,
+    their sensors and the device's own values, the events, and what an import would store.
     """
     from fieldkit.presentation.import_view import document, lines
 
@@ -75,7 +75,7 @@ def inspect(
     for place, one in enumerate(gathered.files):
         if place:
             say()
-        for line in lines(one):
+        for line in lines(one, system()):
             say(line)
     _fail_for(gathered.unusable)
 
@@ -138,7 +138,7 @@ def import_(
 
 
 def _fail_for(unusable: int) -> None:
-    """End with status 1 where a file could not be used at all; it was named, and the others were taken."""
+    """End with status 1 if a file could not be used at all; it was named, and the others were taken."""
     if unusable:
         raise typer.Exit(1)
 
@@ -176,7 +176,7 @@ def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
     joined = f"{len(receipt.joined)} added to existing flights, " if receipt.joined else ""
     say(f"{done} {len(receipt.ids)}, {joined}{counts}")
     for one in receipt.files[:FILES]:
-        say_wrapped(in_a_line(one), "  ")
+        say_wrapped(in_a_line(one, system()), "  ")
     if len(receipt.files) > FILES:
         say(f"and {len(receipt.files) - FILES} more files; --json lists them all")
     for line in forecasts[:MAX_COMPARED_FLIGHTS]:
@@ -196,7 +196,7 @@ def _forecast_lines(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
     flights = ledger.flights(ids=ids)
     for id, flight in zip(ledger.ids(flights), flights, strict=True):
         if one := said.get((flight.rocket, flight.flight_id)):
-            yield f"{id}: {'; '.join(in_words(one))}"
+            yield f"{id}: {'; '.join(in_words(one, system()))}"
 
 
 @app.command()

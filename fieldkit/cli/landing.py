@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan, system
-from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.planning import about_plan, planning, print_plan
+from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
 

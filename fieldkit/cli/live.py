@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from fieldkit.cli.screen import complain, in_both_units
+from fieldkit.cli.screen import complain, measured, system
+from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
@@ -96,8 +97,8 @@ class View:
         received = [*counts(progress), *([f"{progress.share:.0%}"] if progress.share is not None else [])]
         lines = [f"{self.device or 'listening'} on {self.port}   {', '.join(received)}"]
         if progress.sample is not None:
-            altitude = in_both_units("apogee", progress.sample.altitude)
-            lines.append(f"altitude {altitude}   highest {in_both_units('apogee', self.highest)}")
+            altitude = measured("apogee", progress.sample.altitude)
+            lines.append(f"altitude {altitude}   highest {measured('apogee', self.highest)}")
             lines.append(flight_line(progress.sample, time.monotonic() - self.heard))
             lines.append(sparkline(self.heights))
         return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
@@ -109,8 +110,12 @@ def printable_lines(lines: list[str]) -> str:
 
 
 def flight_line(sample: "Sample", age: float) -> str:
-    """What else the stream says of the flight, and how old it is where that is long. [s]"""
-    parts = [f"{sample.speed:+.1f} m/s"] if sample.speed is not None else []
+    """What else the stream says of the flight, and how old it is if that is long. [s]"""
+    parts = (
+        [f"{'+' if sample.speed >= 0 else ''}{ShownUnits(system()).speed(sample.speed)}"]
+        if sample.speed is not None
+        else []
+    )
     parts += [sample.state] if sample.state else []
     parts += [f"received {age:.0f} s ago"] if age > STALE_ALTITUDE_AGE else []
     return "   ".join(parts)

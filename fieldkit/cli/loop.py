@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, print_table, say_report
+from fieldkit.cli.screen import complain, print_json, print_table, say_report, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
 
@@ -71,7 +71,7 @@ def loop(
     if json:
         print_json(loop_document(found))
         return
-    say_report(report(found))
+    say_report(report(found, system()))
 
 
 def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, object], json: bool) -> None:
@@ -88,7 +88,7 @@ def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, 
     if json:
         print_json(quick_document(found))
         return
-    say_report(quick_lines(found))
+    say_report(quick_lines(found, system()))
 
 
 @app.command()
@@ -100,6 +100,7 @@ def model(
     use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is the plain model.")] = None,
 ) -> None:
     """List the model versions of a rocket, or switch to one."""
+    from fieldkit.quantities import ShownUnits
     from fieldkit.services.forecasts import version_adds, which_rocket
 
     with open_ledger(context) as ledger:
@@ -107,16 +108,17 @@ def model(
         if use is not None:
             ledger.activate(name, use or None)
         versions = ledger.versions(name)
+    shown = ShownUnits(system())
     rows = [("0", "", "plain", "", "in use" if not any(v.active for v in versions) else "")]
     for version in versions:
         payload = version.payload
-        errors = f"{payload['before']['mae_m']:.1f} -> {payload['after']['mae_m']:.1f} m"
+        before, after = (shown.length(payload[when]["mae_m"], 1) for when in ("before", "after"))
         rows.append(
             (
                 str(version.number),
                 f"{version.at:%Y-%m-%d}",
                 version_adds(payload),
-                errors,
+                f"{before.split()[0]} -> {after}",
                 "in use" if version.active else "",
             )
         )

@@ -124,7 +124,7 @@ def options(
         ),
     ] = False,
 ) -> None:
-    """From the altimeter's readouts to the next apogee. Without a command, opens the app."""
+    """Forecast your rocket's next apogee from its altimeter readouts. Without a command, open the app."""
     context.obj = ledger
     if context.invoked_subcommand is None:
         if not (sys.stdin.isatty() and sys.stdout.isatty()):

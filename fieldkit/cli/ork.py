@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, in_both_units, print_json, say, say_wrapped
+from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
@@ -52,13 +52,15 @@ def ork(
 
 
 def _lines(start: "Start", design: "Design") -> list[str]:
+    from fieldkit.quantities import written
+
     lines = []
     if start.dry_mass is not None:
-        lines.append(f"  dry mass  {in_both_units('dry_mass', start.dry_mass)}, by {design.mass_by}")
+        lines.append(f"  dry mass  {measured('dry_mass', start.dry_mass)}, by {design.mass_by}")
     if start.diameter is not None:
-        lines.append(f"  diameter  {in_both_units('diameter', start.diameter)}")
+        lines.append(f"  diameter  {measured('diameter', start.diameter)}")
     if start.length is not None:
-        lines.append(f"  length    {start.length * 1e3:.0f} mm ({start.length / 0.0254:.1f} in)")
+        lines.append(f"  length    {written(start.length, 'mm', system())}")
     lines.append(f"  Cd        {start.cd:.2f}, by {design.cd_by}" if start.cd else "  Cd        not in the file")
     motors = dict.fromkeys(
         " ".join(filter(None, (f"{one.count} ×" if one.count > 1 else "", one.maker, one.designation)))

@@ -5,8 +5,8 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule, system
-from fieldkit.cli.screen import complain, print_json
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
+from fieldkit.cli.screen import complain, print_json, system
 
 app = typer.Typer()
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fieldkit.cli.options import FIELD
-from fieldkit.cli.screen import progress, say, say_wrapped
+from fieldkit.cli.screen import progress, say, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ class PlanContext:
     site: "Site"
     limits: "dict[str, Limit]"
     mount: float | None = None
-    """Of the kit, where one was named. [m]"""
+    """Of the kit, if one was named. [m]"""
 
     def motor(self) -> "Found":
-        """The motor of the plan, that of the rocket's last flight where not said. Raises UnknownMotor."""
+        """The motor of the plan, that of the rocket's last flight if not said. Raises UnknownMotor."""
         from fieldkit.errors import UnknownMotor
 
         last = self.ledger.latest(self.flight.rocket)
@@ -91,7 +91,7 @@ NEW_ROCKET = "new rocket"
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan; one that nobody has flown where its mass or its kit is given. Raises NoFlights."""
+    """The rocket of a plan; one that nobody has flown if its mass or its kit is given. Raises NoFlights."""
     from fieldkit.errors import NoFlights
     from fieldkit.services.forecasts import which_rocket
 
@@ -113,7 +113,7 @@ def _kit(given: Given) -> "Kit | None":
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
-    """The flight that options describe; rocket, configuration, mass, rail and site are the last flown where not said.
+    """The flight that options describe; rocket, configuration, mass, rail and site are the last flown if not said.
 
     Raises BadValue.
     """
@@ -261,13 +261,6 @@ def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, 
         "safety": [line.json() for line in lines],
         "decides": ADVICE_NOTE,
     }
-
-
-def system() -> str:
-    """The flyer's system of units."""
-    from fieldkit.settings import read_settings
-
-    return read_settings().units
 
 
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:

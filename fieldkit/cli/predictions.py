@@ -4,12 +4,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
+    from fieldkit.quantities import ShownUnits
     from fieldkit.services.saved_forecasts import SavedForecast
 
 app = typer.Typer()
@@ -20,11 +21,12 @@ def predictions(
     context: typer.Context,
     rocket: Annotated[str | None, typer.Option(help="Predictions of this rocket only.", show_default=False)] = None,
     every: Annotated[
-        bool, typer.Option("--all", help="Include predictions that were replaced or that lapsed without a flight.")
+        bool, typer.Option("--all", help="Include predictions that were replaced or that expired without a flight.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List saved predictions: open, stale (with the reason), and flown."""
+    from fieldkit.quantities import ShownUnits
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
 
@@ -40,20 +42,22 @@ def predictions(
         complain(f"no predictions saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in found}
-    headers = ["no", "made", "flight", "motor", "apogee m", "90 %", "flown", "miss", ""]
-    rows = [_cells(one) for one in shown]
+    units = ShownUnits(system())
+    apogee = f"apogee {units.length_unit}"
+    headers = ["no", "made", "flight", "motor", apogee, "90 %", "flown", "miss", ""]
+    rows = [_cells(one, units) for one in shown]
     if len(rockets) > 1:
         headers.insert(2, "rocket")
         rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
-    print_table(headers, rows, numbers=["no", "apogee m", "90 %", "flown", "miss"])
+    print_table(headers, rows, numbers=["no", apogee, "90 %", "flown", "miss"])
     for one in shown:
         if one.stale:
             say_wrapped(f"  {one.made.number}: {'; '.join(one.changes)}", "   ")
     say(standing(found))
 
 
-def _cells(one: "SavedForecast") -> list[str]:
-    low, middle, high = one.interval
+def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
+    low, middle, high = (units.length(height).split()[0] for height in one.interval)
     payload = one.made.payload
     flight = one.flight.flight_id if one.flight else one.made.flight_id
     return [
@@ -61,10 +65,10 @@ def _cells(one: "SavedForecast") -> list[str]:
         f"{one.made.at.astimezone():%Y-%m-%d}",
         flight,
         str(payload.get("motor", "")),
-        f"{middle:.0f}",
-        f"{low:.0f}-{high:.0f}",
-        "" if one.flown is None else f"{one.flown:.1f}",
-        "" if one.miss is None else f"{one.miss:+.1f}",
+        middle,
+        f"{low}-{high}",
+        "" if one.flown is None else units.length(one.flown, 1).split()[0],
+        "" if one.miss is None else units.difference(one.miss).split()[0],
         "flown, stale" if one.stale and one.state == "flown" else one.state,
     ]
 
@@ -84,7 +88,7 @@ def print_prediction(said: "SavedForecast | None") -> None:
         return
     from fieldkit.services.saved_forecasts import in_words
 
-    first, *others = in_words(said)
+    first, *others = in_words(said, system())
     say_wrapped(f"Prediction  {first}", " " * 12)
     for line in others:
         say_wrapped(f"{'':12}{line}")

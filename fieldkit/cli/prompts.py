@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fieldkit.cli.screen import complain
+from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
@@ -102,7 +102,10 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
             complain(f"{question.title}: {error}")
             return False
         odd = implausible_answers(
-            conversation.flight, question.name, manual_entry.usual(conversation.ledger, conversation.flight)
+            conversation.flight,
+            question.name,
+            manual_entry.usual(conversation.ledger, conversation.flight),
+            system(),
         )
         for phrase in odd:
             complain(f"  unusual: {phrase}")

@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
+from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
@@ -50,14 +50,19 @@ def flights(
             complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
-            rows = ([_listed(one) for one in page] for page in chain([first], pages))
+            chosen = system()
+            rows = ([_listed(one, chosen) for one in page] for page in chain([first], pages))
             stream_table(headers, rows, numbers=["apogee"])
 
 
-def _listed(one: "FlightSummary") -> tuple[str, ...]:
-    """A flight as a row of the list."""
+def _listed(one: "FlightSummary", system: str) -> tuple[str, ...]:
+    """A flight as a row of the list, in the units of a system."""
+    from fieldkit.flight import BY_NAME
+    from fieldkit.quantities import measure
+
     day = one.day.isoformat() if one.day else ""
-    return one.id, day, one.rocket, one.config, one.motor, in_both_units("apogee", one.apogee), "; ".join(one.tags)
+    apogee = measure(BY_NAME["apogee"], one.apogee, system)
+    return one.id, day, one.rocket, one.config, one.motor, apogee, "; ".join(one.tags)
 
 
 @app.command()
@@ -123,7 +128,9 @@ def _print_events(recording: "Recording") -> None:
         print_table(("event", "on the log's clock", "by"), rows)
     if recorded.figures:
         say()
-        figures = [(TITLES[n], spoken(n, f.value, f.sd), f.source) for n in TITLES if (f := recorded.figures.get(n))]
+        figures = [
+            (TITLES[n], spoken(n, f.value, f.sd, system()), f.source) for n in TITLES if (f := recorded.figures.get(n))
+        ]
         print_table(("measured", "", "by"), figures)
     for note in recorded.notes:
         complain(f"note: {note}")

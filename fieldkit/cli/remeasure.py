@@ -79,8 +79,9 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
     """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash if there is none."""
     from fieldkit.analysis.labels import spoken
+    from fieldkit.cli.screen import system
 
-    return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0))
+    return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0), system())
 
 
 def _document(

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import ScoreReport
@@ -58,7 +59,7 @@ def score(
 
 
 def _print_scores(found: "LedgerScores") -> None:
-    """Saved forecasts, later flights and first flights, each where there are some, and what the next rests on."""
+    """Saved forecasts, later flights and first flights, each if there are some, and what the next rests on."""
     from fieldkit.presentation.score_text import next_lines, titles
 
     for report, title in titles(found):
@@ -82,7 +83,7 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     )
 
     print_table(WAYS, way_rows(found), numbers=WAYS[1:])
-    say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {found.crps:.1f} m")
+    say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
     say()
     print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
     say_wrapped("90 % bootstrap intervals in percent of the flown apogee; * excludes zero")

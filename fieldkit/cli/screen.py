@@ -4,7 +4,6 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache
 from typing import TYPE_CHECKING
 
 from fieldkit.progress import ReportProgress, no_op
@@ -12,7 +11,6 @@ from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.units import Unit
 
 
 def say(text: str = "") -> None:
@@ -74,11 +72,13 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 
 
 def print_card(flight: "Flight", id: str) -> None:
-    """Print what is known of a flight, a line each, in both units."""
+    """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit import units
     from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import spelled
+    from fieldkit.quantities import spelled, unit_of
+
+    chosen = system()
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
     lines = [
@@ -86,11 +86,10 @@ def print_card(flight: "Flight", id: str) -> None:
         *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
     ]
     for column in COLUMNS:
-        value = in_both_units(column.name, flight.number(column.name))
-        if sd := flight.sd.get(column.name):
-            spread = units.unit(column.quantity, column.unit).difference_from_si(sd)
-            value += f" ± {spread:.2g} {spelled(column.unit)}"
-        lines.append((column.title, value))
+        number, unit = flight.number(column.name), unit_of(column, chosen)
+        scale = units.unit(column.quantity, unit)
+        spread = f" ± {scale.difference_from_si(sd):.2g}" if (sd := flight.sd.get(column.name)) else ""
+        lines.append((column.title, "" if number is None else f"{scale.from_si(number):.4g}{spread} {spelled(unit)}"))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)
@@ -98,25 +97,19 @@ def print_card(flight: "Flight", id: str) -> None:
         say(f"{title:{width}}  {value}")
 
 
-def in_both_units(name: str, value: float | None) -> str:
-    """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
-    if value is None:
-        return ""
-    scale, unit, other, other_unit = _both_units(name)
-    text = f"{scale.from_si(value):.5g} {unit}"
-    return text if other_unit == unit else f"{text} ({other.from_si(value):.4g} {other_unit})"
+def system() -> str:
+    """The user's system of units."""
+    from fieldkit.settings import read_settings
+
+    return read_settings().units
 
 
-@cache
-def _both_units(name: str) -> "tuple[Unit, str, Unit, str]":
-    """A column's unit and the other one that flyers write it in, each with how it is spelled."""
-    from fieldkit import units
+def measured(name: str, value: float | None) -> str:
+    """A value of a column [SI] in the user's units: `281.3 m` or `923 ft`."""
     from fieldkit.flight import BY_NAME
-    from fieldkit.quantities import spelled, unit_of
+    from fieldkit.quantities import measure
 
-    column = BY_NAME[name]
-    own, other = (units.unit(column.quantity, one) for one in (column.unit, unit_of(column, "US")))
-    return own, spelled(column.unit), other, spelled(unit_of(column, "US"))
+    return measure(BY_NAME[name], value, system())
 
 
 @contextmanager

@@ -19,7 +19,7 @@ REMARKS = 5
 def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
     """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder.
 
-    Trouble with its backups is said, and what was remarked of its flights, also where the command fails.
+    Trouble with its backups is said, and what was remarked of its flights, also if the command fails.
     """
     from fieldkit.cli.screen import complain
     from fieldkit.ledger import Ledger
@@ -59,7 +59,7 @@ def split_settings(arguments: Sequence[str]) -> dict[str, str]:
 def read_settings(
     settings: Mapping[str, str], check_motor: "MotorCheck", flight: "Flight | None" = None
 ) -> dict[str, object]:
-    """Fields and values for columns and texts, of this flight where it is known. Raises BadValue."""
+    """Fields and values for columns and texts, of this flight if it is known. Raises BadValue."""
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes

@@ -1,5 +1,6 @@
 """`fieldkit simulate`: one forward flight."""
 
+from collections.abc import Iterator
 from enum import StrEnum
 from math import isnan
 from typing import Annotated
@@ -7,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.screen import complain, print_json, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
 
 app = typer.Typer()
@@ -48,6 +49,7 @@ def simulate(
     **given: str | None,
 ) -> None:
     """Simulate one flight from motor, dry mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
+    from fieldkit.analysis.labels import spoken
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
@@ -76,13 +78,26 @@ def simulate(
     if json:
         print_json(result)
         return
-    width = max(map(len, result))
-    for name, value in result.items():
-        say(f"{name:{width}}  {value:.4g}")
+    lines = [(title, spoken(name, value, 0.0, system())) for title, name, value in _figures(result)]
+    width = max(len(title) for title, _ in lines)
+    for title, text in lines:
+        say(f"{title:{width}}  {text}")
     if physics is not Physics.paper:
         say_wrapped(
-            "apogee_m and eject_altitude_m are as a barometric altimeter shows them; true_apogee_m is above the pad."
+            "Apogee and ejection altitude are as a barometric altimeter shows them; true apogee is above the pad."
         )
+
+
+def _figures(result: dict[str, float]) -> Iterator[tuple[str, str, float]]:
+    """Title, column and value [SI] of each figure of a flight, by its header in the flight table."""
+    from fieldkit.flight import COLUMNS
+    from fieldkit.units import unit
+
+    columns = {column.header: column for column in COLUMNS}
+    for header, value in result.items():
+        column = columns[header.removeprefix("true_")]
+        title = "True apogee" if header.startswith("true_") else column.title
+        yield title, column.name, unit(column.quantity, column.unit).to_si(value)
 
 
 def _dashed(name: str) -> str:

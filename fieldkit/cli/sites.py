@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.planning import check_rules, length
-from fieldkit.cli.screen import print_json, print_table
+from fieldkit.cli.screen import print_json, print_table, system
 from fieldkit.cli.session import open_ledger
 
 app = typer.Typer()
@@ -27,6 +27,7 @@ def sites(
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
     from fieldkit.flight.site import SITE_LENGTHS
+    from fieldkit.quantities import ShownUnits
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
@@ -46,9 +47,14 @@ def sites(
         names = [{"site": one.name, "rules": one.rules} for one in known]
         print_json({"sites": [name | own for name, own in zip(names, lengths, strict=True)]})
         return
+    shown = ShownUnits(system())
     rows = [
-        (one.name, *("" if (value := getattr(one, key)) is None else f"{value:.0f}" for key in SITE_LENGTHS), one.rules)
+        (
+            one.name,
+            *("" if (value := getattr(one, key)) is None else shown.length(value).split()[0] for key in SITE_LENGTHS),
+            one.rules,
+        )
         for one in known
     ]
-    headers = ("site", "elevation m", "size m", "ceiling m", "people m", "bystanders m", "rules")
+    headers = ("site", *(f"{key} {shown.length_unit}" for key in SITE_LENGTHS), "rules")
     print_table(headers, rows, numbers=headers[1:6])

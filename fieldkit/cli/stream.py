@@ -19,7 +19,7 @@ CUT_MARK = "…"
 def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]], numbers: Sequence[str] = ()) -> None:
     """Print a table page by page; columns are as wide as what has come so far, and get wider but never narrower.
 
-    Where a line has too little room for it the widest columns of texts are cut. `numbers` stand right and are not
+    If a line has too little room for it the widest columns of texts are cut. `numbers` stand right and are not
     cut.
     """
     room = _room()

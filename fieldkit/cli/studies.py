@@ -16,6 +16,6 @@ def studies_are_here() -> bool:
 
 
 def need_studies() -> None:
-    """Raise FieldkitError that says what to install where the studies are missing."""
+    """Raise FieldkitError that says what to install if the studies are missing."""
     if not studies_are_here():
         raise FieldkitError(f"the studies are not in the installed program; {HOW}")

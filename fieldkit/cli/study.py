@@ -21,7 +21,7 @@ Unnamed = Annotated[bool, typer.Option("--unnamed", help="Number the rockets ins
 
 @study.command()
 def reference(out: Out = None, force: Force = False) -> None:
-    """Trace the reference paper's bias in parts, and say what remains."""
+    """Break the reference paper's bias down by cause, and show the remainder."""
     need_studies()
     from studies.paper.study import study
     from studies.paper.study_page import page
@@ -37,7 +37,7 @@ def rockets(
     force: Force = False,
     unnamed: Unnamed = False,
 ) -> None:
-    """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
+    """Search each rocket's history for effects, and measure how much they improve forecasts of later flights."""
     need_studies()
     from fieldkit.cli.screen import progress
     from fieldkit.progress import part
@@ -61,7 +61,7 @@ def shortfall(
     force: Force = False,
     unnamed: Unnamed = False,
 ) -> None:
-    """Trace why flights fall short of their simulation: launch angle, impulse, mass, drag, device, one by one."""
+    """Break down why flights fall short of simulation: launch angle, impulse, mass, drag, device."""
     need_studies()
     from fieldkit.cli.screen import progress
     from fieldkit.services.plausible_flights import followed

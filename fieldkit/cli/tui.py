@@ -18,7 +18,7 @@ def open_app(ledger: str | None) -> None:
 
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
     if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise FieldkitError("the app needs a terminal; the commands do everything it does: fieldkit --help")
+        raise FieldkitError("the app needs a terminal; the commands do the same: fieldkit --help")
     from fieldkit.tui.app import run
 
     run(ledger)

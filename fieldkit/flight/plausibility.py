@@ -6,7 +6,7 @@ What no rocket on a flight's motor can do is `implausible`: the flight is kept, 
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from statistics import median
 from types import MappingProxyType
 from typing import Protocol
@@ -73,6 +73,12 @@ MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
 
 
+def figure(column: Column, value: float) -> str:
+    """A value [SI] in the column's own unit: `281.3 m`."""
+    number = units.unit(column.quantity, column.unit).from_si(value)
+    return f"{number:.0f} {column.unit}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g} {column.unit}"
+
+
 class Burning(Protocol):
     """What is asked of a motor here, as `fieldkit.motors.Motor` has it. SI."""
 
@@ -116,12 +122,12 @@ def implausible(flight: Flight, motor: Burning) -> str | None:
 def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
     """The readouts of a boost that no rocket of this mass can have had on its motor, each with why.
 
-    A readout is one only where it is so by more than two of its standard deviations. A burn ends, to an altimeter,
+    A readout is one only if it is so by more than two of its standard deviations. A burn ends, to an altimeter,
     when the thrust falls below drag and weight: it may be a good deal shorter than the motor's, but not by half.
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
-    mass = f"{_figure(BY_NAME['dry_mass'], flight.dry_mass)} on {motor.designation}"
+    mass = f"{figure(BY_NAME['dry_mass'], flight.dry_mass)} on {motor.designation}"
     hardest = MAX_THRUST_RATIO * motor.peak_thrust / (flight.dry_mass + motor.casing_mass)
     bounds = {"top_speed": best_speed(flight.dry_mass, motor), "peak_accel": hardest, "avg_accel": hardest}
     found = {}
@@ -129,11 +135,11 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
         value, sd = flight.number(name), flight.sd.get(name, 0.0)
         if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
             column = BY_NAME[name]
-            found[name] = f"{_figure(column, value)} is more than {_figure(column, READ_TOO_HIGH * bound)}, {mass}"
+            found[name] = f"{figure(column, value)} is more than {figure(column, READ_TOO_HIGH * bound)}, {mass}"
     burn, (first, last) = flight.number("burn_time"), motor.burning
     if burn is not None and burn + 2 * flight.sd.get("burn_time", 0.0) < MIN_BURN_FRACTION * (last - first):
         column = BY_NAME["burn_time"]
-        found["burn_time"] = f"{_figure(column, burn)} is less than half of {_figure(column, last - first)}, {mass}"
+        found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, last - first)}, {mass}"
     return found
 
 
@@ -164,11 +170,11 @@ def _misfit(flight: Flight, motor: Burning) -> str:
     """A phrase for a body that is not one around its motor, or a rail that lies more than it stands."""
     if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
         low, high = (
-            _figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
+            figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
         )
         return f"{_at_fault('diameter', flight)}, expected {low} to {high} around {motor.designation}"
     if flight.rail_angle is not None and abs(flight.rail_angle) > MAX_LAUNCH_ANGLE + 1e-9:
-        return f"{_at_fault('rail_angle', flight)}, expected at most {_figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
+        return f"{_at_fault('rail_angle', flight)}, expected at most {figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
     return ""
 
 
@@ -179,7 +185,7 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
-    lifted = _figure(BY_NAME["dry_mass"], most)
+    lifted = figure(BY_NAME["dry_mass"], most)
     return f"{_at_fault('dry_mass', flight)}, expected less than the {lifted} that {motor.designation} lifts"
 
 
@@ -196,8 +202,8 @@ def _too_far(flight: Flight, motor: Burning) -> str:
     for name, bound in bounds.items():
         value = flight.number(name)
         if value is not None and value > READ_TOO_HIGH * bound:
-            most = _figure(BY_NAME[name], READ_TOO_HIGH * bound)
-            mass = _figure(BY_NAME["dry_mass"], flight.dry_mass)
+            most = figure(BY_NAME[name], READ_TOO_HIGH * bound)
+            mass = figure(BY_NAME["dry_mass"], flight.dry_mass)
             return f"{_at_fault(name, flight)}, expected at most {most}: {mass} on {motor.designation} without drag"
     return ""
 
@@ -205,7 +211,7 @@ def _too_far(flight: Flight, motor: Burning) -> str:
 def _at_fault(name: str, flight: Flight) -> str:
     """A column and what a flight has in it."""
     column = BY_NAME[name]
-    return f"{column.header}: found {_figure(column, flight.number(name) or 0.0)}"
+    return f"{column.header}: found {figure(column, flight.number(name) or 0.0)}"
 
 
 def identity(flight: Flight) -> float | None:
@@ -224,51 +230,50 @@ def middles(flights: Iterable[Flight]) -> dict[str, float]:
     return {name: median(values) for name, values in known.items() if values}
 
 
-def doubts(flight: Flight, usual: Mapping[str, float] = MappingProxyType({})) -> list[str]:
-    """What looks mistyped in a flight, a phrase each: unusual figures, readouts at odds with each other or with the
-    `usual` ones, the `middles` of flights of the same rocket on the same motor."""
-    found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
+def doubts(
+    flight: Flight,
+    usual: Mapping[str, float] = MappingProxyType({}),
+    figure: Callable[[Column, float], str] = figure,
+) -> list[str]:
+    """What looks mistyped in a flight, one phrase each: implausible values, readouts that contradict each other or the
+    `usual` ones, the `middles` of flights of the same rocket on the same motor. `figure` formats a value [SI]."""
+    found = [_unusual(column, value, figure) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(_inconsistent(flight, ratio))
+        found.append(inconsistent_speed(flight, ratio, figure))
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
-            found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
-    return [phrase for phrase in (*found, *_unlike(flight, usual)) if phrase]
+            small, large = BY_NAME[smaller], BY_NAME[larger]
+            found.append(f"{_titled(small, low, figure)} is above {_titled(large, high, figure)}")
+    return [phrase for phrase in (*found, *_unlike(flight, usual, figure)) if phrase]
 
 
-def _inconsistent(flight: Flight, ratio: float) -> str:
-    """A phrase for a top speed that is not average acceleration times burn time."""
+def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, float], str]) -> str:
+    """A phrase for a top speed that is not average acceleration times burn time; `ratio` is `identity(flight)`."""
     off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
-    acceleration = _figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
-    burn = _figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
+    acceleration = figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
+    burn = figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
     return f"top speed looks {100 * off:.0f} % {way} for {acceleration} over {burn}; check all three"
 
 
-def _unlike(flight: Flight, usual: Mapping[str, float]) -> Iterator[str]:
+def _unlike(flight: Flight, usual: Mapping[str, float], figure: Callable[[Column, float], str]) -> Iterator[str]:
     """A phrase for each readout that is far from the usual one."""
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
-            spoken, as_usual = _spoken(BY_NAME[name], value), _figure(BY_NAME[name], middle)
+            spoken, as_usual = _titled(BY_NAME[name], value, figure), figure(BY_NAME[name], middle)
             yield f"{spoken} is {value / middle:.2g} times the usual {as_usual} of this rocket and motor"
 
 
-def _unusual(column: Column, value: float) -> str:
-    """A phrase for a figure outside what is usual for its column, empty for the others."""
+def _unusual(column: Column, value: float, figure: Callable[[Column, float], str]) -> str:
+    """A phrase for a value outside the plausible range of its column, empty for the others."""
     slack = 1e-9 * (1 + abs(value))
     if column.low - slack <= value <= column.high + slack:
         return ""
-    scale = units.unit(column.quantity, column.unit)
-    usual = f"{scale.from_si(column.low):.6g} to {scale.from_si(column.high):.6g}"
-    return f"{_spoken(column, value)} is unusual, expected {usual}"
+    low, high = (figure(column, bound) for bound in (column.low, column.high))
+    return f"{_titled(column, value, figure)} is unusual, expected {low.split()[0]} to {high}"
 
 
-def _spoken(column: Column, value: float) -> str:
-    return f"{column.title.lower()} {_figure(column, value)}"
-
-
-def _figure(column: Column, value: float) -> str:
-    number = units.unit(column.quantity, column.unit).from_si(value)
-    return f"{number:.0f} {column.unit}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g} {column.unit}"
+def _titled(column: Column, value: float, figure: Callable[[Column, float], str]) -> str:
+    return f"{column.title.lower()} {figure(column, value)}"

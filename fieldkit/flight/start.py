@@ -42,7 +42,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
 
 
 def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
-    """Of the starting configurations of a rocket, that of a plan; where only one is kept, that one."""
+    """Of the starting configurations of a rocket, that of a plan; if only one is kept, that one."""
     named = [one for one in known if one.config == plan.config]
     return (named or list(known))[0] if named or len(known) == 1 else None
 

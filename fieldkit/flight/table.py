@@ -29,7 +29,7 @@ def read_date(text: str) -> datetime | None:
 def table_row(flight: Flight) -> dict[str, str]:
     """A flight as a row of the flight table: header to text, an empty text for "not recorded".
 
-    Standard deviations and sources of readouts, and what only a log shows, have a cell where they are recorded.
+    Standard deviations and sources of readouts, and what only a log shows, have a cell if they are recorded.
     """
     row = {name: str(getattr(flight, name)) for name in TEXT_COLUMNS if name not in ("date_time", "tags")}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else ""
@@ -51,7 +51,7 @@ def table_row(flight: Flight) -> dict[str, str]:
 def table_headers(flights: Iterable[Flight]) -> list[str]:
     """The headers of a flight table that holds all of these flights, extra columns last.
 
-    Beside a readout stand its standard deviation and its source, where they are recorded of any flight; so do the
+    Beside a readout stand its standard deviation and its source, if they are recorded of any flight; so do the
     figures that only a log shows.
     """
     flights = list(flights)

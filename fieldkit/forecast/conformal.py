@@ -18,7 +18,7 @@ LEVEL = 0.9
 def surprise(flown: float, interval: Sequence[float]) -> float:
     """How far out a flown apogee lies: 0 at the median, 1 at the near end of the 90 % interval, by ratio. [1]
 
-    `interval` is the forecast's 5, 50 and 95 % quantile [m]. inf where the interval has no width.
+    `interval` is the forecast's 5, 50 and 95 % quantile [m]. inf if the interval has no width.
     """
     p05, p50, p95 = interval
     if not min(flown, p05, p50, p95) > 0:

@@ -21,7 +21,7 @@ class Prediction:
     `across_speed` how fast it still moves there. `cd` and `alpha` are the drag coefficient and thrust factor flown
     with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that were fitted
     by the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
-    fared, 1 where there are too few of them. `left_out` has a line for each flight that was not used, and for each
+    fared, 1 if there are too few of them. `left_out` has a line for each flight that was not used, and for each
     readout that is an outlier and hardly counts.
     """
 

@@ -11,7 +11,7 @@ from fieldkit.importing.reading import Found, Note, Reading
 SAME_MOMENT = timedelta(seconds=2)
 """Files of one logger that state the same lift-off to within this are of one flight."""
 KINDS = "log_kinds"
-"""The extra column of a flight that names the kinds of file it was read from, where its logger writes several."""
+"""The extra column of a flight that names the kinds of file it was read from, if its logger writes several."""
 Opened = tuple[str, str, Sequence[Found]]
 """A file as it was opened: its name, the parser, what that found."""
 
@@ -85,7 +85,7 @@ def same_moment(first: object, second: object) -> bool:
 
 
 def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
-    """One reading of its parts; where they differ the first counts."""
+    """One reading of its parts; if they differ the first counts."""
     parts = [*reversed(others), main]
     return replace(
         main,

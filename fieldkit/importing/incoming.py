@@ -44,7 +44,7 @@ def digest_of(content: bytes) -> str:
 class Arrival:
     """A flight on its way in, with the original bytes it was read from, and their file and row.
 
-    `given` is what the flyer says of it beside these bytes, by field, or None where that is not known: the rest may
+    `given` is what the flyer says of it beside these bytes, by field, or None if that is not known: the rest may
     be read or measured otherwise on another day and does not make it another flight. `others` are further files that
     its logger wrote of it.
     """

@@ -80,7 +80,7 @@ def score(parser: Parser, log: bytes) -> tuple[float, int]:
 
 
 def nearest(parsers: Mapping[str, Parser], log: bytes) -> list[tuple[str, Likeness]]:
-    """The few parsers whose signs a file bears most of, best first; none where it bears hardly any."""
+    """The few parsers whose signs a file bears most of, best first; none if it bears hardly any."""
     likes = [(name, likeness(parser, log)) for name, parser in parsers.items() if parser.signs]
     likes = [(name, like) for name, like in likes if like.part >= _MIN_SIGN_FRACTION]
     return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_MAX_NEAR_FORMATS]

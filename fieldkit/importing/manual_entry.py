@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from difflib import get_close_matches
+from functools import partial
 
 from fieldkit import units
 from fieldkit.errors import BadValue
@@ -26,9 +27,10 @@ from fieldkit.flight import (
 )
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.flight.readout import beside
+from fieldkit.quantities import significant
 
 NOT_RECORDED = "-"
-"""Typed for "not recorded" where an empty answer would accept the offered value."""
+"""Typed for "not recorded" if an empty answer would accept the offered value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,11 +147,14 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[str]:
-    """What is odd about one answer, a phrase each: alone, beside the others, and beside the `usual` readouts, which are
-    `sanity.middles`."""
-    every = doubts(flight, usual or {})
-    without = doubts(flight.with_changes(**{name: None}), usual or {}) if name in BY_NAME else every
+def implausible_answers(
+    flight: Flight, name: str, usual: Mapping[str, float] | None = None, system: str = "SI"
+) -> list[str]:
+    """What is implausible about one answer, one phrase each: by itself, with the other answers, and compared with the
+    `usual` readouts, which are `plausibility.middles`; in the units of a system."""
+    figure = partial(significant, system=system)
+    every = doubts(flight, usual or {}, figure)
+    without = doubts(flight.with_changes(**{name: None}), usual or {}, figure) if name in BY_NAME else every
     return [phrase for phrase in every if phrase not in without]
 
 

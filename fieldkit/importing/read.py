@@ -44,7 +44,7 @@ def read_together(
 class OpenedFile:
     """A file as its parser read it, by its name and the digest of its bytes.
 
-    `measured` is what was found, with figures of its samples; None where files read together may change it.
+    `measured` is what was found, with figures of its samples; None if files read together may change it.
     """
 
     source: str
@@ -54,7 +54,7 @@ class OpenedFile:
 
 
 def open_file(source: str, log: bytes, format: str | None = None, choices: Sequence[ColumnChoice] = ()) -> OpenedFile:
-    """A log opened, and measured where it stands alone. Raises UnknownFormat or DamagedLog."""
+    """A log opened, and measured if it stands alone. Raises UnknownFormat or DamagedLog."""
     parsed, digest = open_log(log, source, format, choices), digest_of(log)
     del log
     ((_, name, found),) = joined([(source, parsed.format, parsed.found)], [digest])
@@ -105,7 +105,7 @@ def read_recordings(
     """The readings of a log that hold samples, flights and simulations, as they were recorded.
 
     `others` are further files that its logger wrote of the same flights. Raises UnknownFormat or DamagedLog, also
-    where the log has no samples.
+    if the log has no samples.
     """
     logs = [open_log(log, source, format, choices), *(open_log(other, source, None, choices) for other in others)]
     opened = [(source, one.format, one.found) for one in logs]

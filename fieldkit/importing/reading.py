@@ -21,12 +21,12 @@ class Reading:
 
     `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
     this log has for them (for messages). `rocket_key` is the log's own name of the rocket, by which a list of
-    rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
-    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
+    rockets read together with it adds what it knows. `series` holds the samples if there are any, a `Series`
+    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words if there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
-    with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
+    with a flight and is never taken into the ledger. `part` is the kind of file, if a logger writes several
     for one flight; their clocks then share one zero, and those read together become one reading. `liftoff_mass` is
-    that of the rocket with its motor [kg], where no dry mass is stated. `recorded` is what was measured in the samples,
+    that of the rocket with its motor [kg], if no dry mass is stated. `recorded` is what was measured in the samples,
     once that is done.
     """
 

@@ -37,7 +37,7 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
 
 
 def claims(log: bytes) -> list[str]:
-    """The names of the parsers that recognize a log, the surest first; fallbacks only where no other does."""
+    """The names of the parsers that recognize a log, the surest first; fallbacks only if no other does."""
     shelf = parsers()
     for fallback in (False, True):
         claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
@@ -47,7 +47,7 @@ def claims(log: bytes) -> list[str]:
 
 
 def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
-    """The parsers to try, by name and the surest first; where the flyer maps the columns, one that takes a mapping."""
+    """The parsers to try, by name and the surest first; if the flyer maps the columns, one that takes a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     shelf = parsers()
@@ -85,7 +85,7 @@ def _near(log: bytes) -> str:
 
 def _lacks(like: Likeness) -> str:
     if not like.missing:
-        return "has its column names but not its form"
+        return "has its column names but not its structure"
     return "lacks " + ", ".join(map(repr, like.missing[:MOST_LACKING]))
 
 
@@ -111,7 +111,7 @@ def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
 def _hint(log: bytes) -> str:
     """What a flyer can do about a log that no parser recognizes, if that is known."""
     if log.startswith(b"PK\x03\x04"):
-        return "; it is an archive: unpack it first"
+        return "; it is an archive; unpack it first"
     start = log[:HEAD]
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         samples = "a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
@@ -138,7 +138,7 @@ class ParsedLog:
 def open_log(log: bytes, source: str, format: str | None, choices: Sequence[ColumnChoice] = ()) -> ParsedLog:
     """A log as the parser reads it that recognizes it most surely and finds a flight in it.
 
-    Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
+    If none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
     log = table_of(log, source)
@@ -210,18 +210,18 @@ def _made(one: "ParsedLog | DamagedLog") -> str:
 def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None) -> str:
     """Why a parser was taken, in a phrase."""
     if format is not None:
-        return "named with --format"
+        return "chosen with --format"
     if any(isinstance(item, Mapped) and item.choice.channels for item in found):
-        return "its columns were given"
+        return "its columns were mapped"
     if parser.fallback:
-        return "no logger's parser reads it, and its columns are named like those of a table of samples"
+        return "no logger's parser recognizes it, and its columns have the names of a table of samples"
     like = likeness(parser, log)
     signs = ", ".join(map(repr, like.found[:MOST_LACKING]))
-    return f"it has {signs}, like {parser.title} files" if signs else f"it has the form of {parser.title} files"
+    return f"it has {signs}, like {parser.title} files" if signs else f"it has the structure of {parser.title} files"
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
-    """How a log was read: by the tables that were read of it, or where there is none by what was found."""
+    """How a log was read: by the tables that were read of it, or if there is none by what was found."""
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:

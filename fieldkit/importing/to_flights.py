@@ -100,7 +100,7 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _weighed(flight: Flight, reading: Reading) -> Flight:
-    """A flight with its mass without the motor, where it states that with it. Raises DamagedLog if nothing is left."""
+    """A flight with its mass without the motor, if it states that with it. Raises DamagedLog if nothing is left."""
     if reading.liftoff_mass is None or flight.dry_mass is not None or not flight.motor:
         return flight
     from fieldkit.errors import AmbiguousMotor, UnknownMotor

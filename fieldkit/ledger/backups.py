@@ -25,7 +25,7 @@ from fieldkit.ledger.soundness import damage_in, fault, opened
 MAX_BACKUPS = 10
 """Number of copies kept. [1]"""
 ROOM = 1 << 30
-"""Copies beyond the newest two go where all together are larger. [byte]"""
+"""Copies beyond the newest two go if all together are larger. [byte]"""
 CHANGES_PER_BACKUP = 50
 """Changes since the last copy that call for another one on the same day. [1]"""
 ABANDONED_COPY_AGE = 3600.0
@@ -102,7 +102,7 @@ def being_made(file: Path) -> bool:
 
 
 def _touched(file: Path) -> float:
-    """When a file was last written to, long ago where it is gone. [s since 1970]"""
+    """When a file was last written to, long ago if it is gone. [s since 1970]"""
     try:
         return file.stat().st_mtime
     except OSError:
@@ -112,7 +112,7 @@ def _touched(file: Path) -> float:
 def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
     """Copy an open ledger, and let the oldest copies go.
 
-    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
+    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error if no copy can be made.
     """
     taken = _take(ledger, file, changes)
     if isinstance(taken, str):
@@ -228,7 +228,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
 def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
     """A copy of a ledger that is held against everybody else from now on, until it is closed; None for a damaged one.
 
-    Raises sqlite3.OperationalError where others do not let go of it.
+    Raises sqlite3.OperationalError if others do not let go of it.
     """
     try:
         _hold(ledger)

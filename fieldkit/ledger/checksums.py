@@ -114,6 +114,6 @@ def _with_tags(connection: Connection, query: Select[Any]) -> list[Row]:
 
 
 def _labels(entries: Collection[int]) -> Select[Any]:
-    """The tags of these flights, and of others where they are many."""
+    """The tags of these flights, and of others if they are many."""
     query = select(tags).order_by(tags.c.entry, tags.c.position)
     return query.where(tags.c.entry.in_(entries)) if len(entries) <= MAX_ROWS_BY_NAME else query

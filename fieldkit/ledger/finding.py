@@ -17,7 +17,7 @@ Identity = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A flight and where it stands; `entered` is how it came in, where it was edited since."""
+    """A flight and where it stands; `entered` is how it came in, if it was edited since."""
 
     entry: int
     flight: Flight
@@ -58,7 +58,7 @@ def _at(connection: Connection, entries: Sequence[int]) -> list[Row]:
 
 
 def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:
-    """The order flown. Where every flight has its date that is by date, which takes half as long."""
+    """The order flown. If every flight has its date that is by date, which takes half as long."""
     undated = connection.scalar(select(flights.c.entry).where(flights.c.date_time.is_(None)).limit(1))
     return (flights.c.date_time if undated is None else _FLIGHT_DATE.nulls_first(), flights.c.entry)
 

@@ -1,7 +1,7 @@
 """`Ledger`: flights go in and come out, and each command can be taken back.
 
 Every method that changes something is one transaction: it happens as a whole or not at all, also when the
-power goes. Each raises LedgerError where the ledger cannot be read or written. What is asked of a ledger is in
+power goes. Each raises LedgerError if the ledger cannot be read or written. What is asked of a ledger is in
 `shown.py`, what it holds besides flights in `beside.py`.
 """
 
@@ -39,7 +39,7 @@ class Ledger(FlightsOut, BesideFlights):
         A flight that is in the ledger, as it is now or as it was first imported, is a duplicate and changes
         nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
         other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
-        `draft` is one that these flights finish: it goes as they come, and comes back where they are taken back.
+        `draft` is one that these flights finish: it goes as they come, and comes back if they are taken back.
         A dry run says what would happen.
         """
         original = None if log is None else Original.of(log)

@@ -1,4 +1,4 @@
-"""What a flight is called: its flight_id where that says enough, else rocket/flight_id."""
+"""What a flight is called: its flight_id if that says enough, else rocket/flight_id."""
 
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
@@ -12,7 +12,7 @@ from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
-    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`.
+    """The id of each of these flights: its flight_id if that says enough, else `rocket/flight_id`.
 
     One that another program has removed in the meantime has the id that it would have alone.
     """

@@ -27,7 +27,7 @@ class OpenLedger:
 
     @classmethod
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
-        """The ledger at a path or URL, made or upgraded where needed.
+        """The ledger at a path or URL, made or upgraded if needed.
 
         None stands for FIELDKIT_LEDGER, or the file in the user's data folder.
         """

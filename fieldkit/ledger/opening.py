@@ -78,7 +78,7 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
-    """Copy a ledger before it is changed, where that is due; why it could not be done, empty if it was not.
+    """Copy a ledger before it is changed, if that is due; why it could not be done, empty if it was not.
 
     Raises LedgerError if the ledger turns out to be damaged.
     """

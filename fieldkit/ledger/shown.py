@@ -41,7 +41,7 @@ class FlightsOut(OpenLedger):
                 yield [(names[row["rocket"], row["flight_id"]], row) for row in rows]
 
     def flight(self, id: str) -> Flight:
-        """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
+        """The flight with this id: its flight_id if that is unique, else `rocket/flight_id`.
 
         Raises LedgerError that suggests near ones, or lists those that it may mean.
         """

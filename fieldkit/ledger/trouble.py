@@ -1,4 +1,4 @@
-"""What went wrong with a ledger, in a line a flyer can act on, and the backup offered where its file is damaged."""
+"""What went wrong with a ledger, in a line a flyer can act on, and the backup offered if its file is damaged."""
 
 import zlib
 from collections.abc import Iterator
@@ -70,7 +70,7 @@ def _reason(error: DBAPIError) -> str | None:
 
 
 def _damage(engine: Engine) -> str | None:
-    """What is wrong with a ledger's file, where something failed that goes through on every sound one."""
+    """What is wrong with a ledger's file, after a failure that no sound file causes."""
     file = file_of(engine.url)
     fault = (soundness.file_fault(file, thorough=True) or _missing(engine)) if file else ""
     return f"the file is damaged ({fault})" if fault else None

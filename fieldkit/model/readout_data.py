@@ -18,7 +18,7 @@ IS_LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED_READOU
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """What was observed, as the fit compares it: logarithms of ratios where a readout is `IS_LOGARITHMIC`.
+    """What was observed, as the fit compares it: logarithms of ratios if a readout is `IS_LOGARITHMIC`.
 
     `sd` is the expected error of each readout, or that which is recorded of it; `seen` marks what was recorded on
     flights used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than
@@ -88,7 +88,7 @@ def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array,
 
 
 def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:
-    """Top speed from average acceleration and burn time, where only those were recorded."""
+    """Top speed from average acceleration and burn time, if only those were recorded."""
     speed, burn = OBSERVED_READOUTS.index("top_speed"), OBSERVED_READOUTS.index("burn_time")
     derived = recorded(flights, "avg_accel") * raw[:, burn]
     raw = raw.copy()

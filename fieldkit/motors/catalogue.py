@@ -66,7 +66,7 @@ class Catalogue:
         return self._several[key]
 
     def _of_lot(self, found: Found, lot: str) -> Found:
-        """The motor of a lot where its figures are known, else a note that it is flown as any of its type."""
+        """The motor of a lot if its figures are known, else a note that it is flown as any of its type."""
         own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
         if own is None:
             note = f"no figures for lot {printable(lot)} in your corrections: treated as any of its type"

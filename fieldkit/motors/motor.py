@@ -25,7 +25,7 @@ class Motor:
     """One motor in SI units. Its thrust is linear between the knots `time`, `thrust`.
 
     The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
-    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them where the
+    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them if the
     motor is sold so; empty if they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
     the certification [N], None if none is on record or only the number of the name; `corrections` are the

@@ -25,7 +25,7 @@ OWN_FIELDS = (*QUANTITIES, "delays")
 
 @dataclass(frozen=True, slots=True)
 class OwnCorrection:
-    """One row: the motor and, where it holds for one lot alone, that lot and when it was made."""
+    """One row: the motor and, if it holds for one lot alone, that lot and when it was made."""
 
     maker: str
     designation: str

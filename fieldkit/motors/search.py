@@ -67,7 +67,7 @@ class Listing:
 class Found:
     """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
 
-    `delay` is None if the name gives none, and `PLUGGED_DELAY` where it ends in P.
+    `delay` is None if the name gives none, and `PLUGGED_DELAY` if it ends in P.
     """
 
     motor: Motor
@@ -238,7 +238,7 @@ def _thrust(name: str) -> float:
 
 
 def _parsed(listings: Listings, text: str) -> Name:
-    """What a text says, the makers of own motors among it; they are looked for where words are left over."""
+    """What a text says, the makers of own motors among it; they are looked for if words are left over."""
     name = parse(text)
     if name.core and len(name.letters) < _WORD:
         return name

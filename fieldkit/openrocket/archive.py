@@ -35,7 +35,7 @@ _DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}
 
 
 def root_of(content: bytes, source: str) -> "Element":
-    """The root element of a design. Raises DamagedLog that names the file, and the row where XML breaks."""
+    """The root element of a design. Raises DamagedLog that names the file, and the row if XML breaks."""
     from xml.etree.ElementTree import ParseError
 
     from defusedxml.common import DefusedXmlException

@@ -57,7 +57,7 @@ class Design:
 
 
 def read_design(content: bytes, source: str) -> Design:
-    """The design in an `.ork` file. Raises DamagedLog that names it where it is damaged, or is no design."""
+    """The design in an `.ork` file. Raises DamagedLog that names it if it is damaged, or is no design."""
     root = root_of(content, source)
     try:
         return _design(root, source)
@@ -81,9 +81,9 @@ def _design(root: "Element", source: str) -> Design:
     weight, mass_by = _mass(rocket, stages, stored, notes)
     cd, cd_by = _drag(rocket, stages, stored, diameter, notes)
     if len(stages) > 1:
-        notes.append(f"it has {len(stages)} stages, which are taken together: a flight in stages is not predicted")
+        notes.append(f"it has {len(stages)} stages, treated as one: staged flights are not forecast")
     if any(part.tag in ("podset", "parallelstage") for part in everything(rocket)):
-        notes.append("pods and boosters beside the body count for mass and not for the diameter")
+        notes.append("pods and boosters count for mass but not for diameter")
     figures = {"dry_mass": weight, "diameter": diameter, "length": sum(one.length for one in body), "cd": cd}
     known = {name: _plausible(name, value, notes) for name, value in figures.items()}
     return Design(
@@ -113,20 +113,20 @@ def _mass(
 ) -> tuple[float | None, str]:
     """By a stored simulation of the design as it is, else by the sum of its parts.
 
-    A stored mass has three decimals in kg: where the sum of the parts agrees within that, it is taken.
+    A stored mass has three decimals in kg: if the sum of the parts agrees within that, it is taken.
     """
     unknown: list[str] = []
     whole, _ = override(rocket)
     total = whole if whole is not None else sum(mass(stage, None, unknown) for stage in stages)
     if any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
-        notes.append("its mass was weighed; take the empty motor case off if it was in the rocket")
+        notes.append("mass as weighed; subtract the empty motor case if it was in the rocket")
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
     if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > MASS_ROUNDING:
         if abs(total / fresh.dry_mass - 1) > 0.1:
             notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown and fresh is None:
-        notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is not known and left out")
+        notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is unknown and left out")
     return total or None, "the sum of its parts"
 
 
@@ -148,7 +148,7 @@ def _drag(
     if not one.fresh:
         notes.append(f"the simulation {one.name} is older than the design")
     if not one.consistent:
-        notes.append(f"the drag force of {one.name} does not fit its Cd: the body had another size when it was flown")
+        notes.append(f"the drag force of {one.name} does not fit its Cd: it was simulated with another diameter")
     found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]
     if max(found) > (1 + REPORTED_CD_DIFFERENCE) * min(found):
         notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")

@@ -50,7 +50,7 @@ class AscentState:
 
 
 def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
-    """When thrust first exceeds weight; inf where it never does. [s]"""
+    """When thrust first exceeds weight; inf if it never does. [s]"""
     burns, motor = setup.burns, setup.motor
     weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
     needed = weight * setup.burn_stretch / setup.thrust_factor
@@ -162,7 +162,7 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
 
 
 def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
-    """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
+    """Into how many parts a step must be cut if drag is stiff (light, wide and fast); [1] if none is. [1]
 
     Drag pulls speed toward its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
     planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
@@ -183,7 +183,7 @@ def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: St
 
 
 def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
-    """Into how many parts a step must be cut where a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
+    """Into how many parts a step must be cut if a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
     path, speed = _speed(track.position), _speed(track.velocity)
     ahead = (speed + 0.5 * push * dt) * dt
     turning = (path < setup.rail_length + setup.turn_length) & (path + ahead > setup.rail_length)
@@ -200,7 +200,7 @@ def _advance(
     mass: Stages,
     first_pull: Array | None,
 ) -> None:
-    """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
+    """A step in as many parts as each draw needs; if most need no more, the others go on by themselves.
 
     `first_pull` is the pull at its beginning, if that is known.
     """

@@ -180,7 +180,7 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> l
 def _under_parachute(
     setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
 ) -> tuple[Array, Array]:
-    """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
+    """Apogee if the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
     climbing = np.isfinite(opened[0])
     gain = terminal**2 / (2 * g) * np.log1p((opened[1] / terminal) ** 2)

@@ -22,7 +22,7 @@ MAX_REACH = 300.0
 
 @dataclass(frozen=True, slots=True)
 class WindProfile:
-    """Wind over height: at the pad [m/s], and where it is known aloft [m/s] at a height [m], turned by so much to the
+    """Wind over height: at the pad [m/s], and if it is known aloft [m/s] at a height [m], turned by so much to the
     right [rad]. Between them it follows a power law through both; above it is even. Without a wind aloft the law is
     that of open ground (e.g. Panofsky and Dutton, 1984)."""
 
@@ -97,7 +97,7 @@ def descend(
     wind: WindProfile,
     sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED),
 ) -> DescentResult:
-    """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it where negative [s].
+    """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it if negative [s].
 
     `terminal` is the speed of the airframe alone [m/s]; `air` is one for all draws. A charge before apogee is taken to
     have opened its device by then. With `wait` nan nothing ever opens. An airframe that falls nose first keeps the

@@ -68,15 +68,15 @@ class LoggedForce:
 class Effect:
     """One bend of the flight model.
 
-    `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the
+    `family` is what it is about. `prior` and the strength are in `unit`; if what the effect does grows with the
     square of its strength (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of
     group of flights may have a strength of its own, `everywhere` whether it may also act on all flights equally, `each`
-    whether every group has its own at once. `needs` is the column without which the effect cannot act; where it is
+    whether every group has its own at once. `needs` is the column without which the effect cannot act; if it is
     `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one
     that a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
     may come about: verdicts speak of the other. One that `grows` acts with its strength times the flights flown before;
     one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter;
-    where it is not there `from_first`, that is the only way. `background` is the prior of what every rocket has of
+    if it is not there `from_first`, that is the only way. `background` is the prior of what every rocket has of
     it: a nuisance in every model, not something to be named. `starts` are strengths from which a fit is started,
     several if the effect is far from linear.
     `explains` describes it to a flyer, `tell_apart`

@@ -75,7 +75,7 @@ class EquationsOfMotion:
         return np.asarray(free * pull + (1 - free) * self.rail * along)
 
     def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
-        """The same where every draw has long left its rail: thrust and drag along the path through the air."""
+        """The same if every draw has long left its rail: thrust and drag along the path through the air."""
         if self.axes == 3:
             through_air = velocity.copy()
             through_air[1] -= wind_at(height, self.setup.wind)

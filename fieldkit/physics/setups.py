@@ -99,9 +99,9 @@ def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Floa
 
 
 def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence[Flight]) -> Setup:
-    """The air of pads this much higher than recorded [m]: less pressure, and colder where no temperature is known.
+    """The air of pads this much higher than recorded [m]: less pressure, and colder if no temperature is known.
 
-    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; where
+    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; if
     the temperature was written down it is true, and heights are shown the lower.
     """
     coolness = standard_temperature(higher) / standard_temperature(np.zeros(()))

@@ -20,7 +20,7 @@ ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_
 def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
     """One flight in the paper's physics, its readouts by column; `plan` has motor, dry mass and diameter.
 
-    Raises UnknownMotor, and ImpossibleFlight where the motor does not lift the rocket or figures are lacking.
+    Raises UnknownMotor, and ImpossibleFlight if the motor does not lift the rocket or figures are lacking.
     """
     dry_mass, diameter = _body(plan)
     motor = np.array([paper.motor_index(plan.motor)])

@@ -133,7 +133,7 @@ class FlightResult:
     altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it; accelerations are net of
     gravity. `drift` is how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
     `across_speed` how fast it still moves there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
-    negative where the motor still burns at apogee. nan if undefined (no delay, no ejection).
+    negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]

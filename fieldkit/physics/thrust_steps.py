@@ -121,7 +121,7 @@ def _area(at: Sequence[float], push: Sequence[float]) -> float:
 
 
 def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
-    """Rows as the last axis, the shorter ones filled up, with their own last entry where no `fill` is given."""
+    """Rows as the last axis, the shorter ones filled up, with their own last entry if no `fill` is given."""
     longest = max(len(row) for row in rows)
     tails = [
         np.broadcast_to(row[-1] if fill is None else np.asarray(fill), (longest - len(row), *row.shape[1:]))
@@ -131,7 +131,7 @@ def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
 
 
 def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False) -> Burns:
-    """The motors on at least `steps` steps each, on curves of at most so many `knots` where these are said.
+    """The motors on at least `steps` steps each, on curves of at most so many `knots` if these are said.
 
     Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
     """

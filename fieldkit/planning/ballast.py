@@ -69,7 +69,7 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a mass brings: chance of the band [1], mean miss [m], mean points where a season counts [1]."""
+    """What a mass brings: chance of the band [1], mean miss [m], mean points if a season counts [1]."""
 
     chance: float
     error: float
@@ -86,7 +86,7 @@ class Ballast:
 
     `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
     and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
-    the target is `met` where it lies between. `gain` is by how many points a flight the change is better on average,
+    the target is `met` if it lies between. `gain` is by how many points a flight the change is better on average,
     `gain_error` the standard error of that for as many flights as the forecast rests on; without a season a point is
     a foot off the target, as in contests for altitude.
     """

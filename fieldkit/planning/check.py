@@ -23,7 +23,7 @@ class SafetyCheck:
     """One check: its name, how it ended, what was found and what would be right, and where the limit is from.
 
     The figures in `finding` are in SI and are shown in the reader's units (`in_units`). `rule` is the rule's
-    own words where a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
+    own words if a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
     """
 
     name: str
@@ -92,7 +92,7 @@ def length(metres: float) -> str:
 
 
 def lengths(*metres: float) -> list[str]:
-    """Lengths within one finding that are compared: with a tenth where they look the same without."""
+    """Lengths within one finding that are compared: with a tenth if they look the same without."""
     digits = int(len({round(one) for one in metres}) < len(set(metres)))
     return [figure(one, "m", digits) for one in metres]
 

@@ -40,7 +40,7 @@ def build_of(motor: Motor, dry_mass: float) -> Build:
 
 
 def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
-    """What makes a rocket a high-power one, an empty text where nothing does.
+    """What makes a rocket a high-power one, an empty text if nothing does.
 
     A motor's certified average thrust counts, not that of its curve, and never the number in its name.
     """

@@ -69,7 +69,7 @@ class Season:
         return np.asarray(np.sort(points, axis=1)[:, : self.best].sum(axis=1))
 
     def announced(self, target: float | None, window: tuple[float, float] | None) -> "Season":
-        """The same rule with the target [m] and window [s] of the day, where they were announced."""
+        """The same rule with the target [m] and window [s] of the day, if they were announced."""
         return replace(self, target=target or self.target, window=window or self.window)
 
     @property

@@ -48,8 +48,8 @@ class Drill:
         if self.checked:
             return ""
         steps = ", ".join(f"{off:g}" for off in self.takes_off)
-        why = f"was not checked against its instructions ({self.source})"
-        return f"What {self.maker}'s tool removes ({steps} s) {why}: go by the marks on yours."
+        why = f"were not checked against its instructions ({self.source})"
+        return f"The cuts of {self.maker}'s tool ({steps} s) {why}; use the marks on your tool."
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,9 +220,7 @@ def _old_list(motor: Motor, ranked: Sequence[Delay]) -> list[str]:
     if not any(one.field == "delays" and not one.applied and one.was == listed for one in motor.corrections):
         return []
     longest = max(one.delay for one in ranked)
-    text = (
-        f"{motor.designation}: this list of delays is an old one, and today's package may say more than {longest:g} s"
-    )
+    text = f"{motor.designation}: this delay list is outdated, and the package may list more than {longest:g} s"
     return [f"{text}: enter the motor with the longest delay printed on yours, as in {motor.designation}-14A."]
 
 

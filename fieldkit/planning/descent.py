@@ -31,7 +31,7 @@ def descents(
 ) -> DescentResult:
     """The way down of each draw of a forecast at a descent speed near the ground [m/s].
 
-    The charge fires as the delay of the plan says; if none is known, and where an altimeter opens two devices, at
+    The charge fires as the delay of the plan says; if none is known, and if an altimeter opens two devices, at
     apogee. A draw that reaches the ground before it, or before anything is open, comes down ballistic.
     """
     plan, recovery = said.plan, recovery_of(said.plan)
@@ -51,7 +51,7 @@ def descents(
 def durations(
     said: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """From lift-off to landing at these descent speeds near the ground; ballistic where no charge opened it. [s]"""
+    """From lift-off to landing at these descent speeds near the ground; ballistic if no charge opened it. [s]"""
     columns = [one.rise_time + descents(one, fall, speed).time for one, speed in zip(said, speeds.T, strict=True)]
     return np.stack(columns, axis=-1)
 

@@ -127,7 +127,7 @@ def completed_fall(flown: FlownFalls, plan: Flight | None = None, found: Found |
 
 
 def _same_device(flight: Flight, wanted: Recovery | None) -> bool:
-    """Whether a flight came down on the device of a plan, and on its parachute where the plan says which."""
+    """Whether a flight came down on the device of a plan, and on its parachute if the plan says which."""
     if wanted is None:
         return True
     own = recovery_of(flight)

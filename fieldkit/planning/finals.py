@@ -106,7 +106,7 @@ def trials(
 
 
 def finals_targets(rule: Season) -> list[float]:
-    """Targets that finals may have, every five feet; that of the season where its rule has no range. [m]"""
+    """Targets that finals may have, every five feet; that of the season if its rule has no range. [m]"""
     if rule.finals_range is None:
         return [rule.target]
     low, high = rule.finals_range

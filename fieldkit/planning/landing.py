@@ -153,7 +153,7 @@ class RailChoice:
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
     """What angles up to the most [rad] and directions of the rail do to the landing, the nearest to the pad first; none
-    where the wind is not known."""
+    if the wind is not known."""
     if plan.wind is None:
         return []
     ways = [("into", 0.0)]

@@ -1,4 +1,4 @@
-"""Motors for a contest, by the points that each would bring on average: a change is advised only where it is clear."""
+"""Motors for a contest, by the points that each would bring on average: a change is advised only if it is clear."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -31,7 +31,7 @@ DRAWS = 64
 """Flights flown for each motor, all with common random numbers: a 5 % quantile is good to a quarter of a standard
 deviation."""
 SLANTED_PATH_DRAWS = 40
-"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
+"""The same if wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 FIT_CHECKS = ("rail exit speed", "thrust to weight", "ejection speed", "ceiling")
 """What a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0

@@ -23,7 +23,7 @@ DRAWS = 400
 @dataclass(frozen=True, slots=True)
 class PlannedFlight:
     """A plan, its forecast, what its descent rests on, where it lands, its safety lines, and rails from best to worst;
-    none where the wind is not known."""
+    none if the wind is not known."""
 
     said: Prediction
     fall: Fall
@@ -33,7 +33,7 @@ class PlannedFlight:
 
     @property
     def name(self) -> str:
-        """The plan's id, its rocket where it has none."""
+        """The plan's id, its rocket if it has none."""
         return self.said.plan.flight_id or self.said.plan.rocket or "plan"
 
     def json(self) -> dict[str, Any]:

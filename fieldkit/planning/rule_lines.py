@@ -1,6 +1,6 @@
 """Safety lines from rule sets: wind, angle, mass, impulse, field, distances, certification, and words to keep in mind.
 
-Where several sets have a rule for one thing, the line is that of the strictest. What is unverified is said to be so and
+If several sets have a rule for one thing, the line is that of the strictest. What is unverified is said to be so and
 never ends worse than with caution.
 """
 
@@ -138,7 +138,7 @@ def mass_line(held: Governed) -> SafetyCheck:
 
 
 def weight_line(held: Governed) -> SafetyCheck | None:
-    """Lift-off weight against the certified average thrust, where a code bounds it; None if none does."""
+    """Lift-off weight against the certified average thrust, if a code bounds it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
         ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
@@ -175,7 +175,7 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
 
 
 def _small_field(held: Governed) -> Rule | None:
-    """The rule for the field of a small high-power rocket, where this is one."""
+    """The rule for the field of a small high-power rocket, if this is one."""
     for rule in held.rules("small high power field"):
         build, only = held.build, rule.only
         if build.impulse < only["impulse"] and build.mass < only["mass"] and held.altitude < only["altitude"]:
@@ -184,7 +184,7 @@ def _small_field(held: Governed) -> Rule | None:
 
 
 def distance_line(held: Governed, people: float | None) -> SafetyCheck:
-    """The distance of the people at the launch from the pad [m] against the table, its complex column where due."""
+    """The distance of the people at the launch from the pad [m] against the table, its complex column if due."""
     name, build = "pad distance", held.build
 
     def judge(rule: Rule) -> SafetyCheck:

@@ -125,7 +125,7 @@ def governing(
 ) -> list[RuleSet]:
     """The sets of some authorities that apply to a rocket on a day, in the order of the authorities.
 
-    Of several versions of a code the newest that is valid counts; where the day is before all of them, the oldest.
+    Of several versions of a code the newest that is valid counts; if the day is before all of them, the oldest.
     Raises BadValue for an authority that no set is of.
     """
     known = list(sets)
@@ -179,7 +179,7 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
 
 
 def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
-    """What a table says of its figures, and where it says nothing what the table above it does."""
+    """What a table says of its figures, and if it says nothing what the table above it does."""
     quote, says = (printable(str(table.get(name, ""))) for name in ("quote", "says"))
     words = f"“{quote}”" if quote else says or above.words
     day = table.get("valid_from", above.valid_from)

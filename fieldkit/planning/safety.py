@@ -45,7 +45,7 @@ def thrusts(motor: Motor) -> tuple[float, float]:
 
 
 def first_thrust(motor: Motor) -> float:
-    """Mean thrust of the first half second from ignition, of the whole burn where that is shorter. [N]"""
+    """Mean thrust of the first half second from ignition, of the whole burn if that is shorter. [N]"""
     end = min(HALF_SECOND, motor.thrust_end)
     time = np.concatenate([[0.0], motor.time[(motor.time > 0) & (motor.time < end)], [end]])
     thrust = np.interp(time, motor.time, motor.thrust)

@@ -22,6 +22,6 @@ def event_line(event: capture.Event) -> str:
 
 
 def counts(progress: capture.Progress) -> list[str]:
-    """How much was received: bytes, samples, damaged samples where there are any."""
+    """How much was received: bytes, samples, damaged samples if there are any."""
     damaged = [f"{progress.damaged:,} damaged"] if progress.damaged else []
     return [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples", *damaged]

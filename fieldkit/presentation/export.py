@@ -27,7 +27,7 @@ def csv_table(flights: Sequence[Flight]) -> str:
 def document(flight: Flight) -> dict[str, object]:
     """A flight as JSON: numbers in the unit of their column, None for "not recorded", else texts.
 
-    The standard deviation and the source of a readout are there where they are recorded, as is what only a log shows.
+    The standard deviation and the source of a readout are there if they are recorded, as is what only a log shows.
     """
     row: dict[str, object] = dict(table_row(flight))
     for column in COLUMNS:

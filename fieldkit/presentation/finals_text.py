@@ -12,16 +12,21 @@ from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits
 from fieldkit.units import FOOT
 
-HEADERS = ("target ft", "dry g", "lift-off g", "parachute", "apogee ft", "seconds", "points")
+
+def finals_headers(system: str = "SI") -> tuple[str, ...]:
+    """The headers of the table: heights in feet, as the rules state them, masses in the units of a system."""
+    mass = ShownUnits(system).mass(0.0).split()[1]
+    return "target ft", f"dry {mass}", f"lift-off {mass}", "parachute", "apogee ft", "seconds", "points"
 
 
-def finals_rows(table: Sequence[Together], found: Found) -> list[tuple[str, ...]]:
+def finals_rows(table: Sequence[Together], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
     """A row for each target."""
+    shown = ShownUnits(system)
     return [
         (
             f"{one.target / FOOT:.0f}",
-            f"{one.mass * 1e3:.0f}",
-            f"{(one.mass + found.motor.loaded_mass) * 1e3:.0f}",
+            shown.mass(one.mass).split()[0],
+            shown.mass(one.mass + found.motor.loaded_mass).split()[0],
             f"{one.area:.0%}{'*' if one.at_edge else ''}",
             f"{one.apogee[0] / FOOT:.0f}-{one.apogee[2] / FOOT:.0f}",
             f"{one.duration[0]:.0f}-{one.duration[2]:.0f}",

@@ -6,20 +6,17 @@ import numpy as np
 
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.quantities import ShownUnits, counted
-from fieldkit.units import FOOT
 
 
-def in_words(prediction: Prediction, system: str | None = None) -> Iterator[str]:
-    """A prediction, a line for each thing a flyer wants to know; in the units of a system, in meters and feet without
-    one."""
+def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
+    """A prediction, one line per quantity, in the units of a system."""
     plan, motor = prediction.plan, prediction.found.motor
     p05, p50, p95 = (float(x) for x in prediction.apogee_quantiles())
     name = " ".join(part for part in (plan.rocket, plan.config) if part) or "this rocket"
-    shown = ShownUnits(system or "SI")
+    shown = ShownUnits(system)
     yield f"{name} on {motor.maker} {plan.motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
-    feet = ["", ""] if system else [f" ({p50 / FOOT:.0f} ft)", f" ({p05 / FOOT:.0f} to {p95 / FOOT:.0f} ft)"]
-    yield f"  apogee    {shown.length(p50)}{feet[0]} as the altimeter will show it"
-    yield f"            90 % interval {shown.lengths(p05, p95)}{feet[1]}"
+    yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
+    yield f"            90 % interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {_ejection(prediction)}"
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"

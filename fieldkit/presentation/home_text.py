@@ -85,7 +85,7 @@ def day_line(flights: "Sequence[ListedFlight]", system: str) -> str:
 
 
 def sparkline(values: Sequence[float], width: int) -> str:
-    """Values as a row of bars from their least to their greatest, the greatest of each cell where they are many."""
+    """Values as a row of bars from their least to their greatest, the greatest of each cell if they are many."""
     if not values:
         return ""
     width = min(width, len(values))

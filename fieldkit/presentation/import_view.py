@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import spelled
+from fieldkit.quantities import ShownUnits, measure, number, spelled, unit_of
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
-from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
     from fieldkit.analysis.whole_flight import FlightCurve
@@ -102,12 +102,12 @@ def _rounded(value: float) -> float:
     return round(value, 4)
 
 
-def in_a_line(one: FileView) -> str:
-    """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m (805 ft)`."""
-    return f"{one.file}: {one.title}{_apogees(one)}"
+def in_a_line(one: FileView, system: str = "SI") -> str:
+    """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m`."""
+    return f"{one.file}: {one.title}{_apogees(one, ShownUnits(system))}"
 
 
-def _apogees(one: FileView) -> str:
+def _apogees(one: FileView, shown: ShownUnits) -> str:
     """The apogee of a file's flight, or of several the lowest and the highest."""
     found, count = tuple(f.readouts["apogee"].value for f in one.shown if "apogee" in f.readouts), len(one.shown)
     flights = (
@@ -123,16 +123,13 @@ def _apogees(one: FileView) -> str:
         return flights + (", no apogee" if count else "")
     low, high = min(found), max(found)
     if len(found) == 1:
-        return f"{flights}, apogee {_both(low)}"
-    return f"{flights}, apogees {_both(low)} to {_both(high)}"
+        return f"{flights}, apogee {shown.length(low, 1)}"
+    return f"{flights}, apogees {shown.length(low, 1).split()[0]} to {shown.length(high, 1)}"
 
 
-def _both(metres: float) -> str:
-    return f"{metres:.1f} m ({metres / FOOT:.0f} ft)"
-
-
-def lines(one: FileView) -> Iterator[str]:
-    """A file at length: why it was read as it was, its columns, its flights with readouts and events, and notes."""
+def lines(one: FileView, system: str = "SI") -> Iterator[str]:
+    """A file in full: why it was read in this format, its columns, its flights with readouts and events, and notes, in
+    the units of a system."""
     yield f"{one.file}"
     yield f"  format    {one.title} ({one.format}): {one.why}"
     yield f"  rows      {one.rows} used, {one.dropped} dropped"
@@ -140,9 +137,9 @@ def lines(one: FileView) -> Iterator[str]:
         yield f"  {'columns' if not place else '':10}{_column(column)}"
     for flight in one.shown[:MOST_FLIGHTS]:
         yield f"  {'states' if flight.simulated else 'flight':9} {flight.flight.flight_id}"
-        yield from _readout_lines(flight)
-        yield from _event_lines(flight)
-        yield from _plot_lines(flight.curve)
+        yield from _readout_lines(flight, system)
+        yield from _event_lines(flight, ShownUnits(system))
+        yield from _plot_lines(flight.curve, system)
     if len(one.shown) > MOST_FLIGHTS:
         yield f"  and {len(one.shown) - MOST_FLIGHTS} more flights; --json lists them all"
     for note in one.notes:
@@ -157,24 +154,27 @@ def _column(one: "ColumnRead") -> str:
     return f"{one.name}{unit} -> {meant}, {one.source}"
 
 
-def _readout_lines(flight: FlightView) -> Iterator[str]:
+def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
     for name, readout in flight.readouts.items():
         column = BY_NAME[name]
-        unit = spelled(column.unit)
-        spread = "" if readout.sd is None else f" ± {readout.sd:.2g}"
-        stated = "" if readout.stated is None else f"   device: {readout.stated:.5g} {unit}"
-        yield f"    {column.title:22}{f'{readout.value:.5g}{spread} {unit}':22}{readout.sensor:11}{stated}".rstrip()
+        own, scale = (units.unit(column.quantity, unit) for unit in (column.unit, unit_of(column, system)))
+        unit = spelled(unit_of(column, system))
+        value = scale.from_si(own.to_si(readout.value))
+        spread = "" if readout.sd is None else f" ± {scale.difference_from_si(own.difference_to_si(readout.sd)):.2g}"
+        said = "" if readout.stated is None else f"   device: {scale.from_si(own.to_si(readout.stated)):.4g} {unit}"
+        yield f"    {column.title:22}{f'{value:.4g}{spread} {unit}':22}{readout.sensor:11}{said}".rstrip()
 
 
-def _plot_lines(curve: "FlightCurve | None") -> Iterator[str]:
-    """Height, speed and acceleration of the whole flight as rows of bars, and below them where its events are."""
+def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:
+    """Height, speed and acceleration of the whole flight as rows of bars, with the times of its events below."""
     if curve is None:
         return
     first, last = float(curve.time[0]), float(curve.time[-1])
     even = [first + (last - first) * (cell + 0.5) / PLOT_WIDTH for cell in range(PLOT_WIDTH)]
     rows = list(zip(*map(curve.at, even), strict=True))
-    for title, unit, values in zip(("height", "speed", "accel"), ("m", "m/s", "m/s²"), rows, strict=True):
-        ends = f"{min(values):.4g} to {max(values):.4g} {unit}"
+    columns = (BY_NAME["apogee"], BY_NAME["top_speed"], BY_NAME["peak_accel"])
+    for title, column, values in zip(("height", "speed", "accel"), columns, rows, strict=True):
+        ends = f"{number(column, min(values), system)} to {measure(column, max(values), system)}"
         yield f"    {title:9}{sparkline(values, PLOT_WIDTH)} {ends}"
     marks = [" "] * PLOT_WIDTH
     for name, moment in curve.events.items():
@@ -184,7 +184,7 @@ def _plot_lines(curve: "FlightCurve | None") -> Iterator[str]:
     yield f"    {'events':9}{''.join(marks)} T{first:+.0f} to T{last:+.0f} s, {zero}"
 
 
-def _event_lines(flight: FlightView) -> Iterator[str]:
+def _event_lines(flight: FlightView, shown: ShownUnits) -> Iterator[str]:
     for event in flight.events:
-        height = "" if event.altitude is None else f"{event.altitude:.1f} m"
+        height = "" if event.altitude is None else shown.length(event.altitude, 1)
         yield f"    {event.name:12} T{event.time:+9.2f} s {height:>12}   {event.sensor}"

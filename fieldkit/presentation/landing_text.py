@@ -27,7 +27,7 @@ def landing_in_words(
     falls = shown.speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery, shown)}"
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
-        yield f"            {ballistic:.0%} hit the ground before anything opens"
+        yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall)}"
     yield f"  based on  {rests_in_words(said)}"
     if plan.wind is None:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
+from fieldkit.quantities import ShownUnits
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
-from fieldkit.units import FOOT
 
 BARS = "▁▂▃▄▅▆▇█"
 """Bars of misses, from none to the largest."""
@@ -19,10 +19,11 @@ MAX_P_SHOWN = 0.1
 """Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
 
-def report(found: Findings) -> Iterator[str]:
-    """A closed loop: the residual, what it goes with, the ladder of evidence, the verdict, before and after."""
-    diagnosis = found.diagnosis
-    yield from _residual(found)
+def report(found: Findings, system: str = "SI") -> Iterator[str]:
+    """A closed loop: residuals and their correlations, the evidence per effect, the verdict, and errors before and
+    after, in the units of a system."""
+    diagnosis, shown = found.diagnosis, ShownUnits(system)
+    yield from _residual(found, shown)
     yield ""
     yield from _fingerprints(found)
     yield ""
@@ -35,23 +36,23 @@ def report(found: Findings) -> Iterator[str]:
             yield f"  {place:34.34}{how_sure}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
-    for line in beside_verdict(found):
+    for line in beside_verdict(found, system):
         yield f"  {line}"
     for line in found.implausible:
         yield f"  {line}"
     yield ""
-    yield from misses_drawn(found)
-    yield from _errors(found)
+    yield from misses_drawn(found, system)
+    yield from _errors(found, shown)
 
 
-def misses_drawn(found: Findings) -> Iterator[str]:
-    """Why to believe it, in one picture: how far each of the last flights was missed, before and after; nothing where
-    forecasts stay as they were."""
+def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
+    """The absolute error of each of the last flights as bars, before and after; nothing if the forecasts do not
+    change."""
     if all(not places for _, places in found.diagnosis.averaged):
         return
     rows = [row for row in misses(found) if row["before_m"] is not None][-MAX_DRAWN:]
     most = max(abs(row[when]) for row in rows for when in ("before_m", "after_m"))
-    yield f"  misses, flight by flight (highest bar {most:.0f} m):"
+    yield f"  misses, flight by flight (highest bar {ShownUnits(system).length(most)}):"
     for when in ("before", "after"):
         heights = [abs(row[f"{when}_m"]) / most for row in rows]
         yield f"    {when:6} {''.join(BARS[min(int(height * len(BARS)), len(BARS) - 1)] for height in heights)}"
@@ -73,12 +74,12 @@ def misses(found: Findings) -> list[dict[str, Any]]:
     ]
 
 
-def _residual(found: Findings) -> Iterator[str]:
+def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     before = found.left_out.before.score
     count = found.left_out.before.flights
     yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
     yield (
-        f"  mean error {before.mae:.1f} m, bias {before.bias:+.1f} m, "
+        f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
         f"{before.coverage90:.0%} of flights in the 90 % interval"
     )
     significant = [row for row in (*found.patterns, *found.readout_patterns) if row.p < MAX_P_SHOWN]
@@ -95,7 +96,7 @@ def _residual(found: Findings) -> Iterator[str]:
     if significant:
         yield "  p is corrected for the number of columns tested."
     else:
-        yield "  Misses follow nothing that was recorded."
+        yield "  Misses follow no recorded column."
 
 
 def _p_value(p: float) -> str:
@@ -103,31 +104,31 @@ def _p_value(p: float) -> str:
     return "p < 0.01" if p < 0.01 else f"p {p:.2f}"
 
 
-def beside_verdict(found: Findings) -> Iterator[str]:
-    """What is said of a verdict besides its name and why: what it is worth on the next flight, how sure it is, what
-    would settle it, what to do, what logs show."""
+def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
+    """Details of a verdict: its effect on the next flight, its probability, the experiment that would decide it, what
+    accepting it changes, and the evidence of the logs; in the units of a system."""
     diagnosis = found.diagnosis
     if found.unexplained is not None:
         yield found.unexplained.in_words
-    yield in_next_flight(found.next_flight)
+    yield in_next_flight(found.next_flight, system)
     yield how_sure(found)
     if diagnosis.also:
         yield f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"
     for number, test in enumerate(found.tests):
-        yield f"  {'to decide: ' if not number else 'or '}{test.in_words}"
+        yield f"  {'to decide: ' if not number else 'or '}{test.words(system)}"
     yield from what_accepting_changes(found)
     yield from climbs_in_words(found.testimony)
 
 
-def in_next_flight(one: NextFlight) -> str:
-    """`next F24 in the same conditions: 5 m (18 ft, 1.7 %) lower than the plain model`, and what it will be."""
-    change = one.after - one.before
-    span = f"{one.after:.0f} m, 90 % interval {one.interval[0]:.0f} to {one.interval[1]:.0f} m"
+def in_next_flight(one: NextFlight, system: str = "SI") -> str:
+    """`next F24 in the same conditions: 5 m (1.7 %) lower than the plain model`, and the forecast itself."""
+    change, shown = one.after - one.before, ShownUnits(system)
+    span = f"{shown.length(one.after)}, 90 % interval {shown.lengths(*one.interval)}"
     name = f"next {one.flight.motor} in the same conditions"
     if abs(change) < 0.5:
         return f"{name}: same as the plain model, {span}"
     way = "higher" if change > 0 else "lower"
-    much = f"{abs(change):.0f} m ({abs(change) / FOOT:.0f} ft, {abs(change) / one.before:.1%})".replace("%", " %")
+    much = f"{shown.length(abs(change))} ({abs(change) / one.before:.1%})"
     return f"{name}: {much} {way} than the plain model, {span}"
 
 
@@ -158,7 +159,7 @@ def what_accepting_changes(found: Findings) -> Iterator[str]:
     """What accepting changes, and how to say otherwise."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
-        yield "forecasts stay with the plain model"
+        yield "forecasts use the plain model"
         return
     parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
     yield f"forecasts average over: {', '.join(parts)}"
@@ -177,18 +178,21 @@ def _chance(share: float) -> str:
     return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 
-def _errors(found: Findings) -> Iterator[str]:
+def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:
     """Errors before and after, left out and forward in time, with their intervals."""
-    yield f"  {'held-out error':24}{'MAE':>5} {'[m]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
+    yield f"  {'held-out error':24}{'MAE':>5} {f'[{shown.length_unit}]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
     for title, compared in (("left out", found.left_out), ("forward in time", found.forward)):
         if not compared.before.flights:
             continue
         rows = [("before", compared.before)] + [("after", compared.after)] * (found.diagnosis.effect != "none")
         for when, judged in rows:
-            score, (low, high), (least, most) = judged.score, judged.mae, judged.bias
+            score = judged.score
+            mae, low, high, rmse = (shown.length(one, 1).split()[0] for one in (score.mae, *judged.mae, score.rmse))
+            bias = shown.difference(score.bias).split()[0]
+            least, most = (shown.difference(one, 0).split()[0] for one in judged.bias)
             yield (
-                f"  {title + ', ' + when:24}{score.mae:5.1f} {f'({low:.1f} to {high:.1f})':14}"
-                f"{score.rmse:6.1f}{score.bias:+6.1f} {f'({least:+.0f} to {most:+.0f})':14}{score.coverage90:6.0%}"
+                f"  {title + ', ' + when:24}{mae:>5} {f'({low} to {high})':14}"
+                f"{rmse:>6}{bias:>6} {f'({least} to {most})':14}{score.coverage90:6.0%}"
             )
     yield f"  left out: {found.left_out.how}"
     yield f"  forward: {found.forward.how}"

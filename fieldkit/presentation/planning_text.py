@@ -16,7 +16,7 @@ from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits, measure, written
-from fieldkit.units import FOOT
+from fieldkit.units import FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
 """Conditions that act on a flight, besides the air."""
@@ -24,7 +24,7 @@ FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
     """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
-    starts from where the rocket has one among `starts`; in the units of a system."""
+    starts from if the rocket has one among `starts`; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = written(RAIL_LENGTH, "m", system, 1)
@@ -64,12 +64,16 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {shown.length(goal.target)}"
     if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
-        yield f"  too heavy: the season allows at most {goal.rule.mass * 1e3:.0f} g on the pad"
+        yield f"  too heavy: the season allows at most {shown.mass(goal.rule.mass)} on the pad"
     if not best.clear:
-        points = "ft" if goal.rule is None else "points"
-        yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} per flight is not significant"
+        gain, error = (
+            (f"{best.gain:.0f}", f"{best.gain_error:.0f} points")
+            if goal.rule is not None
+            else (shown.length(best.gain * FOOT).split()[0], shown.length(best.gain_error * FOOT))
+        )
+        yield f"  no change: a gain of {gain} ± {error} per flight is not significant"
         yield "            one more flight at the current mass would help; below is the effect of the change"
-    yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'remove'} {abs(best.add) * 1e3:.0f} g"
+    yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"  90 %      {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
@@ -78,8 +82,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     yield f"  mean miss {errors[0]} ({errors[1]} without change)"
     if best.there.points is not None and best.today.points is not None:
         yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
-    slope = shown.length(best.slope / 1e3, 1)
-    yield f"  1 g more  {'' if slope.startswith('-') else '+'}{slope}"
+    step = "1 g" if shown.mass(0.0).endswith(" g") else "0.1 oz"
+    yield f"  {f'{step} more':9} {shown.difference(best.slope * parse(step, 'mass', 'g'))}"
     yield f"  based on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
@@ -97,7 +101,7 @@ def outlook_in_words(
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
     least, _, most = three(sums)
-    yield f"{_named(said)}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor, season {rule.year}"
+    yield f"{_named(said)}, {ShownUnits(system).mass(said.plan.dry_mass or 0.0)} without the motor, season {rule.year}"
     if rule.caveat:
         yield f"  {rule.caveat}"
     yield (
@@ -131,23 +135,23 @@ MAX_ADVISED_MOTORS = 5
 def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
     """The motors with the fewest points to expect, and whether a change of motor is worth it."""
     if not advice.ranked:
-        yield f"season {rule.year}: no motor that fits is within the limits of the season"
+        yield f"season {rule.year}: no motor that fits is within the season's limits"
         return
     first = advice.ranked[0]
     best = ", ".join(f"{one.choice.motor.designation} {one.mean:.0f}" for one in advice.ranked[:MAX_ADVISED_MOTORS])
-    yield f"season {rule.year}: points to expect per flight at this mass: {best}"
+    yield f"season {rule.year}: expected points per flight at this mass: {best}"
     name = first.choice.motor.designation
     if advice.current is None or advice.gain is None:
-        yield f"{name} brings the fewest; no motor that was flown to compare it with"
+        yield f"{name} scores the fewest; no flown motor to compare it with"
     elif advice.current.choice.motor is first.choice.motor:
-        yield f"no change: {name}, flown last, brings the fewest"
+        yield f"no change: {name}, flown last, scores the fewest"
     elif advice.clear:
         gain = f"{advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
         yield f"change to {name}: {gain} than {advice.current.choice.motor.designation}"
     else:
-        gain = f"{name} brings {advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
+        gain = f"{name} scores {advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
         yield f"no change from {advice.current.choice.motor.designation}: {gain}, which is not significant"
-    yield "check the season's motor list and the rule; the mass can be solved with `fieldkit ballast --season`"
+    yield "check the season's motor list and the rule; `fieldkit ballast --season` finds the mass"
 
 
 def _delay(one: Delay, shown: ShownUnits) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
+from fieldkit.quantities import ShownUnits
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
@@ -54,11 +55,11 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
     }
 
 
-def quick_lines(found: QuickLook) -> Iterator[str]:
-    """Probabilities, the likeliest first, and the verdict."""
+def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
+    """Probabilities, the likeliest first, and the verdict, in the units of a system."""
     said = found.answer
     yield f"{found.rocket}: {found.flights} clean flights, quick look by the network; nothing is saved"
-    yield f"  mean error of the plain model, leave-one-out: {found.before.mae:.1f} m"
+    yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"
     yield f"  {'none':34.34}{said.none:11.0%}"
@@ -120,8 +121,9 @@ def _by_the_fit(said: Prediction) -> dict[str, Any]:
     }
 
 
-def forecast_line(found: QuickForecast) -> str:
-    """A forecast in a line, and whose it is."""
+def forecast_line(found: QuickForecast, system: str = "SI") -> str:
+    """A forecast in one line, and whether it is from the network or the fit."""
+    shown = ShownUnits(system)
     said = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = said["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
@@ -131,6 +133,7 @@ def forecast_line(found: QuickForecast) -> str:
         else "by the fit, because the network's answer failed its check"
     )
     return (
-        f"{name}{found.plan.motor}: {apogee['p50']:.0f} m, 90 % interval {apogee['p05']:.0f} to {apogee['p95']:.0f} m, "
+        f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90 % interval "
+        f"{shown.lengths(apogee['p05'], apogee['p95'])}, "
         f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} times certified"
     )

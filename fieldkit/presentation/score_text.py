@@ -65,7 +65,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `DIFFERENCES` for each rival: by how much a mean score of the model is smaller, its 90 % bootstrap
-    interval in percent of the apogee flown, starred where that leaves out zero."""
+    interval in percent of the apogee flown, starred if that leaves out zero."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
         for one in found.against
@@ -95,14 +95,14 @@ def against_the_bar(found: "ScoreReport") -> Iterator[str]:
     for one in found.against:
         if one.rival == BAR:
             words = {
-                "better": "The scalar correction is beaten",
-                "worse": "The scalar correction is BETTER than fieldkit",
-                "unclear": "These flights do not show whether the scalar correction is beaten",
+                "better": "Better than the scalar correction",
+                "worse": "WORSE than the scalar correction",
+                "unclear": "Not clearly different from the scalar correction",
             }
             yield f"{words[one.verdict]}: {_errors(one)}."
     for rocket, one in found.behind:
         chance = ", which may be chance" if one.verdict != "worse" else ""
-        yield f"Not beaten on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
+        yield f"Not better on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
 
 
 def _errors(one: "Against", mean: str = "mean error ") -> str:

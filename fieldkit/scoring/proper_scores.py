@@ -3,7 +3,7 @@
 The continuous ranked probability score is E|X - y| - E|X - X'| / 2 for a forecast X and a flight y, in meters: the
 absolute error of a forecast that is one number, less the more honest its spread (Gneiting and Raftery, Strictly
 Proper Scoring Rules, Prediction, and Estimation, 2007). The fraction of draws below the flight, its PIT, is uniform
-over flights where forecasts are calibrated (Dawid, 1984); both are judged against what chance alone would do.
+over flights if forecasts are calibrated (Dawid, 1984); both are judged against what chance alone would do.
 """
 
 from collections.abc import Sequence

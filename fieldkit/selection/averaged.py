@@ -70,7 +70,7 @@ class _Said:
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
     """Every flight forecast by the hypotheses that were checked, fitted and weighed without it.
 
-    By importance sampling; where the weights of that cannot be relied on the fit is made again without the flight.
+    By importance sampling; if the weights of that cannot be relied on the fit is made again without the flight.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     said = [_sampled(one) for one in some]

@@ -2,7 +2,7 @@
 
 An outcome, or a forecast of one, goes with what a flight is off by because it holds it; a pattern in it explains
 nothing and is not there for the next flight. What a column of the schema is, the schema says. A column that it does not
-know is taken for an outcome where its header names a readout, or a figure that is fitted to readouts, and where its
+know is taken for an outcome if its header names a readout, or a figure that is fitted to readouts, and if its
 values are a readout's, or a forecast of it: in a constant ratio to it from flight to flight, or lengths about as large
 as the apogees.
 """
@@ -44,7 +44,7 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
 
 
 def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """A column of the flyer's own, nan where it is no number."""
+    """A column of the flyer's own, nan if it is no number."""
     return np.array([_number(flight.extra.get(name, "")) for flight in flights])
 
 

@@ -108,7 +108,7 @@ class Diagnosis:
 
     @property
     def pattern(self) -> tuple[Place, ...]:
-        """The pattern that the most probable hypothesis has, where the verdict is unexplained."""
+        """The pattern that the most probable hypothesis has, if the verdict is unexplained."""
         places = self.posterior.best().places if self.effect == UNEXPLAINED else ()
         return tuple(place for place in places if not place.effect)
 

@@ -23,7 +23,7 @@ def rocket_model(
 ) -> Model:
     """The model of a rocket with the effects and patterns that were accepted into it; the rest as in `base_model`.
 
-    Patterns are those of the first `flown` flights, by default of all. Where motors and masses are believed, what every
+    Patterns are those of the first `flown` flights, by default of all. If motors and masses are believed, what every
     rocket has of an effect is part of the model; the learned hyperprior has it in its random effects.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)

@@ -25,7 +25,7 @@ class FingerprintMark:
     """One readout: what the effect would do, and what was there, both in expected standard deviations.
 
     `sd` is of what was there. `fitted` is False for readouts that the fit does not use: those are compared
-    with the plain model's flights, in units of their own scatter. nan where nothing was recorded.
+    with the plain model's flights, in units of their own scatter. nan if nothing was recorded.
     """
 
     readout: str

@@ -22,7 +22,7 @@ class Hypothesis:
     """Effects, each in one place, with the fit of the model that has them; none for the plain model.
 
     `log_prior` is the log of its prior probability over that of the plain model. `correction` is what importance
-    sampling adds to the fit's log evidence, `sampled` that itself where it was done.
+    sampling adds to the fit's log evidence, `sampled` that itself if it was done.
     """
 
     candidates: tuple[Candidate, ...]

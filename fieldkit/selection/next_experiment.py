@@ -19,6 +19,7 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import delays, recorded
+from fieldkit.quantities import ShownUnits
 from fieldkit.selection.candidates import EACH_GROUP, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
@@ -54,12 +55,20 @@ class Advice:
 
     @property
     def in_words(self) -> str:
-        """An advice of one line."""
-        odds = f"should bring the odds to {_odds(self.expected)}"
+        """The advice in one line, in SI units."""
+        return self.words()
+
+    def words(self, system: str = "SI") -> str:
+        """The advice in one line, in the units of a system."""
+        shown = ShownUnits(system)
+        odds = f"expected odds {_odds(self.expected)}"
+        what = self.what.replace(f"{BREEZE:.0f} m/s", shown.speed(BREEZE, 0))
         if not self.readouts:
-            return f"{self.what}: {odds}"
+            return f"{what}: {odds}"
         names = " and ".join(BY_NAME[name].title.lower() for name in self.readouts)
-        return f"{self.what} and record {names}: {odds} ({self.first:.0f} or {self.second:.0f} m)"
+        first, second = shown.length(self.first), shown.length(self.second)
+        apogees = f" (apogee {first.split()[0]} or {second})" if first != second else ""
+        return f"{what} and record {names}: {odds}{apogees}"
 
 
 def _odds(nats: float) -> str:
@@ -118,7 +127,7 @@ def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
 
 
 def _measurements(side: Explanation) -> Iterator[Advice]:
-    """What could be measured on the ground, where an effect knows how well its strength can be."""
+    """What could be measured on the ground, if an effect knows how well its strength can be."""
     mean, sd = side.fit.moments()
     for place in side.places:
         effect = effects()[place.effect]

@@ -123,7 +123,7 @@ def _every(n: int, first: int) -> Weigh:
 
 
 def _standard(read: Weigh, mean: float, sd: float) -> Weigh:
-    """A column about its mean, nothing where it was not written down."""
+    """A column about its mean, nothing if it was not written down."""
     return lambda some: np.nan_to_num((read(some) - mean) / sd)
 
 

@@ -21,7 +21,7 @@ class Pattern:
     """How strongly a readout's residuals go together with a column of the flights.
 
     `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups; `p_alone` is
-    the chance of one as large where nothing is, `p` the same after paying for everything looked at (Holm, 1979).
+    the chance of one as large if nothing is, `p` the same after paying for everything looked at (Holm, 1979).
     """
 
     against: str
@@ -35,9 +35,9 @@ class Pattern:
 class ResidualDistribution:
     """How one readout's residuals are distributed, in units of their expected scatter.
 
-    `bias` and `spread` are mean and standard deviation (0 and 1 where the model is right), `autocorrelation`
-    is between one flight and the next. Each comes with the chance of one as far off where the model is right: by
-    Student's t, by chi squared, and by shuffling the flights. nan where fewer than four flights have the readout.
+    `bias` and `spread` are mean and standard deviation (0 and 1 if the model is right), `autocorrelation`
+    is between one flight and the next. Each comes with the chance of one as far off if the model is right: by
+    Student's t, by chi squared, and by shuffling the flights. nan if fewer than four flights have the readout.
     """
 
     readout: str
@@ -63,7 +63,7 @@ def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
 
 
 def standardised(left_out: LeaveOneOut, seen: Flags) -> Float[Array, "flight readout"]:
-    """Residuals of flights left out, averaged over the scales of scatter; nan where nothing was seen."""
+    """Residuals of flights left out, averaged over the scales of scatter; nan if nothing was seen."""
     residual = np.einsum("sf,sfo->fo", forecasts_of(left_out).weight, left_out.residual)
     return np.where(seen, residual, np.nan)
 
@@ -179,7 +179,7 @@ def associations(
 
 
 def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tuple[float, float]:
-    """Spearman's rank correlation, and by Student's t the chance of one as strong where there is none."""
+    """Spearman's rank correlation, and by Student's t the chance of one as strong if there is none."""
     freedom = len(one) - 2
     correlation = float(np.corrcoef(ranks(one), ranks(other))[0, 1])
     t = correlation * np.sqrt(freedom / max((1 - correlation) * (1 + correlation), 1e-300))
@@ -187,7 +187,7 @@ def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tupl
 
 
 def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
-    """Kruskal and Wallis' H, corrected for ties, and by chi squared the chance of one as large where groups do not
+    """Kruskal and Wallis' H, corrected for ties, and by chi squared the chance of one as large if groups do not
     differ."""
     from scipy.special import chdtrc
 
@@ -201,7 +201,7 @@ def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
 
 
 def ranks(values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """The rank of each value from one on, the mean of theirs where several are equal."""
+    """The rank of each value from one on, the mean of theirs if several are equal."""
     _, kind, count = np.unique(values, return_inverse=True, return_counts=True)
     return np.asarray((np.cumsum(count) - (count - 1) / 2)[kind])
 

@@ -144,7 +144,7 @@ def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
 
 
 def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
-    """The most probable set beside which nothing was tried yet, None where none is probable enough."""
+    """The most probable set beside which nothing was tried yet, None if none is probable enough."""
     weight = {members: _weight(some) for members, some in sets.items()}
     least = max(weight.values()) - WINDOW
 

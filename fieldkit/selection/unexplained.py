@@ -1,4 +1,4 @@
-"""What is left where no known effect accounts for it: what it goes with, in a sentence, and by how much."""
+"""What is left if no known effect accounts for it: what it goes with, in a sentence, and by how much."""
 
 from dataclasses import dataclass
 

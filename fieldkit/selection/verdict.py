@@ -26,7 +26,7 @@ class Verdict:
     """What is said: an effect's name (several joined by `+`), "none" or "unexplained".
 
     `confidence` is the posterior probability that what is said is so: that all effects named are there, or one of
-    `also` in their place where only together they are probable enough. `accepted` are the effects named, each in its
+    `also` in their place if only together they are probable enough. `accepted` are the effects named, each in its
     place.
     """
 
@@ -49,12 +49,12 @@ def verdict(posterior: SetPosterior) -> Verdict:
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
         return Verdict(UNEXPLAINED, something, _unexplained(posterior))
-    why = "the flights match the model within their scatter, as far as they can show"
+    why = "the flights match the model within their scatter"
     return Verdict("none", posterior.nothing, why)
 
 
 def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
-    """The verdict where a flyer says what is there."""
+    """The verdict if a flyer says what is there."""
     return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
 
 

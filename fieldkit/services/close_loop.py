@@ -37,7 +37,7 @@ def close_loop(
     """Diagnose a rocket's flights and predict from now on with an average over everything that is probable.
 
     `given` are effects that the flyer knows to be there, and to which the average is pinned whatever the evidence,
-    `declined` those that are not there. A version is kept only where it differs from the one in use. Raises NoFlights
+    `declined` those that are not there. A version is kept only if it differs from the one in use. Raises NoFlights
     for fewer than four clean flights with an apogee, UnknownEffect for a given effect that these flights could not
     show.
     """

@@ -63,7 +63,7 @@ class Findings:
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
     of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the
-    next. `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the
+    next. `next_flight` is what all this is worth on the flight after the last. `unexplained` is there if the
     verdict is. `testimony` is what logs of the climb say, which had no part in the verdict.
     """
 

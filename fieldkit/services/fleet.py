@@ -65,7 +65,7 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
 
 
 def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
-    """A rocket's fit by itself, from the ledger where that is up to date."""
+    """A rocket's fit by itself, from the ledger if that is up to date."""
     from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)

@@ -19,7 +19,7 @@ DRAWS = 4000
 
 @dataclass(frozen=True, slots=True)
 class DragFacts:
-    """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
+    """A flight's Cd (or drag area, if the diameter is not known) and thrust factor, and doubts about them."""
 
     drag: Float[Array, "draw"]
     drag_name: str
@@ -38,7 +38,7 @@ class ForecastFacts:
 
 
 def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFacts:
-    """The posterior of a flight by itself. Raises FieldkitError where it can have none."""
+    """The posterior of a flight by itself. Raises FieldkitError if it can have none."""
     import numpy as np
 
     from fieldkit.errors import ImpossibleFlight
@@ -59,7 +59,7 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
     """The forecast that was made for a flight, else the one that the other flights make now.
 
-    Raises FieldkitError where there can be none.
+    Raises FieldkitError if there can be none.
     """
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.services.forecasts import forecast_from_others

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Model = Literal["history", "field", "paper"]
 """What can be asked: the network of whole histories, the field ensemble, the reference paper's."""
 FIT_SHARE = 0.5
-"""Part of the progress that fitting the other rockets takes, where none is cached. [1]"""
+"""Part of the progress that fitting the other rockets takes, if none is cached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ class FlightInference:
             if np.isfinite([*said.log_cd, *said.log_alpha]).all():
                 inferred.append(_with_answer(one, said))
             else:
-                left_out.append(f"flight {one.flight.flight_id}, its readouts do not go together")
+                left_out.append(f"flight {one.flight.flight_id}, its readouts are inconsistent")
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":

@@ -81,7 +81,7 @@ def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlig
 
 def overview(ledger: Ledger, motors: "Catalogue", flights: Sequence[Flight] | None = None) -> Overview | None:
     """What is next, None with neither flights nor a plan. Nothing is computed: all of it is read from the ledger, also
-    its `flights` where they were not read before."""
+    its `flights` if they were not read before."""
     from fieldkit.services.manual_entry import PLAN
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 

@@ -22,7 +22,7 @@ from fieldkit.settings import Settings
 RECENT_FORECASTS = 10
 """Forecasts of a rocket, the newest, whose outcomes are counted. [1]"""
 OUTSIDE_PROBABILITY = 0.1
-"""Of a flight outside its 90 % interval, where forecasts are calibrated. [1]"""
+"""Of a flight outside its 90 % interval, if forecasts are calibrated. [1]"""
 SIGNIFICANCE = 0.05
 """Probability of as many flights outside by chance, below which the model is questioned. [1]"""
 COMPARED_DRAWS = 200
@@ -69,7 +69,7 @@ def suggestion(
 
 
 def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
-    """Where more of the last flights ended outside their intervals than chance would have it, and the loop has enough
+    """If more of the last flights ended outside their intervals than chance would have it, and the loop has enough
     flights to look for the reason."""
     flown = [one for one in said if one.flown is not None][-RECENT_FORECASTS:]
     outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)

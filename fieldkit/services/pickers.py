@@ -64,7 +64,7 @@ class Names:
         if name not in ("rocket", "site") or not text or str(text) in self.known[name] or not self.known[name]:
             return ""
         near = nearest(str(text), self.known[name])
-        return f"No {name} {text} yet; " + (f"nearest: {', '.join(near)}" if near else "it would be a new one")
+        return f"No {name} {text} yet; " + (f"nearest: {', '.join(near)}" if near else "this adds one")
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty if it is or none is named."""

@@ -60,7 +60,7 @@ INHERITED_RECOVERY = (
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
-    """A plan that comes down as its configuration last did, where it says nothing itself."""
+    """A plan that comes down as its configuration last did, if it says nothing itself."""
     own = [flight for flight in flights if flight.config == plan.config]
     extra = dict(plan.extra)
     for name in INHERITED_RECOVERY:

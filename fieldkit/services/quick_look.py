@@ -25,7 +25,7 @@ MIN_FLIGHTS = 4
 class QuickForecast:
     """A plan, completed from what was last flown, and the network's answer for it.
 
-    `check` is what the one model makes of the answer; where it does not bear it out, `fitted` is the fit's forecast.
+    `check` is what the one model makes of the answer; if it does not bear it out, `fitted` is the fit's forecast.
     """
 
     plan: Flight

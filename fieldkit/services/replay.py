@@ -36,7 +36,7 @@ def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) 
     """The samples of a flight of the ledger, read again from the bytes that it keeps; None if it has none.
 
     `choices` say which columns of a table of samples are what, best first.
-    Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
+    Raises LedgerError for an id that means no flight, and if a log of several flights does not say which it is.
     """
     flight = ledger.flight(id)
     try:

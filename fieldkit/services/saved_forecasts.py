@@ -10,6 +10,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, start_among
 from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue
+from fieldkit.quantities import ShownUnits
 from fieldkit.services.forecasts import used_version
 from fieldkit.services.manual_entry import LAPSES, PLAN
 from fieldkit.services.match_forecasts import made_for, residual, resolved
@@ -113,14 +114,15 @@ def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedFore
     return {(one.flight.rocket, one.flight.flight_id): one for one in found if one.flight}
 
 
-def in_words(one: SavedForecast) -> Iterator[str]:
-    """Forecast and flown apogee of a flight, a line each."""
+def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
+    """Forecast and flown apogee of a flight, one line each, in the units of a system."""
+    shown = ShownUnits(system)
     low, middle, high = one.interval
-    said = f"{middle:.0f} m, 90 % interval {low:.0f} to {high:.0f} m"
+    said = f"{shown.length(middle)}, 90 % interval {shown.lengths(low, high)}"
     yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
-        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} the interval"
+        yield f"flown {shown.length(one.flown, 1)}: {shown.length(abs(one.miss), 1)} {way}, {where} the interval"
     if one.stale:
         yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
 

@@ -19,7 +19,7 @@ def sites(ledger: Ledger) -> list[Site]:
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
-    """What is known of a site; nothing but its name where it is new."""
+    """What is known of a site; nothing but its name if it is new."""
     saved = (ledger.draft(SITES) or {}).get(name, {})
     if not name or "elevation" in saved:
         return Site(name, **saved)

@@ -32,7 +32,7 @@ class TypedEstimate:
     """What the network makes of a rocket's flights with the one that is being typed.
 
     `cd` (on the body's frontal area) and `alpha` are those that the same flight flown again would have [1], and
-    `next_apogee` is what it would show [m]; all None where `needs` says what is missing for them, or `odd` why the
+    `next_apogee` is what it would show [m]; all None if `needs` says what is missing for them, or `odd` why the
     figures cannot be those of a flight.
     """
 
@@ -128,7 +128,7 @@ def _estimate(said: QuickAnswer) -> TypedEstimate:
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     cd, alpha = _interval(said.log_cd), _interval(said.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):
-        return TypedEstimate(odd="these figures do not go together")
+        return TypedEstimate(odd="these values are inconsistent")
     return TypedEstimate(
         cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(said.summary.data.seen.any(axis=1).sum())
     )

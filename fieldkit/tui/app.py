@@ -53,10 +53,10 @@ class FieldkitApp(Surviving):
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
-        Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
+        Binding("U", "redo", "Redo", show=False, tooltip="Redo what was undone"),
         Binding("T", "next_theme", "Colors", show=False, tooltip="Next colors: field, sun, night, terminal"),
         Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
-        Binding("W", "whole_notice", "Whole notice", show=False, tooltip="All of a notice, files by their whole paths"),
+        Binding("W", "whole_notice", "Full notice", show=False, tooltip="The full notice, with full file paths"),
         Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
         Binding("ctrl+q", "quit", "Quit", show=False),
         Binding("q", "quit", "Quit"),
@@ -96,7 +96,7 @@ class FieldkitApp(Surviving):
             self.set_interval(TERMINAL_CHECK_INTERVAL, partial(self._leave_if_gone, held))
 
     def _leave_if_gone(self, held: int) -> None:
-        """Leave where the terminal was closed: whatever was typed is kept already."""
+        """Leave if the terminal was closed: whatever was typed is kept already."""
         if gone(held):
             self.exit()
 
@@ -107,12 +107,12 @@ class FieldkitApp(Surviving):
         return self._opened[name]
 
     def switch_mode(self, mode: str) -> AwaitMount:
-        """Bring a page to the front: at once where it was drawn before, for Textual would hide any for a while."""
+        """Bring a page to the front: at once if it was drawn before, for Textual would hide any for a while."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
 
     def delay_update(self, delay: float = 0.05) -> None:
-        """Hide what changes until it is laid out, where there is something to hide."""
+        """Hide what changes until it is laid out, if there is something to hide."""
         if self._hides:
             super().delay_update(delay)
 
@@ -211,16 +211,16 @@ class FieldkitApp(Surviving):
         self.simulate_key(key)
 
     def action_help_quit(self) -> None:
-        """What ^C does where nothing can be copied: it says how to leave."""
-        self.show_notice("q leaves the app; so does ^Q, from a field as well")
+        """What ^C does if nothing can be copied: it says how to leave."""
+        self.show_notice("q quits; so does ^Q, even in a field")
 
     def action_undo(self) -> None:
         """Undo the last change, no matter who made it."""
         self._journal("undo", "undone")
 
     def action_redo(self) -> None:
-        """Do again what was undone last."""
-        self._journal("redo", "done again")
+        """Redo what was undone last."""
+        self._journal("redo", "redone")
 
     def _journal(self, method: str, said: str) -> None:
         page = self.screen
@@ -269,7 +269,7 @@ class FieldkitApp(Surviving):
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves; after an error of our own, where the flyer was.
 
-    Raises FieldkitError where one error follows the other.
+    Raises FieldkitError if one error follows the other.
     """
     began: list[float] = []
     place: Whereabouts | None = None

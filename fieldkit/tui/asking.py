@@ -1,4 +1,4 @@
-"""A screen that asks questions of the engine: off the keys, in order, and dropped where nobody waits any more."""
+"""A screen that asks questions of the engine: off the keys, in order, and dropped if nobody waits any more."""
 
 import asyncio
 from collections import defaultdict
@@ -84,7 +84,7 @@ class AskingScreen(Screen[None]):
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
-        """Work a question out when the one before it is over, also where that was dropped."""
+        """Work a question out when the one before it is over, also if that was dropped."""
         while (before := self._threads.get(group)) is not None and not before.done():
             await asyncio.wait([before])
 

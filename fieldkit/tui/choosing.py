@@ -88,7 +88,7 @@ class Choosing(InOrder):
     def ask_target(self) -> None:
         """The height to hit, that motors are compared against."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
-        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
         self.push_screen(AskText("Target", now, about), self._targeted)
 
     def action_ask_target(self) -> None:

@@ -26,15 +26,15 @@ MAX_FRAMES = 60
 
 @dataclass(frozen=True, slots=True)
 class Crash:
-    """An error that nobody foresaw: where it was raised, and the file that says more, None where none could be kept."""
+    """An error that nobody foresaw: where it was raised, and the file that says more, None if none could be kept."""
 
     where: str
     file: Path | None
 
     def line(self) -> str:
         """What a flyer reads."""
-        kept = f"{self.file} says where, without your flights" if self.file else "no file of it could be kept"
-        return f"an error in fieldkit itself, {self.where}; what was typed and saved is kept; {kept}"
+        kept = f"details are in {self.file}, without your flights" if self.file else "no report could be saved"
+        return f"an error in fieldkit itself, {self.where}; your flights and drafts are safe; {kept}"
 
 
 def record(error: BaseException) -> Crash:

@@ -81,8 +81,8 @@ class Finder(Provider):
 
     def _settings(self) -> Iterator[Entry]:
         host = self._host
-        yield Entry("Setting: target", "The apogee that motors are compared against", host.ask_target)
-        yield Entry("Setting: rail", "Length and angle of the rail you usually have", self._ask_rail)
+        yield Entry("Setting: target", "The target apogee for comparing motors", host.ask_target)
+        yield Entry("Setting: rail", "Length and angle of your usual rail", self._ask_rail)
         yield Entry("Setting: units", "SI, US or mixed; the next one", host.action_next_units)
         yield Entry("Setting: theme", "Colors: field, sun, night, terminal; the next one", host.action_next_theme)
 
@@ -108,8 +108,8 @@ class Finder(Provider):
         from fieldkit.tui.widgets.dialogs import HelpScreen
 
         name = f"{motor.maker} {motor.designation}"
-        about = Help("What is on record of this motor.", facts(motor), (f"fieldkit motors {name} --json",))
-        self.app.push_screen(HelpScreen(name, about, (), "On record"))
+        about = Help("The catalog data of this motor.", facts(motor), (f"fieldkit motors {name} --json",))
+        self.app.push_screen(HelpScreen(name, about, (), "Catalog data"))
 
     def _ask_rail(self) -> None:
         from fieldkit.tui.setup.setup_forms import ask_rail

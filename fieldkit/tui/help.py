@@ -17,5 +17,5 @@ NO_FLIGHTS = """No flights yet.
 0 Home    describe a rocket or load the demo rocket
 2 Add     type in what the altimeter shows
 3 Import  read a log or a table of flights
-7 Capture read a logger out by its cable"""
+7 Capture read a logger over its cable"""
 """What a page says before anything has flown."""

@@ -47,7 +47,7 @@ class Connections:
 
 
 async def serve(app: web.Application, host: str, port: int) -> None:
-    """Answer at a host until a signal ends it. Raises OSError where it cannot listen there."""
+    """Answer at a host until a signal ends it. Raises OSError if it cannot listen there."""
     runner = web.AppRunner(app, access_log=None, shutdown_timeout=SHUTDOWN_PERIOD)
     await runner.setup()
     try:

@@ -35,7 +35,7 @@ def share_arenas() -> None:
 
 @cache
 def _of_glibc(name: str) -> Any:
-    """One of glibc's functions, None where there is no such function."""
+    """One of glibc's functions, None if there is no such function."""
     return getattr(ctypes.CDLL(None), name, None) if sys.platform == "linux" else None
 
 
@@ -50,7 +50,7 @@ class PassedBy:
     def extend(self) -> None:
         """Pass by what is there now.
 
-        Garbage goes first, for what is frozen as garbage stays: that of what is new each time, and all of it where the
+        Garbage goes first, for what is frozen as garbage stays: that of what is new each time, and all of it if the
         number of objects has grown by a fifth.
         """
         everything = gc.get_freeze_count() > MAX_GROWTH * self.last

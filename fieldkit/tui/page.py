@@ -98,7 +98,7 @@ class PageScreen(AskingScreen):
         """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
 
     def redraw(self) -> None:
-        """Show the same in other units, colours or against another target, at once where nothing has to be read."""
+        """Show the same in other units, colours or against another target, at once if nothing has to be read."""
         self.reload()
 
     def came(self) -> None:
@@ -126,7 +126,7 @@ class PageScreen(AskingScreen):
         self._seen = (-1, -1)
 
     def refresh_if_changed(self) -> None:
-        """Reload where the ledger has changed since the last time, redraw where only the settings have."""
+        """Reload if the ledger has changed since the last time, redraw if only the settings have."""
         before, self._seen = self._seen, (self.field_app.revision, self.field_app.look)
         if before[0] != self._seen[0]:
             self.reload()
@@ -150,7 +150,7 @@ class PageScreen(AskingScreen):
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """A line is left where one is being typed in."""
+        """A line is left if one is being typed in."""
         if action == "leave_line":
             return isinstance(self.focused, Input)
         return super().check_action(action, parameters)
@@ -174,10 +174,10 @@ class PageScreen(AskingScreen):
             self.app.copy_to_clipboard(text)
             self.show_notice("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
         else:
-            self.show_notice("there is nothing here to copy")
+            self.show_notice("nothing to copy")
 
     def action_back(self) -> None:
-        """Read a notice; else leave a field; else leave the screen, where it lies above a page."""
+        """Read a notice; else leave a field; else leave the screen, if it lies above a page."""
         if self.field_app.notices:
             self.field_app.action_read()
         elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
@@ -190,11 +190,11 @@ class PageScreen(AskingScreen):
         self.set_focus(self.resting_place())
 
     def row(self) -> Any:
-        """The row under the cursor of the first table, None where there is none."""
+        """The row under the cursor of the first table, None if there is none."""
         return getattr(self.resting_place(), "current", None)
 
     def go_to_row(self, key: Any) -> None:
-        """Put the cursor of the first table on a row, where there is such a row."""
+        """Put the cursor of the first table on a row, if there is such a row."""
         if key is not None and (move := getattr(self.resting_place(), "move_to", None)):
             move(key)
 

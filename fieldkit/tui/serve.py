@@ -1,6 +1,6 @@
 """The app in a browser, on this computer or on a phone in the same network, by textual-serve.
 
-Beyond this computer nobody gets in without a token, and a page of another origin never does; nor, where there is no
+Beyond this computer nobody gets in without a token, and a page of another origin never does; nor, if there is no
 token, who asks for this computer by a name that is not its own: a page may have its own name lead to this computer.
 """
 
@@ -146,7 +146,7 @@ class OneLine(logging.Formatter):
 
 
 class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
-    """textual-serve with a token where there is one, and deaf to pages of other origins."""
+    """textual-serve with a token if there is one, and deaf to pages of other origins."""
 
     def __init__(self, host: str, port: int, token: str, ledger: str | None) -> None:
         chosen = ["--ledger", ledger] if ledger else []
@@ -168,7 +168,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             handler.setFormatter(OneLine())
 
     def serve(self, debug: bool = False) -> None:
-        """Answer until Ctrl-C. Raises OSError where it cannot listen."""
+        """Answer until Ctrl-C. Raises OSError if it cannot listen."""
         self.initialize_logging()
         with suppress(KeyboardInterrupt):
             asyncio.run(self._serve())

@@ -1,4 +1,4 @@
-"""What the app does about errors that nobody foresaw: it goes on where it can, and else remembers where it was."""
+"""What the app does about errors that nobody foresaw: it goes on if it can, and else remembers where it was."""
 
 import sys
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Surviving(Choosing):
         return self._crashes.setdefault(crash.where, crash)
 
     def bell(self) -> None:
-        """Textual rings it where an error has reached it, which ends the app; nothing else rings it."""
+        """Textual rings it if an error has reached it, which ends the app; nothing else rings it."""
         error = sys.exception()
         if error is not None and self.place is None:
             self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))

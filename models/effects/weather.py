@@ -1,4 +1,4 @@
-"""Weather: days that were hotter or colder than the standard air that is assumed where no temperature is known.
+"""Weather: days that were hotter or colder than the standard air that is assumed if no temperature is known.
 
 Hot air is thin, so the rocket flies higher; and it makes a barometric altimeter read low by the same share.
 """

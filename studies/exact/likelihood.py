@@ -135,7 +135,7 @@ def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Proble
 def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[Observed, dict[str, Array]]:
     """What was observed, and what the device would show without noise and with endless digits; [flight * draw].
 
-    nan if there is nothing to show, and throughout where nothing lifted.
+    nan if there is nothing to show, and throughout if nothing lifted.
     """
     flights, draws, _ = normals.shape
     flat = normals.reshape(flights * draws, -1)

@@ -85,7 +85,7 @@ def _transition(density: Density, state: _State, step: float, rng: np.random.Gen
 
 
 def split_r_hat(values: Float[Array, "iteration chain"]) -> float:
-    """Convergence of one figure, each chain in halves: 1 where they agree (Gelman et al., BDA3, 2013, section 11.4)."""
+    """Convergence of one figure, each chain in halves: 1 if they agree (Gelman et al., BDA3, 2013, section 11.4)."""
     half = len(values) // 2
     parts = np.concatenate([values[:half], values[half : 2 * half]], axis=1)
     within = parts.var(axis=0, ddof=1).mean()

@@ -88,7 +88,7 @@ class Target:
         """Log density, but for a constant, and what the force takes for its gradient."""
         point = self.point(at)
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
-        with np.errstate(over="ignore", invalid="ignore"):  # a trajectory may run off to where nothing flies
+        with np.errstate(over="ignore", invalid="ignore"):  # a trajectory may run off to if nothing flies
             flown = self.readouts(point.terms, effects)
         possible = (np.isfinite(flown) | ~self.seen).all(axis=(1, 2))
         error = np.where(self.seen & np.isfinite(flown), self.data.values - flown, 0.0)

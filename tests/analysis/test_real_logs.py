@@ -32,14 +32,14 @@ FLIGHTS = {
     "raven_fip__top_shot.csv": None,
     "raven_fip_variant__ndrt_2020_flight_data.csv": 17.34,
 }
-"""Logs with an apogee in them, and its time on the log's clock where the samples show it: the top of the parabola
+"""Logs with an apogee in them, and its time on the log's clock if the samples show it: the top of the parabola
 through the 11-sample medians from four seconds before the highest of them to one after. [s]"""
 
 pytestmark = pytest.mark.skipif(not LOGS.is_dir(), reason="the real logs are not beside this checkout")
 
 
 def flown(name: str) -> tuple[Reading, Recorded]:
-    """The one flight of a log; skips where no parser recognises it, or it cannot be read without a mapping."""
+    """The one flight of a log; skips if no parser recognises it, or it cannot be read without a mapping."""
     path = LOGS / name
     if not path.exists():
         pytest.skip(f"{name} is not there")
@@ -52,7 +52,7 @@ def flown(name: str) -> tuple[Reading, Recorded]:
 
 
 def robust_apogee(clocks: tuple[Series, ...]) -> float:
-    """The highest 11-sample median of the heights, where needed above that of the first in the minute before."""
+    """The highest 11-sample median of the heights, if needed above that of the first in the minute before."""
     for name in ("altitude", "pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)

@@ -99,7 +99,7 @@ def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int
     heard = ~((series.time > truth.apogee_time + begins) & (series.time < truth.apogee_time + begins + 12))
     recorded = measure((Series(time=series.time[heard], altitude=series.altitude[heard]),))
     assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", sds=2.5)
-    (note,) = [note for note in recorded.notes if "top is in a gap" in note]
+    (note,) = [note for note in recorded.notes if "apogee is in a gap" in note]
     low, high = (float(word) for word in note.replace(",", "").split() if word.isdigit() and int(word) > 100)
     assert low - 5 < truth.readouts()["apogee"] < high + 5
 

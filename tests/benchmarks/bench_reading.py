@@ -24,7 +24,7 @@ SIZE = 100_000_000
 MAX_RATIO = 1.5
 """Of the time that pandas takes to read the same columns. [1]"""
 ROUNDS = 3
-"""Of reading it, by each: memory is slower where others use it too. [1]"""
+"""Of reading it, by each: memory is slower if others use it too. [1]"""
 BATCH = 1000
 """Flights inferred together. [1]"""
 

@@ -75,7 +75,7 @@ class Wire:
             raise Unplugged from error
 
     def command(self, ends: bytes) -> bytes:
-        """The next command: up to one of these bytes, or of one byte where there are none."""
+        """The next command: up to one of these bytes, or of one byte if there are none."""
         while True:
             for place, byte in enumerate(self._unread):
                 if not ends or byte in ends:

@@ -446,7 +446,7 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     shown = screen.getvalue()
     assert "every byte goes to" in shown
     assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown
-    assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)" in shown
+    assert "altitude 240.0 m   highest 250.0 m" in shown
     assert "-9.0 m/s   coast   received 60 s ago" in shown
     assert "▁█" in shown
     assert "\x1b[31m" not in shown

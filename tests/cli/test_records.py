@@ -12,6 +12,7 @@ import pytest
 
 from fieldkit.cli.main import GROUPS, main
 from fieldkit.ledger import Ledger
+from fieldkit.settings import change_settings
 
 CHECK_SHAPES = False
 
@@ -253,7 +254,7 @@ def test_flights_are_listed_within_eighty_columns(full: Run) -> None:
     full("edit", "1", "rocket=" + "A very long name of a rocket " * 4, "notes=x" * 50)
     lines = full("flights").out.splitlines()
     assert max(map(len, lines)) <= 80
-    assert "281.3 m (922.9 ft)" in full("flights").out
+    assert "281.3 m" in full("flights").out
 
 
 def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
@@ -291,10 +292,14 @@ def test_text_from_a_file_cannot_reach_the_terminal(run: Run, table: Path) -> No
     assert "[red]" in run("flights").out
 
 
-def test_show_gives_both_units(full: Run) -> None:
+def test_show_is_in_the_units_that_were_chosen_and_in_no_others(full: Run) -> None:
     said = full("show", "1").out
-    assert "Apogee    281.3 m (922.9 ft)" in said
-    assert "322 g (11.36 oz)" in said
+    assert "Apogee    281.3 m\n" in said
+    assert "322 g\n" in said
+    change_settings({"units": "US"})
+    said = full("show", "1").out
+    assert "Apogee    922.9 ft\n" in said
+    assert "11.36 oz\n" in said
     assert "Duration" not in said
 
 

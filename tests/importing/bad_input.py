@@ -38,7 +38,7 @@ class Seed:
 
 
 def seeds() -> list[Seed]:
-    """Every sample log, and every real recording where there are any."""
+    """Every sample log, and every real recording if there are any."""
     found = [Seed(sample.name, owner(sample), _short(sample.read_bytes())) for sample in SAMPLES]
     for file in sorted(RECORDED.glob("*")) if RECORDED.is_dir() else []:
         log = file.read_bytes()
@@ -82,7 +82,7 @@ def flipped(log: bytes, rng: random.Random) -> bytes:
 
 
 def encodings_mixed(log: bytes, rng: random.Random) -> bytes:
-    """A part, or the whole, in another encoding, or a byte order mark where none belongs."""
+    """A part, or the whole, in another encoding, or a byte order mark if none belongs."""
     a, b = sorted((_place(log, rng), _place(log, rng)))
     text = log[a:b].decode("latin-1")
     other = text.encode(rng.choice(("utf-16-le", "utf-16-be", "utf-16", "utf-8-sig", "utf-32")))
@@ -179,7 +179,7 @@ def lines_moved(log: bytes, rng: random.Random) -> bytes:
 
 
 def ends_of_lines_changed(log: bytes, rng: random.Random) -> bytes:
-    """Other ends of lines, or blanks and quotation marks where none were."""
+    """Other ends of lines, or blanks and quotation marks if none were."""
     new = rng.choice((b"\r\n", b"\r", b"\n\n", b"\x0b", b"\xc2\x85", b' "\n', b'"\n', b" \n", b",\n", b""))
     if rng.random() < 0.5:
         return log.replace(b"\n", new)

@@ -1,4 +1,4 @@
-"""Which parser reads a file: the surest first, the next where that finds no flight, and what an unknown file lacks."""
+"""Which parser reads a file: the surest first, the next if that finds no flight, and what an unknown file lacks."""
 
 from collections.abc import Iterator
 from contextlib import suppress

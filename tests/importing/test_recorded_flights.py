@@ -142,7 +142,7 @@ def test_a_log_without_apogee_says_so_and_is_kept(run: Run, tmp_path: Path) -> N
     path.write_bytes(written(LARGE, early=0.8, stated=1500.0))
     status, out, err = run("import", path, "--json")
     assert status == 0
-    assert "no apogee in this log" in err
+    assert "no apogee: the log ends" in err
     shown = json.loads(run("show", json.loads(out)["flights"][0], "--json")[1])
     assert shown["apogee_m"] == 1500.0
     assert shown["duration_s"] is None

@@ -1,4 +1,4 @@
-"""Flights in, flights out, and every change taken back, on SQLite and on PostgreSQL where there is one."""
+"""Flights in, flights out, and every change taken back, on SQLite and on PostgreSQL if there is one."""
 
 import os
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What a ledger survives, and what it says where it cannot."""
+"""What a ledger survives, and what it says if it cannot."""
 
 import os
 import sqlite3

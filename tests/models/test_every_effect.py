@@ -34,14 +34,14 @@ FLIGHTS = (
 )
 """A slow, a middling and a fast flight, each of which ejects before apogee if the delay burns a little short."""
 FASTER = {"mach_drag": 0.15, "flutter": 0.15}
-"""Dry mass where an effect asks for speed. [kg]"""
+"""Dry mass if an effect asks for speed. [kg]"""
 
 LOWER = (
     *("base_drag", "early_ejection", "early_ejection_seconds", "flutter", "heavier_recovery", "launch_angle"),
     *("mach_drag", "mass_offset", "rail_friction", "tip_off", "wear", "wind"),
 )
 HIGHER = ("motor_thrust",)
-"""Which way a positive strength bends the apogee, where it must: mass beyond the optimum mass only."""
+"""Which way a positive strength bends the apogee, if it must: mass beyond the optimum mass only."""
 
 
 def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def examples() -> list[tuple[str, list[Example]]]:
 
 
 def decimals(value: float) -> str:
-    """A number as version 24.12 stores it: three decimals, exponential where it is small or large."""
+    """A number as version 24.12 stores it: three decimals, exponential if it is small or large."""
     if value and (abs(value) < 0.001 or abs(value) >= 10_000):
         return f"{value:.3E}".replace("E-0", "E-").replace("E+0", "E")
     return f"{value:.3f}".rstrip("0").rstrip(".") or "0"

@@ -1,4 +1,4 @@
-"""The published logs beside the checkout, where somebody put them: facts about real files to be checked."""
+"""The published logs beside the checkout, if somebody put them: facts about real files to be checked."""
 
 from pathlib import Path
 

@@ -26,7 +26,7 @@ def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Found]]:
 
 
 def heights(series: Series) -> np.ndarray:
-    """Heights above the pad, from pressure where the log has no others. [m]"""
+    """Heights above the pad, from pressure if the log has no others. [m]"""
     if series.altitude is not None:
         return series.altitude
     assert series.pressure is not None

@@ -99,7 +99,7 @@ def test_every_column_has_bounds_beyond_what_is_usual(column: object) -> None:
 def test_an_odd_value_is_taken_with_a_note() -> None:
     got = intake("rocket,apogee_m\nSwift,3\n")
     assert got.flights[0].apogee == 3
-    assert got.notes == ("t.csv, row 2: apogee 3 m is unusual, expected 5 to 10000",)
+    assert got.notes == ("t.csv, row 2: apogee 3 m is unusual, expected 5 to 10000 m",)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ LAPSE, WARMTH, PRESSURE, GAS = 0.0065, 288.15, 101325.0, 287.05287
 CLOSE = 0.1
 """How near the two must come. [m]"""
 MOTORS = 40
-"""Flown where not all are."""
+"""Flown if not all are."""
 
 
 class Reference:

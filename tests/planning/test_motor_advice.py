@@ -1,4 +1,4 @@
-"""Motors by expected points: the fewest first, and a change only where the gain is clear."""
+"""Motors by expected points: the fewest first, and a change only if the gain is clear."""
 
 from dataclasses import replace
 

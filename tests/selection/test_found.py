@@ -1,4 +1,4 @@
-"""Histories flown by the model itself with an effect in them: where it is strong, it is found."""
+"""Histories flown by the model itself with an effect in them: if it is strong, it is found."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Residuals: calibrated where the model is right, and telling where something was put in."""
+"""Residuals: calibrated if the model is right, and telling if something was put in."""
 
 from functools import cache
 

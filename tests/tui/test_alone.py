@@ -1,4 +1,4 @@
-"""Long questions are worked out one at a time, and given up where nobody waits for them any more."""
+"""Long questions are worked out one at a time, and given up if nobody waits for them any more."""
 
 import threading
 import time

@@ -104,10 +104,10 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         await press(pilot, "right")
         assert "281.3 m Astra F24-4W" in words(pilot)
         await press(pilot, "right")
-        assert "Enter takes the next; so does N" in words(pilot)
+        assert "Enter switches to the next; so does N" in words(pilot)
 
 
 async def test_a_filter_that_nothing_holds_says_so(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "slash", *typed("zzz"))
-        assert "no flight holds all of these words" in words(pilot)
+        assert "no flight matches all of these words" in words(pilot)

@@ -1,4 +1,4 @@
-"""Errors that nobody foresaw: a line, a file with nothing of the flyer's, the draft kept, and back where one was."""
+"""Errors that nobody foresaw: a line, a file with nothing of the flyer's, the draft kept, and back if one was."""
 
 from collections.abc import Callable, Coroutine
 from pathlib import Path
@@ -62,7 +62,7 @@ def test_only_the_newest_crash_files_are_kept(file: Path) -> None:
 
 def test_where_no_file_can_be_kept_the_line_says_so(file: Path) -> None:
     (file.parent / "home").write_text("in the way", encoding="ascii")
-    assert "no file of it could be kept" in record(ValueError()).line()
+    assert "no report could be saved" in record(ValueError()).line()
 
 
 async def test_a_key_that_fails_leaves_everything_where_it_is(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

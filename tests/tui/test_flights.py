@@ -178,7 +178,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
 async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str, ...]) -> None:
     async with opened(file) as pilot:
         await press(pilot, *keys, "_")
-        assert "flight 12 taken out; u brings it back" in words(pilot)
+        assert "Removed flight 12. u to undo" in words(pilot)
         assert "11 of 11" in shown(pilot)
         await press(pilot, "u", "_")
         assert "12 of 12" in shown(pilot)
@@ -281,7 +281,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "No plan yet: p types one" in words(pilot)
+        assert "No plan yet. p enters one" in words(pilot)
         await press(pilot, "5")
         assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)
@@ -289,4 +289,4 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
-        assert "no flight of it: priors alone" in told(pilot, "#more")
+        assert "no flights of it: priors only" in told(pilot, "#more")

@@ -35,7 +35,7 @@ async def test_the_app_opens_on_what_is_next(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         assert isinstance(pilot.app.screen, HomeScreen)
         seen = words(pilot)
-        for text in ("f Fly", "a Type in", "p Plan", "Astra B", "No forecast is waiting"):
+        for text in ("f Fly", "a Type in", "p Plan", "Astra B", "No open forecast"):
             assert text in seen
         assert "4.1 high, inside" in told(pilot, "#last .words")
         assert "▸12" in shown(pilot)
@@ -60,9 +60,9 @@ async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: 
     async with opened(file, page="home") as pilot:
         await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
         assert "Astra B on AeroTech F39T" in told(pilot, "#next .heading")
-        assert "Flown? a types it in" in shown(pilot)
+        assert "Flown? a adds it" in shown(pilot)
         await press(pilot, "u", "_")
-        assert "No forecast is waiting" in words(pilot)
+        assert "No open forecast" in words(pilot)
 
 
 async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
@@ -75,7 +75,7 @@ async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty
         assert "did you mean F24-4W" in words(pilot)
         await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
         assert "Lark on AeroTech F24W" in told(pilot, "#next .heading")
-        assert "Flown? a types it in" in shown(pilot)
+        assert "Flown? a adds it" in shown(pilot)
     with Ledger.open(empty) as ledger:
         (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
         assert kept.payload["apogee_m"]["p50"] == pytest.approx(257, abs=40)
@@ -172,11 +172,11 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert pilot.app.current_mode == "flights"
         assert "12 of 12" in shown(pilot)
         await press(pilot, "ctrl+p", *typed("motor aerotech f39t"), "_", "enter", "_")
-        assert "What is on record of this motor" in words(pilot)
+        assert "The catalog data of this motor" in words(pilot)
         await press(pilot, "escape", "ctrl+p", *typed("setting: target"), "_", "enter", *typed("800ft"), "enter")
         assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
         await press(pilot, "escape", "ctrl+p", *typed("help: top speed (next)"), "_", "enter", "_")
-        assert "The fastest it gets" in words(pilot)
+        assert "Top speed, at about" in words(pilot)
 
 
 async def test_settings_of_two_open_apps_do_not_overwrite_each_other(file: Path) -> None:
@@ -221,6 +221,6 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
         assert "low, inside" in told(pilot, "#last .words")
         await press(pilot, "u", "_")
-        assert "Flown? a types it in" in shown(pilot), "the saved forecast waits again"
+        assert "Flown? a adds it" in shown(pilot), "the saved forecast waits again"
     with Ledger.open(empty) as ledger:
         assert not ledger.flights()

@@ -1,4 +1,4 @@
-"""Keys as a terminal sends them: none that the app is bound to is lost where several come together."""
+"""Keys as a terminal sends them: none that the app is bound to is lost if several come together."""
 
 import pytest
 from textual._xterm_parser import XTermParser

@@ -89,7 +89,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
         await press(pilot, "e", *typed("Lark"), "enter", *typed("A"), "ctrl+s", *SURE)
-        assert "Saved as the start of this rocket: Next uses it. u to undo" in words(pilot)
+        assert "Saved as the start of this rocket, used by Next. u to undo" in words(pilot)
         await press(pilot, "enter")
         assert "Saved already" in words(pilot)
         await press(pilot, "down", "enter")
@@ -121,7 +121,7 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
         await press(pilot, "o", "ctrl+u", *typed("nowhere"), "enter")
-        assert "there is no such file or folder" in words(pilot)
+        assert "no such file or folder" in words(pilot)
         await press(pilot, "escape", "o", "ctrl+u", *typed("logs/flight.pf2"), "enter", "backspace")
         assert "logs/" in shown(pilot), "a path from here leads up as well"
         (inner.parent / "new.pf2").write_bytes(b"put here meanwhile")
@@ -268,7 +268,7 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
-        assert "nothing here to copy" in words(pilot)
+        assert "nothing to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
         assert "0 of 1 fit" in shown(pilot)
         assert "▸✗ H128W" in shown(pilot)
@@ -317,12 +317,12 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
     with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "A")
-            assert "nothing to accept yet" in words(pilot)
+            assert "Nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "l")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
             assert "each from all others, 8 flights" in words(pilot)
             await press(pilot, "right")
-            assert "residual / expected scatter, against" in words(pilot)
+            assert "residual / expected scatter, vs." in words(pilot)
             first = shown(pilot)
             await press(pilot, "v")
             assert shown(pilot) != first
@@ -331,7 +331,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             await press(pilot, "right")
             assert "wear" in shown(pilot)
             await press(pilot, "D")
-            assert "Declined: the model stays as it is" in words(pilot)
+            assert "Declined: the model is unchanged" in words(pilot)
             await press(pilot, "right")
             assert "▸  0" in shown(pilot)
             await press(pilot, "enter")
@@ -362,7 +362,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
         assert "expected at least 4 to close the loop" in words(pilot)
         assert "looking:" not in words(pilot)
         await press(pilot, "ctrl+c")
-        assert "q leaves the app" in words(pilot)
+        assert "q quits" in words(pilot)
 
 
 # Setup
@@ -419,7 +419,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             await press(pilot, "7")
             assert "0403:6015 FTDI chip" in words(pilot)
             await press(pilot, "enter")
-            assert "Add its flights to the ledger?" in words(pilot)
+            assert "Import its flights?" in words(pilot)
             await press(pilot, "n")
             seen = words(pilot)
             assert "! the cable was pulled" in seen
@@ -436,7 +436,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             events.remove(next(event for event in events if isinstance(event, capture.Progress)))
             await press(pilot, "enter")
             seen = words(pilot)
-            assert "nothing came" in seen, "the newest is in sight, however much was said before"
+            assert "nothing received" in seen, "the newest is in sight, however much was said before"
             assert "highest" not in seen, "of the capture before"
 
 

@@ -173,7 +173,7 @@ def test_every_ink_of_a_theme_has_contrast_with_the_paper_behind_it(theme: str) 
     named = variables(theme)
     for ink, paper in PAIRS:
         behind = TextualColor.parse(named[paper])
-        letters = behind + TextualColor.parse(named[ink])  # laid over it, where it is translucent
+        letters = behind + TextualColor.parse(named[ink])  # laid over it, if it is translucent
         ratio = contrast(Color.from_rgb(*letters.rgb), Color.from_rgb(*behind.rgb))
         assert ratio >= LEAST[theme], f"{ink} on {paper}: {ratio:.2f}"
 

@@ -75,7 +75,7 @@ async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(fi
         assert "contest mass: ok" in said(pilot)
         await press(pilot, "left_square_bracket")
         assert "parachute 95% of the area flown" in said(pilot)
-        assert "points by this rule: " in said(pilot)
+        assert "by this rule: " in said(pilot)
 
 
 async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:

@@ -172,7 +172,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
 
 
 def _flight(link: Link, number: int) -> Dialogue[bool]:
-    """Read one flight, again where it arrived damaged."""
+    """Read one flight, again if it arrived damaged."""
     for attempt in range(1, TRIES + 1):
         good, bad, ended = yield from _answer(link, number)
         if ended and not bad:

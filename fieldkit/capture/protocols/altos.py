@@ -124,7 +124,7 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
 
 
 def _block(link: Link, number: int) -> Dialogue[Block]:
-    """Read a block, again where lines of it are missing."""
+    """Read a block, again if lines of it are missing."""
     for attempt in range(1, TRIES + 1):
         link.send(b"e %x\n" % number)
         lines: list[str] = []

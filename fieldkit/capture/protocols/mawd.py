@@ -26,7 +26,7 @@ _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download the one flight, again where samples are missing; whether all arrived. Raises PortTrouble."""
+    """Download the one flight, again if samples are missing; whether all arrived. Raises PortTrouble."""
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
@@ -41,7 +41,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
-    """So many lines that are not blank in answer to a command; fewer, or none, where the unit does not answer."""
+    """So many lines that are not blank in answer to a command; fewer, or none, if the unit does not answer."""
     found: list[str] = []
     for _ in range(TRIES):
         yield from link.drain(0.2)
@@ -71,7 +71,7 @@ def _count(link: Link) -> Dialogue[int]:
 
 
 def _flight(link: Link, count: int) -> Dialogue[bool]:
-    """The interval and the samples; asked for again where they do not come to the end."""
+    """The interval and the samples; asked for again if they do not come to the end."""
     for attempt in range(1, TRIES + 1):
         yield from link.drain(0.2)
         link.send(b"D")

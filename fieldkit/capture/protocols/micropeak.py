@@ -17,7 +17,7 @@ from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.importing.tables.checksums import crc_x25
 
 WAIT = 180.0
-"""How long the flyer may take to switch the unit on, again where need be. [s]"""
+"""How long the flyer may take to switch the unit on, again if need be. [s]"""
 PAUSE = 5.0
 """A stream that stops for so long in the middle will not go on. [s]"""
 TAIL = 1.5

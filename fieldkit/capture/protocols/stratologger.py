@@ -1,6 +1,6 @@
 """StratoLogger live telemetry: one altitude in feet a line, which the unit sends by itself in flight.
 
-The lines have no clock, so the time of each is that of its arrival. Where the unit sends on the pad already, its
+The lines have no clock, so the time of each is that of its arrival. If the unit sends on the pad already, its
 first line is the pad's elevation above sea level and the others are above the pad.
 How to read its memory is not public. Source: docs/telem.md (UND-ARC/StratoLogger).
 """

@@ -108,7 +108,7 @@ def entered(
 ) -> dict[str, float]:
     """When the first of the states of each event was entered; a state may return, or never come. [s]
 
-    Where nothing was heard for longer than `blind` before it, it is not known when, and the event is left out.
+    If nothing was heard for longer than `blind` before it, it is not known when, and the event is left out.
     """
     firsts = {name: np.flatnonzero(np.isin(states, numbers)) for name, numbers in which.items()}
     known = {name: int(found[0]) for name, found in firsts.items() if len(found)}

@@ -33,7 +33,7 @@ class RecordLayout:
     """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
 
     `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
-    record of the flight) are 2 bytes, None where the format has none.
+    record of the flight) are 2 bytes, None if the format has none.
     """
 
     device: str

@@ -10,7 +10,7 @@ from fieldkit.units import Unit
 MAX_CELL_VALUE = 1e30
 """Largest magnitude accepted in a log; anything larger would overflow when squared. [any unit]"""
 ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
-"""What a cell holds, in any letter case, where the logger had no number."""
+"""What a cell holds, in any letter case, if the logger had no number."""
 SI = Unit(1.0)
 
 

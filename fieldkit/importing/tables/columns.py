@@ -1,4 +1,4 @@
-"""Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
+"""Numbers out of the table of a log: block by block in C, and cell by cell only if a row is damaged.
 
 A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
 A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
@@ -78,6 +78,6 @@ def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> 
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows: a point where any has one. Raises DamagedLog where `1,148` may be two."""
+    """The decimal mark of the first rows: a point if any has one. Raises DamagedLog if `1,148` may be two."""
     cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
     return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)

@@ -83,7 +83,7 @@ def note_table(channels: Sequence[Channel], rows: int, dropped: int) -> None:
 
 
 def note_columns(columns: Sequence[ColumnRead]) -> None:
-    """Say what the columns of the table that was read last are, where its parser found that out afterwards."""
+    """Say what the columns of the table that was read last are, if its parser found that out afterwards."""
     tables = _WATCH.get()
     if tables:
         tables[-1] = replace(tables[-1], columns=tuple(columns))
@@ -111,7 +111,7 @@ def _column(channel: Channel) -> ColumnRead:
 
 
 def _unit(channel: str, unit: Unit) -> str:
-    """How the unit of a channel's column is written; "" where it has none or no usual name."""
+    """How the unit of a channel's column is written; "" if it has none or no usual name."""
     quantity = QUANTITIES.get(channel, "")
     if unit == Unit(1.0):
         return _si(channel)

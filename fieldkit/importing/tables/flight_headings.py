@@ -30,7 +30,7 @@ _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 class ColumnRole:
     """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
 
-    `unit` is empty if cells bring theirs; `loose` where the name may mean something else as well.
+    `unit` is empty if cells bring theirs; `loose` if the name may mean something else as well.
     """
 
     spelled: str
@@ -46,7 +46,7 @@ class ColumnRole:
 
 
 def shape(cells: Sequence[str]) -> tuple[str, ...]:
-    """The columns of a table that has no headers, by the cells of its first row; none where those are headers."""
+    """The columns of a table that has no headers, by the cells of its first row; none if those are headers."""
     kinds = [
         "date" if _DATE.fullmatch(cell) else "number" if _NUMBER.fullmatch(cell) else "text"
         for cell in map(str.strip, cells)
@@ -148,7 +148,7 @@ def _ours(words: str, taken: Collection[str]) -> str:
 
 
 def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
-    """What a header stands for; another name of a field counts where none of those `taken` has its own.
+    """What a header stands for; another name of a field counts if none of those `taken` has its own.
 
     Raises BadValue for a column we know in a unit we do not, unless another column already holds the
     quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
@@ -171,7 +171,7 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
 
 
 def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
-    """What is next to a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
+    """What is next to a readout in a column. Raises BadValue for a unit that it cannot have, if `strict`."""
     try:
         return beside(words)
     except BadValue:
@@ -216,7 +216,7 @@ def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
 
 
 def iso_date(text: str) -> str:
-    """A date by its day and month, where there is no doubt which is which, as ISO 8601; else as it is."""
+    """A date by its day and month, if there is no doubt which is which, as ISO 8601; else as it is."""
     match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
     if not match:
         return text

@@ -1,7 +1,7 @@
 """What the header of a table of samples says: the channel of `Series` that a column holds, and its unit.
 
 Every logger and every team has its own names for columns: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`,
-`Velocity Feet / Sec`. A name gives a channel only where there is one meaning left: what is predicted, angular
+`Velocity Feet / Sec`. A name gives a channel only if there is one meaning left: what is predicted, angular
 or sideways is nobody's altitude. A unit is never assumed; a header without one has none.
 """
 
@@ -168,7 +168,7 @@ _CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start st
 _SECONDS = (("sec",), ("secs",), ("seconds",))
 """A clock that has its unit for a name."""
 _LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
-"""Letters that are names where a unit of their quantity is beside them."""
+"""Letters that are names if a unit of their quantity is beside them."""
 
 
 def channel(head: Heading) -> str:
@@ -218,7 +218,7 @@ def channel(head: Heading) -> str:
 
 
 def barometric(head: Heading) -> bool:
-    """Whether a header names a height that a filter made of a barometer's: as good a one where there is no other."""
+    """Whether a header names a height that a filter made of a barometer's: as good a one if there is no other."""
     words = set(head.words)
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 

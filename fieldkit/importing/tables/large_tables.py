@@ -1,4 +1,4 @@
-"""Blocks of numbers of a large log by pandas' parser, where a block is plain; else it is read line by line.
+"""Blocks of numbers of a large log by pandas' parser, if a block is plain; else it is read line by line.
 
 Only what cannot be read otherwise than by `rows` is taken here: as many rows as lines, every cell a number or one of
 the marks of none, nothing beyond what a log may hold. A block that is anything else is handed back.
@@ -63,7 +63,7 @@ def plain_numbers(
     decimal: str,
     widths: Collection[int] | None,
 ) -> Float[Array, "row channel"] | None:
-    """The numbers of a block with so many ends of lines, a row for each of its lines; None where it is not plain."""
+    """The numbers of a block with so many ends of lines, a row for each of its lines; None if it is not plain."""
     import pandas
 
     content = bytes(block)

@@ -28,7 +28,7 @@ _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,
 class Layout:
     """A table's names, the row above its first numbers, and how its cells are written.
 
-    `headers` are `#1`, `#2`, ... where there are none. `separator` None is blank space; `first` are cells of the
+    `headers` are `#1`, `#2`, ... if there are none. `separator` None is blank space; `first` are cells of the
     first row of numbers.
     """
 
@@ -123,7 +123,7 @@ def _names(line: str, separator: str | None, width: int) -> list[str] | None:
 
 
 def decimal_mark(cells: Sequence[str], separator: str | None) -> str:
-    """The decimal mark of a table. Raises DamagedLog where `1,148` could be either number."""
+    """The decimal mark of a table. Raises DamagedLog if `1,148` could be either number."""
     if separator == ",":
         return "."
     commas = [cell for cell in cells if _DECIMAL.fullmatch(cell)]

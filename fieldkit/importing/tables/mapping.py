@@ -84,7 +84,7 @@ def _texts(mapping: object) -> dict[str, str]:
 def remember(choice: ColumnChoice) -> None:
     """Keep a choice for tables with its headers, in place of an earlier one.
 
-    Raises FieldkitError where it cannot be written.
+    Raises FieldkitError if it cannot be written.
     """
     if choice.headers:
         _keep([choice, *(old for old in remembered() if old.headers != choice.headers)])

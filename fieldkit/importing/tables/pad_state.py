@@ -56,7 +56,7 @@ ONE_G_RANGE = (0.6, 1.2)
 def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Float[Array, "row"] | None:
     """What three axes feel along the rocket, however they are mounted: along the strongest lasting push.
 
-    None where there is none, or where gravity on the pad does not point along it.
+    None if there is none, or if gravity on the pad does not point along it.
     """
     whole = np.isfinite(axes).all(axis=0) & np.isfinite(time)
     if whole.sum() < 20:

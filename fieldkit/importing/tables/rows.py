@@ -1,4 +1,4 @@
-"""Rows of numbers: block by block in C, and cell by cell only where a row is damaged.
+"""Rows of numbers: block by block in C, and cell by cell only if a row is damaged.
 
 A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
 together. A long table is thinned as it is read.
@@ -220,7 +220,7 @@ class Rows:
             self._thin()
 
     def _thin(self) -> None:
-        """Leave out every other row, from here on as well, but none where a word changes."""
+        """Leave out every other row, from here on as well, but none if a word changes."""
         self.step = min(self.step * 2, 1 << 40)
         every_other = kept = np.arange(self.kept) % 2 == 0
         for column in self.columns[1 : 1 + len(self.words)]:

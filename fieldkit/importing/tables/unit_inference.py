@@ -87,7 +87,7 @@ def rest(acceleration: Float[Array, "time"]) -> float:
     """What an accelerometer shows where it is quietest before it shows most, as it stands.
 
     After a landing it lies on its side, as quietly as before and with another part of gravity along its axis, so only
-    what comes before counts; nan where a log begins in flight, for what is steadiest in it may be the thrust.
+    what comes before counts; nan if a log begins in flight, for what is steadiest in it may be the thrust.
     """
     values = acceleration[np.isfinite(acceleration)]
     for length in dict.fromkeys((max(min(len(values) // 40, _REST_SAMPLES), _LEAST_REST), _LEAST_REST)):
@@ -210,7 +210,7 @@ def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
 def _ascent(
     raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]
 ) -> tuple[Float[Array, "time"] | None, Float[Array, "time"] | None]:
-    """Time and height up to the top, without spikes of one or two samples; None where there is no climb."""
+    """Time and height up to the top, without spikes of one or two samples; None if there is no climb."""
     height = raw["altitude"] * UNITS["length"][way["altitude"]].factor
     time = raw["time"] * UNITS["time"][way["time"]].factor
     if np.isfinite(height).sum() < 12:

@@ -36,7 +36,7 @@ DRAWS = 400
 LEAST_EFFECTIVE = 0.5
 """Effective fraction of the apogee's draws from which on both forecasts are taken to agree: most of them count. [1]"""
 LEAST_SD = 1e-4
-"""Least standard deviation of log Cd and log alpha, where nothing is left open. [1]"""
+"""Least standard deviation of log Cd and log alpha, if nothing is left open. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class Check:
 
 def check(said: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the network's draws for the plan of a history by the one model that forecasts are made with; more of them
-    where the weights of the first cannot be relied on. `linear` is its linear fit, by default the one that the network
+    if the weights of the first cannot be relied on. `linear` is its linear fit, by default the one that the network
     corrected.
 
     Raises ValueError for a history of several plans.
@@ -93,7 +93,7 @@ def _check(said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> 
 
 
 def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
-    """Weights that sum to one; zeros where no draw has any."""
+    """Weights that sum to one; zeros if no draw has any."""
     total = np.logaddexp.reduce(log_weight)
     return np.exp(log_weight - total) if np.isfinite(total) else np.zeros(len(log_weight))
 

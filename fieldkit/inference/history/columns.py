@@ -117,7 +117,7 @@ def of_history(
 
 
 def _residuals(linear: LinearFit, left_out: LeaveOneOut, data: Data) -> Float[Array, "flight readout"]:
-    """Residuals of flights left out in their standard deviations; nan where nothing was seen."""
+    """Residuals of flights left out in their standard deviations; nan if nothing was seen."""
     weight = np.exp(left_out.log_weight - np.logaddexp.reduce(left_out.log_weight, axis=0))
     return np.where(data.seen, np.einsum("sf,sfo->fo", weight, left_out.residual), np.nan)
 

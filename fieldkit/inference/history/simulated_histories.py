@@ -88,7 +88,7 @@ def simulated_histories(
 
     `inclusion` are the prior probabilities of each effect and of `UNEXPLAINED`, independent of each other; an effect
     that some flights could not show changes nothing there. `flights` is how many each has, `selects` which hyperprior
-    they come from, where these are not drawn too.
+    they come from, if these are not drawn too.
     """
     some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
@@ -231,7 +231,7 @@ class _World:
         terms.append(replace(term, weight=weight))
 
     def fly(self) -> Float[Array, "draw flight readout"]:
-        """What the altimeter shows, as a fit compares it; nan where a flight would not leave the pad."""
+        """What the altimeter shows, as a fit compares it; nan if a flight would not leave the pad."""
         rng = self.rng
         readings = shown(self.model, self.values, self.scatter)
         flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
@@ -255,7 +255,7 @@ class _World:
         return np.asarray(flown + noise)
 
     def history(self, readings: Float[Array, "draw flight readout"], number: int, draw: int) -> SimulatedHistory | None:
-        """One history, None where its plan does not fly."""
+        """One history, None if its plan does not fly."""
         one, lacks = self.some[number], self.kinds[number][draw]
         rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
         own, rocket = readings[draw, rows], one.rocket

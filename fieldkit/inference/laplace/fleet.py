@@ -43,7 +43,7 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
 def message_of(result: Fit) -> Message:
     """The posterior of the shared terms over their prior.
 
-    The mixture over scales is taken as the normal distribution of its moments. Where scales disagree that may be wider
+    The mixture over scales is taken as the normal distribution of its moments. If scales disagree that may be wider
     in some direction than the prior; there the message says nothing.
     """
     names = shared_names(result.model)

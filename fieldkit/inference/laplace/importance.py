@@ -27,7 +27,7 @@ from fieldkit.shapes import Array, Float, Int, Integers
 DRAWS = 500
 """Draws flown for each fit: with one in four of them effective, the log evidence has an error of a tenth. [1]"""
 MORE_DRAWS = 3
-"""Draws over `DRAWS` where these are not enough. [1]"""
+"""Draws over `DRAWS` if these are not enough. [1]"""
 INFLATION = 1.15
 """Variance of the draws over that of the fit, so that its tails hold those of the posterior. [1]"""
 RELIABLE_PARETO_K = 0.7
@@ -61,7 +61,7 @@ class Sampled:
 
 
 def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
-    """A fit's evidence and its flights left out, by importance sampling with the simulator; with more draws where the
+    """A fit's evidence and its flights left out, by importance sampling with the simulator; with more draws if the
     weights of the first cannot be relied on."""
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     flown = _flown(fit, scales, rng, draws)

@@ -66,7 +66,7 @@ def _applied(matrix: Array, vector: Array) -> Array:
 
 
 def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weight: Array) -> ScatterWeights | None:
-    """The scatter of apogees beside what the scales make of it, by flights left out; none where the model has it."""
+    """The scatter of apogees beside what the scales make of it, by flights left out; none if the model has it."""
     if result.model.hyperprior.sd("apogee", "flight"):
         return None
     data = result.data

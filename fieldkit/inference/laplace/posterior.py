@@ -190,7 +190,7 @@ def flight_evidence(
 
 
 def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags) -> tuple[Array, Array]:
-    """As `inverses`, quicker where no flight has the last readouts, those of logs: they are independent of the rest."""
+    """As `inverses`, quicker if no flight has the last readouts, those of logs: they are independent of the rest."""
     last, width = int(np.flatnonzero(usable.any(axis=0)).max(initial=-1)) + 1, noise.shape[-1]
     if last == width:
         return inverses(noise)

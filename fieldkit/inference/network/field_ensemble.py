@@ -53,7 +53,7 @@ class FieldPosterior:
     """Drag and thrust of flights, one entry a flight; drag area in m^2, Cd and alpha in 1.
 
     Without a diameter Cd spreads over every body that the motor and the mass
-    allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
+    allow; the drag area does not. `fits` is false if a readout did not fit and was left out: such a
     flight should not be used in a fit before its flyer has looked at it. `density` is over the logarithm of
     the drag area, and alpha.
     """
@@ -154,7 +154,7 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
 
 
 def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
-    """Means and standard deviations of Cd where only the drag area is known.
+    """Means and standard deviations of Cd if only the drag area is known.
 
     Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
     uniform where both are possible.
@@ -199,7 +199,7 @@ def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]
         value = columns[FEATURES.index(name)]
         if not low <= value <= high:
             value, low, high = (one if name == "mach" else np.exp(one) for one in (value, low, high))
-            lines.append(f"{_WORDS[name].format(value)} is beyond training ({low:.3g} to {high:.3g})")
+            lines.append(f"{_WORDS[name].format(value)} is outside the training range ({low:.3g} to {high:.3g})")
     return lines
 
 
@@ -207,13 +207,13 @@ def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
     """Whether the flight left drag or thrust as unknown as it was."""
     seen = [name for name in there if name in INDEPENDENT_READOUTS]
     if not seen:
-        return "no readout: Cd and alpha are as unknown as before the flight"
+        return "no readout: Cd and alpha are no better known than before the flight"
     unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > UNINFORMATIVE_SD_RATIO]
     if not unknown:
         return ""
     limit = (
         "apogee alone cannot separate drag from thrust here"
         if seen == ["apogee"]
-        else "these readouts show little here"
+        else "these readouts constrain little here"
     )
     return f"{limit}: {' and '.join(unknown)} hardly better known than before the flight"

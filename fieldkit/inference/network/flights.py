@@ -99,7 +99,7 @@ def _flyable(flight: Flight, motors: Catalogue) -> Found:
 
 
 def _doubted(flight: Flight, motors: Catalogue) -> str | None:
-    """Why no rocket can have flown so, where its motor is known."""
+    """Why no rocket can have flown so, if its motor is known."""
     try:
         return implausible(flight, motors.resolve(flight.motor).motor)
     except FieldkitError:

@@ -82,7 +82,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
 
     Of those too far from what the others predict, it is the one without which the others agree best. One that is
-    vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
+    vaguer than usual counts as what it likeliest was: it is no misfit if it is as vague as it is far out.
     """
     if (excess_sd(observed) > 0).any():
         foretold = predict_readouts(ensemble, observed)
@@ -135,6 +135,6 @@ def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) 
     expected = np.sinh(ends) / 2 if name == "apogee_to_eject" else value * np.exp(ends - shown_value)
     found, low, high = (f"{float(column.render(one)):.3g}" for one in (value, *expected))
     return (
-        f"{column.title.lower()} of {found} {column.unit} does not fit the rest of the flight, which leads to "
-        f"expect {low} to {high} {column.unit}; it is left out"
+        f"{column.title.lower()} of {found} {column.unit} is inconsistent with the rest of the flight, expected {low} "
+        f"to {high} {column.unit}; left out"
     )

@@ -84,7 +84,7 @@ def _coverage(rank: Float[Array, "flight"]) -> dict[str, float]:
 
 
 def _histogram(rank: Float[Array, "flight"]) -> dict[str, Any]:
-    """Ranks of the truth in its posterior: even where the posterior is right (Talts et al., 2018).
+    """Ranks of the truth in its posterior, uniform if the posterior is right (Talts et al., 2018).
 
     `excess` is the largest bin's share over an even one's, less 1; `lack` the smallest's.
     """

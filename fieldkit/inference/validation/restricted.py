@@ -33,7 +33,7 @@ SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
 )
 BURN_SD = 0.05
-"""Of the logarithm of the burn time, at the same impulse, where it is uncertain. [1]"""
+"""Of the logarithm of the burn time, at the same impulse, if it is uncertain. [1]"""
 NODES = 7
 """Of the quadrature over the burn time."""
 _MASSES = np.array(list(paper.DRY_MASS.values()))
@@ -139,7 +139,7 @@ class Exact:
 
 
 def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
-    """The grid, `cells` along each of the two; Gauss and Hermite's nodes of the burn time where it is uncertain."""
+    """The grid, `cells` along each of the two; Gauss and Hermite's nodes of the burn time if it is uncertain."""
     centres = (np.arange(cells) + 0.5) / cells
     cd, alpha = np.meshgrid(CD_RANGE[0] + np.ptp(CD_RANGE) * centres, ALPHA_RANGE[0] + np.ptp(ALPHA_RANGE) * centres)
     cd, alpha = cd.ravel(), alpha.ravel()

@@ -20,7 +20,7 @@ from fieldkit.services.findings import Findings
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightReport:
-    """A report: the cards in the order flown, and the loop's findings by rocket where it is of more than a flight."""
+    """A report: the cards in the order flown, and the loop's findings by rocket if it is of more than a flight."""
 
     title: str
     subtitle: str

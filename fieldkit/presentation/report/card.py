@@ -33,7 +33,7 @@ class CardForecast:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightTrace:
-    """Height [m] and, where it is known, vertical speed [m/s] against time [s], and the events on that clock."""
+    """Height [m] and, if it is known, vertical speed [m/s] against time [s], and the events on that clock."""
 
     device: str
     time: Float[Array, "time"]
@@ -112,7 +112,7 @@ def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: 
 
 
 def _rows(flight: Flight, columns: Sequence[Column]) -> Rows:
-    """The numbers that were recorded, in SI and, where those differ, in US units."""
+    """The numbers that were recorded, in SI and, if those differ, in US units."""
     rows = []
     for column in columns:
         value = flight.number(column.name)

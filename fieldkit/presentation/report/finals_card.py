@@ -8,7 +8,7 @@ from textwrap import fill
 from matplotlib.figure import Figure
 
 from fieldkit.errors import BadValue
-from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS
+from fieldkit.presentation.finals_text import FINALS_NOTES, finals_headers
 
 LINE = 110
 """Of the notes. [letters]"""
@@ -21,13 +21,20 @@ def check_card(file: Path) -> None:
         raise BadValue(f"{file.name}: found {file.suffix or 'no suffix'!r}, expected one of {', '.join(SUFFIXES)}")
 
 
-def finals_card(heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str] = ()) -> bytes:
-    """The card as a picture; `notes` stand below what every card says."""
+def finals_card(
+    heading: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    suffix: str,
+    notes: Sequence[str] = (),
+    system: str = "SI",
+) -> bytes:
+    """The card as a picture, masses in the units of a system; `notes` come last."""
     figure = Figure(figsize=(7.5, 2.0 + 0.32 * len(rows)), layout="constrained")
     axes = figure.add_subplot()
     axes.set_axis_off()
     figure.suptitle(heading[0], fontsize=12, fontweight="bold", x=0.02, ha="left")
-    table = axes.table(cellText=[list(row) for row in rows], colLabels=list(HEADERS), loc="center", cellLoc="center")
+    headers = list(finals_headers(system))
+    table = axes.table(cellText=[list(row) for row in rows], colLabels=headers, loc="center", cellLoc="center")
     table.auto_set_font_size(False)
     table.set_fontsize(11)
     table.scale(1.0, 1.5)

@@ -49,7 +49,7 @@ def _plain(text: str) -> str:
 
 
 def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
-    """Pad, landings, ellipse and field, the wind blowing up the page; nothing where the wind is not known."""
+    """Pad, landings, ellipse and field, the wind blowing up the page; nothing if the wind is not known."""
     if found.wind is None:
         figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")
         return

@@ -63,7 +63,7 @@ class RocketInputs:
 class Missing:
     """The missing force per mass along the climb [m/s^2], and the model's own thrust and drag per mass there.
 
-    `burning` is true until the motor's curve ends, which is after top speed where thrust dies away slowly.
+    `burning` is true until the motor's curve ends, which is after top speed if thrust dies away slowly.
     """
 
     track: ClimbTrack

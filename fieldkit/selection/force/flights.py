@@ -16,7 +16,7 @@ from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Flags
 
 FELT_GUARD, SMOOTHED_GUARD = 0.1, 0.5
-"""Left out on either side of burnout: with an accelerometer, and where heights were smoothed. [s]"""
+"""Left out on either side of burnout: with an accelerometer, and if heights were smoothed. [s]"""
 FREE_TERMS = ("drag",)
 """Terms that every flight has for itself: how much drag there is on the whole is the plain model's own unknown, which
 readouts that lack something have pulled from its place."""

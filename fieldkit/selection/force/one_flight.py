@@ -49,7 +49,7 @@ class Law:
 def missing_force(track: ClimbTrack, rocket: RocketInputs, guard: float = 0.0) -> Missing:
     """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve.
 
-    Samples within `guard` [s] of burnout are left out: where acceleration was made from heights, smoothing has
+    Samples within `guard` [s] of burnout are left out: if acceleration was made from heights, smoothing has
     mixed thrust and drag there.
     """
     time = track.time_from_liftoff

@@ -91,7 +91,7 @@ class Regression:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeDrag:
-    """How much drag there is in a climb, where that is free: terms that are shares of the model's drag become shares
+    """How much drag there is in a climb, if that is free: terms that are shares of the model's drag become shares
     of it. Nothing is taken out of the columns here; `place` is that of the drag among those `given`."""
 
     force: Float[Array, "time"]

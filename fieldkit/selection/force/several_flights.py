@@ -88,7 +88,7 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
 def _steady_gain(
     climbs: Sequence[Regression], scatters: Mapping[str, float], candidates: int, chosen: list[str], name: str
 ) -> float:
-    """What a term takes off the criterion without the flight that says most for it; none where flights disagree."""
+    """What a term takes off the criterion without the flight that says most for it; none if flights disagree."""
     if not _mean(climbs, scatters, name, [*chosen, name]).stands_clear(candidates):
         return -np.inf
     gains = _gains(climbs, chosen, name)

@@ -16,7 +16,7 @@ COMPARISON_TEXTS = {
 
 
 def climbs_in_words(said: LogEvidence) -> Iterator[str]:
-    """Nothing where no flight has a log; else what the climbs lack, and how that stands to the verdict."""
+    """Nothing if no flight has a log; else what the climbs lack, and how that stands to the verdict."""
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:

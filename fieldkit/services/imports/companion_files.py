@@ -1,10 +1,10 @@
 """Files that come after others of the same flight: each is added to its flight if that is certain.
 
-A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
+A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight if the
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
 lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
 logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
-high too. Where neither is certain it may be so: it is said, and the flyer decides.
+high too. If neither is certain it may be so: it is said, and the flyer decides.
 """
 
 import zlib
@@ -56,7 +56,7 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
             why = "which has the same number" if _number(arrival.flight) else "whose lift-off time is uncertain"
             sorting.notes.append(
                 f"{arrival.source}: may belong to flight {' or '.join(maybe[:3])}, {why}; "
-                f"where it is, `fieldkit remove` that flight and import its files together"
+                f"if so, `fieldkit remove` that flight and import its files together"
             )
     return sorting
 
@@ -117,7 +117,7 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
 
 
 def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
-    """Add the files of an arrival to a flight, or leave it where its files are a flight of their own after all."""
+    """Add the files of an arrival to a flight, or leave it if its files are a flight of their own after all."""
     from fieldkit.ledger import Renewal
 
     flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)
@@ -137,14 +137,14 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(
-            f"{arrival.source}: belongs to flight {id} but cannot be read with its other files: {error}"
+            f"{arrival.source}: belongs to flight {id} but cannot be read together with its other files: {error}"
         )
         return
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
     given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
     sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
-    sorting.notes.append(f"{arrival.source}: added to flight {id}, to which it belongs")
+    sorting.notes.append(f"{arrival.source}: added to flight {id}")
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:

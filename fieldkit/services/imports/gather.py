@@ -171,7 +171,7 @@ def _without_name(one: _Refused) -> str:
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
-    """What parsers read of a file, with names: the file itself, or the logs in it where it is a capture."""
+    """What parsers read of a file, with names: the file itself, or the logs in it if it is a capture."""
     if is_capture(path):
         return [(log.name, log.content) for log in logs_in(path)]
     return [(_name(path), read_file(path))]
@@ -241,7 +241,7 @@ def _inside(folder: Path, log: str) -> Path:
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
-    """A flight with the readouts and extra columns that its row leaves open, where the log is of one flight."""
+    """A flight with the readouts and extra columns that its row leaves open, if the log is of one flight."""
     found = list(found)
     if len(found) != 1:
         return flight

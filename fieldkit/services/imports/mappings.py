@@ -36,7 +36,7 @@ class TableColumns:
 
 
 def table_columns(path: Path, of: str = "") -> TableColumns:
-    """The columns of the table in a file; `of` says what its rows are where the flyer does.
+    """The columns of the table in a file; `of` says what its rows are if the flyer does.
 
     Raises FieldkitError for a file that holds no table.
     """
@@ -54,7 +54,7 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
 
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
-    """The columns of a table of samples. Raises DamagedLog where it is none, as far as that can be decided."""
+    """The columns of a table of samples. Raises DamagedLog if it is none, as far as that can be decided."""
     from fieldkit.importing.tables.column_choice import guessed
     from fieldkit.importing.tables.layout import layout_of
 

@@ -110,9 +110,9 @@ def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
 
 
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
-    """A flight with what its files say now, where the flyer has said nothing; `entered` is it before any edit.
+    """A flight with what its files say now, if the flyer has said nothing; `entered` is it before any edit.
 
-    A figure is the files' own where it was measured or is what the device stated, or if there was none.
+    A figure is the files' own if it was measured or is what the device stated, or if there was none.
     """
     was = entered or flight
     changes: dict[str, object] = {}
@@ -165,7 +165,7 @@ def from_files(column: Column, flight: Flight) -> bool:
 
 
 def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight) -> bool:
-    """Whether the flyer's own figure stays where the files say another."""
+    """Whether the flyer's own figure stays if the files say another."""
     mine, theirs = flight.number(column.name), fresh.number(column.name)
     return theirs is not None and mine != theirs and not _open_to(column, flight, entered or flight)
 

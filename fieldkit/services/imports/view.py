@@ -30,7 +30,7 @@ class ReadoutView:
 
 @dataclass(frozen=True, slots=True)
 class EventView:
-    """An event, seconds from lift-off (on the log's own clock where lift-off is not known), and the height there."""
+    """An event, seconds from lift-off (on the log's own clock if lift-off is not known), and the height there."""
 
     name: str
     time: float
@@ -81,7 +81,7 @@ class FileView:
 
     @property
     def apogees(self) -> tuple[float, ...]:
-        """The apogees of its flights, where they have one. [m]"""
+        """The apogees of its flights, if they have one. [m]"""
         return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
 
 

@@ -26,4 +26,4 @@ def within_motor(flight: Flight) -> tuple[Flight, list[str]]:
         return flight, []
     left = {part: {n: v for n, v in getattr(flight, part).items() if n not in found} for part in _READOUT_DETAILS}
     kept = flight.with_changes(**dict.fromkeys(found), **left)
-    return kept, [f"not measured: {BY_NAME[name].title.lower()}, for {why}" for name, why in found.items()]
+    return kept, [f"not measured: {BY_NAME[name].title.lower()}; {why}" for name, why in found.items()]

@@ -2,14 +2,15 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from threading import Lock
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
-from fieldkit.flight.plausibility import IDENTITY, identity
+from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
-from fieldkit.quantities import measure, spelled
+from fieldkit.quantities import measure, significant, spelled
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -75,7 +76,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     """What is next to an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
     if question.name in said.wrong:
         return f"✗ {said.wrong[question.name]}"
-    if odd := implausible_answers(said.flight, question.name, said.usual):
+    if odd := implausible_answers(said.flight, question.name, said.usual, system):
         return f"! {odd[0]}"
     column = question.column
     value = said.flight.number(question.name) if column else None
@@ -91,7 +92,8 @@ def together(flight: Flight, system: str) -> Iterable[str]:
     ratio = identity(flight)
     if ratio is not None:
         fits = IDENTITY[0] <= ratio <= IDENTITY[1]
-        yield f"speed/(average × burn) {ratio:.2f} {'✓' if fits else '! not about 1'}"
+        mismatch = inconsistent_speed(flight, ratio, partial(significant, system=system))
+        yield "top speed matches acceleration and burn time ✓" if fits else f"! {mismatch}"
     apogee, eject = flight.apogee, flight.eject_altitude
     if apogee is not None and eject is not None:
         below = measure(READOUTS[0], abs(apogee - eject), system)
@@ -176,7 +178,7 @@ class Draft:
                 self._units = units
 
     def forget(self) -> bool:
-        """Drop what was typed, which undo brings back; False where nothing was."""
+        """Drop what was typed, which undo brings back; False if nothing was."""
         from fieldkit.services.manual_entry import DRAFT
 
         with self._lock:
@@ -219,7 +221,7 @@ class Draft:
         return "\n".join(doubts)
 
     def motor_trouble(self, name: str) -> str:
-        """Why a motor is not known, empty where it is or none is named."""
+        """Why a motor is not known, empty if it is or none is named."""
         from fieldkit.motors import is_cluster
 
         trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)

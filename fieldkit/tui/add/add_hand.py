@@ -32,7 +32,7 @@ class Hand(Horizontal):
     def show(self, field: Field, said: Answered, unit: str, system: str) -> None:
         """A field, among all the answers; `unit` is that of a number without one."""
         self._enlarge(field, said, unit)
-        self._say(_meaning(field.question, field.answer, said), said, system)
+        self._say(_meaning(field.question, field.answer, said, system), said, system)
 
     def rest(self, said: Answered, system: str) -> None:
         """No field: the flight in a line, and what Enter does with it."""
@@ -57,8 +57,8 @@ class Hand(Horizontal):
         self.query_one(Big).show(text[: len(text) - len(typed_unit(text))].strip() if known else "")
 
 
-def _meaning(question: Question, answer: str, said: Answered) -> str:
+def _meaning(question: Question, answer: str, said: Answered, system: str) -> str:
     """Why an answer cannot be read, what is odd about it, else what the question means."""
     trouble = said.wrong.get(question.name)
-    odd = implausible_answers(said.flight, question.name, said.usual)
+    odd = implausible_answers(said.flight, question.name, said.usual, system)
     return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help

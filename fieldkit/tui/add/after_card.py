@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Draw = Callable[[Any, Any], None]
 MAX_EARLIER = 24
 """Earlier forecasts that are drawn, the newest. [1]"""
-WORKING = "comparing it with its forecast ..."
+WORKING = "comparing with the forecast ..."
 NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight has no Cd."
 
 
@@ -91,7 +91,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         """How to go on."""
         from fieldkit.tui.widgets.plots import Plot
 
-        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, middle and 95 %"
+        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, median and 95 %"
         self.border_subtitle = "Enter types the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
@@ -124,7 +124,7 @@ class AfterCard(VerticalScroll, can_focus=True):
             Interval("forecast", *outcome.forecast, outcome.flight.apogee),
             Interval("next", *outcome.next_flight),
         ]
-        self._put(".bars", _drawn(rows, system, "90 % of flights end in the line, ● its middle, ◆ flown"))
+        self._put(".bars", _drawn(rows, system, "90 % interval, ● median, ◆ flown"))
         self._put(".next", hanging([f"Suggested  {advice}"]))
         marks = [(x, "") for x in (middle, low, high)]
         self._hill(draw_density(outcome.after.apogee, marks, partial(_height, system)))

@@ -11,7 +11,7 @@ from fieldkit.tui.page import PageScreen
 
 
 class DraftPen:
-    """One thread that keeps a draft; a page hears once why keys cannot be kept, where they cannot."""
+    """One thread that keeps a draft; a page hears once why keys cannot be kept, if they cannot."""
 
     def __init__(self, page: PageScreen) -> None:
         self._page = page

@@ -160,7 +160,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             self._picker.follow(event.input, event.input.parent.question.name)
 
     def _read(self, field: Field) -> tuple[object, str]:
-        """The value of a field, and a note on it that begins with a cross where it cannot be read."""
+        """The value of a field, and a note on it that begins with a cross if it cannot be read."""
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:

@@ -1,4 +1,4 @@
-"""Saving the flight that is typed on the page Add: questioned where it may be a slip, and what came of it shown."""
+"""Saving the flight that is typed on the page Add: questioned if it may be a slip, and what came of it shown."""
 
 from functools import partial
 
@@ -8,7 +8,7 @@ from fieldkit.tui.add.add_sheet import Sheet
 from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
 from fieldkit.tui.page import PageScreen
 
-DUPLICATE = "It is in the ledger already."
+DUPLICATE = "Duplicate: it is already in the ledger."
 
 
 class Saving:

@@ -1,4 +1,4 @@
-"""The flight under the cursor of the page Flights: its figures, and where there is room its Cd among those of its build
+"""The flight under the cursor of the page Flights: its figures, and if there is room its Cd among those of its build
 and its climb."""
 
 from collections.abc import Iterable, Sequence
@@ -53,7 +53,7 @@ class FlightCard(VerticalScroll):
             self.show_climb(None)  # until its own is read
 
     def show_climb(self, log: Drawn | None) -> None:
-        """The altitude of its log; None where it has none, or while it is being read."""
+        """The altitude of its log; None if it has none, or while it is being read."""
         trace = log.traces.get("altitude") if log is not None else None
         if log is None or trace is None or len(trace.time) < 2:
             self._plot("climb", "", None)
@@ -83,7 +83,7 @@ def _figures(row: Row, system: str) -> Iterable[Hanging]:
 def _setup(row: Row, system: str) -> Iterable[Hanging]:
     yield cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20)
     if row.flight.extra:
-        yield cards.lines("Also on record", logged.beside(row.flight.extra, system), 20)
+        yield cards.lines("Other data", logged.beside(row.flight.extra, system), 20)
 
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:

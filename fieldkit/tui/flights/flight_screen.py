@@ -41,19 +41,19 @@ class FlightScreen(PageScreen):
     NAME = "flights"
     TITLE = "Flight"
     ABOUT = Help(
-        "Everything known about one flight. On the left are the readouts and weights; beside them what they imply for "
-        "drag and thrust, drawn as densities: the true value is likely where the curve is high. Above is the forecast "
-        "for the flight, as an interval that should hold nine flights of ten, and the result.",
+        "Everything known about one flight. The readouts and masses are on the left. Beside them are the drag and "
+        "thrust inferred from them, as densities: the higher the curve, the likelier the value. At the top is the "
+        "forecast, an interval that should hold nine flights in ten, and the result.",
         (
-            ("Cd", "Drag of the rocket in this flight. A wide curve means that these readouts constrain it poorly."),
-            ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
-            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the apogee that was flown."),
-            ("± 1 m", "Uncertainty of a figure measured in a log: two times in three the true value is this close."),
+            ("Cd", "Drag of the rocket in this flight. A wide curve means these readouts constrain it poorly."),
+            ("alpha", "Thrust of this motor relative to the certified thrust; 1 is as certified."),
+            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the flown apogee."),
+            ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
-                "Altitude, speed and acceleration from liftoff (T+0) to landing, a line at each event; l: a cursor.",
+                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l adds a cursor.",
             ),
-            ("Also on record", "What else the file of the flight says, in its own words."),
+            ("Other data", "Other data from the flight's file, as written there."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
         ),
         (
@@ -67,11 +67,9 @@ class FlightScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back", priority=True),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit", tooltip="Change what is known of this flight"),
-        Binding(
-            "l", "look", "Look", tooltip="Its log with a cursor that says height, speed and acceleration", show=False
-        ),
-        Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
+        Binding("e", "edit", "Edit", tooltip="Edit this flight"),
+        Binding("l", "look", "Look", tooltip="Its log, with a cursor for height, speed and acceleration", show=False),
+        Binding("w", "report", "Report", tooltip="Write a report on this flight for the log book", show=False),
         REMOVE,
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
@@ -165,7 +163,7 @@ class FlightScreen(PageScreen):
             cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the fit"]),
         ]
         if flight.extra:
-            blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
+            blocks.append(cards.lines("Other data", logged.beside(flight.extra, system), 20))
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(or_why(partial(hills, flight, self.resources)), self._have_said, "said")
@@ -275,7 +273,7 @@ class Hills:
 
 
 def hills(flight: Flight, resources: "Resources") -> Hills:
-    """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
+    """The posterior of a flight as it is drawn. Raises FieldkitError if it can have none."""
     from fieldkit.tui.widgets.plots import draw_density
 
     said = drag_facts(flight, resources.ledger, resources.motors)

@@ -69,7 +69,7 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 
     found = recording_of(ledger, id)
     if found is None or found.reading is None:
-        return "no log with samples is kept with this flight"
+        return "this flight has no log with samples"
     columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
     climb = found.recorded.climb
     traces: dict[str, ChannelTrace] = {}

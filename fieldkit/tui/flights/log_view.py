@@ -44,7 +44,7 @@ class LogLook:
 
 
 def looks_at(file: "FileView", system: str) -> list[LogLook]:
-    """A look at each flight of a file, and at each simulation; one without a curve where there is none."""
+    """A look at each flight of a file, and at each simulation; one without a curve if there is none."""
     whole = _file_facts(file)
     shown = [
         LogLook(
@@ -64,7 +64,7 @@ def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
 
     found = recording_of(ledger, id)
     if found is None or found.reading is None:
-        return "no log with samples is kept with this flight"
+        return "this flight has no log with samples"
     one = flight_view(ledger.flight(id), found.recorded)
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 

@@ -14,7 +14,7 @@ SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g":
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:
-    """A readout, with its standard deviation where it is known: `162.8 ± 1 m`; empty without one."""
+    """A readout, with its standard deviation if it is known: `162.8 ± 1 m`; empty without one."""
     value, sd = flight.number(column.name), flight.sd.get(column.name)
     if value is None or sd is None:
         return measure(column, value, system)

@@ -6,9 +6,7 @@ from textual.binding import Binding
 
 from fieldkit.tui.page import PageScreen
 
-REMOVE = Binding(
-    "x,delete", "remove", "Remove", key_display="x", tooltip="Take this flight out; u brings it back", show=False
-)
+REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remove this flight; u to undo", show=False)
 """The key of `action_remove`."""
 
 
@@ -17,7 +15,7 @@ def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None)
 
     def removed(_: object) -> None:
         then()
-        page.show_notice(f"flight {id} taken out; u brings it back")
+        page.show_notice(f"Removed flight {id}. u to undo")
         page.field_app.changed()
 
     page.change(lambda: page.resources.ledger.remove(id), removed)

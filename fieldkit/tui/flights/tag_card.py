@@ -69,10 +69,7 @@ class TagCard(VerticalScroll):
         more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
             ("means", meaning(tag)),
-            (
-                "does",
-                "a flight with it is left out of the fit" if tag in TAGS else "the flight is still used in the fit",
-            ),
+            ("does", f"a flight with it is {'not' if tag in TAGS else 'still'} used in the fit"),
             ("here", "" if tag == OWN_TAG_ROW else "this flight has it" if there else "this flight does not have it"),
             ("used by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
         ]
@@ -104,5 +101,5 @@ class TagCard(VerticalScroll):
 
 def meaning(tag: str) -> str:
     """What a tag means, in words."""
-    own = "type a tag of your own, such as windy" if tag == OWN_TAG_ROW else "your own: it is kept"
+    own = "type a tag of your own, such as windy" if tag == OWN_TAG_ROW else "your own tag"
     return KNOWN_TAGS.get(tag, own)

@@ -27,9 +27,9 @@ class TagScreen(PageScreen):
     NAME = "flights"
     TITLE = "Tags"
     ABOUT = Help(
-        "A tag says that something was odd. A flight that bears one of these stays in the ledger and is left "
-        "out of the fit. Below the list you see what that does to the rocket's drag and to the forecast of its "
-        "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
+        "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the fit. Below the list is "
+        "the effect on the rocket's drag and on the forecast of its next flight on the same motor, before your "
+        "changes and now. u undoes, any number of times.",
         tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
@@ -63,7 +63,7 @@ class TagScreen(PageScreen):
             with Vertical(id="left"):
                 yield Table(id="tags", enter="On/off")
                 yield Static(id="means")
-                yield Static("working out what the tags do ...", id="effect")
+                yield Static("computing the effect of the tags ...", id="effect")
             yield TagCard()
 
     def on_mount(self) -> None:
@@ -123,7 +123,7 @@ class TagScreen(PageScreen):
         self._beside()
 
     def _beside(self) -> None:
-        """The same drawn, where there is room."""
+        """The same drawn, if there is room."""
         if self.has_class("-wide") and self._before is not None and self._now is not None:
             self.query_one(TagCard).show_shift(self._before, self._now, self.resources.settings.units)
 
@@ -152,7 +152,7 @@ class TagScreen(PageScreen):
             self._change(text.strip())
 
     def _change(self, tag: str) -> None:
-        """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
+        """Put a tag on, or take it off if it is; one after the other, however fast keys come."""
 
         def work() -> None:
             ledger = self.resources.ledger

@@ -91,12 +91,12 @@ class NextCard(HomeCard):
         said = view.forecast
         if said is None:
             heading = "\n".join(home_text.next_lines(view, system))
-            self.say(heading, f"No forecast is waiting: f chooses a motor, Enter there saves its forecast.\n{weather}")
+            self.say(heading, f"No open forecast. f chooses a motor, Enter there saves its forecast.\n{weather}")
             return
         low, middle, high = said.interval
         title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
         big = number(cards.APOGEE, middle, system)
-        self.border_subtitle = "Flown? a types it in"
+        self.border_subtitle = "Flown? a adds it"
         self.figure(title, big, words, Interval("", low, middle, high), weather)
 
 

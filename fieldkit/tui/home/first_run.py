@@ -24,12 +24,12 @@ class Step(Enum):
     ROCKET = ("Describe your rocket", "four fields, then its first forecast")
     DEMO = ("Load the demo rocket", "twelve flights of Astra to explore")
     FILES = ("Import a file", "a log of your altimeter, or a table of flights")
-    TYPE = ("Type a flight in", "what the altimeter shows")
+    TYPE = ("Add a flight", "what the altimeter shows")
 
 
 FIRST_STEPS = tuple(Step)
 QUESTIONS = (
-    Question("rocket", "Rocket", "Its name, as you want to see it in lists."),
+    Question("rocket", "Rocket", "Its name, as shown in lists."),
     Question("dry_mass", "Dry mass", "Ready to fly, with recovery and payload, without the motor: 330g or 11.6 oz."),
     Question("diameter", "Diameter", "The widest tube of the body: 66mm or 2.6 in."),
     Question("motor", "Motor", "As printed on it: F24-4W, C6-5."),

@@ -1,4 +1,4 @@
-"""The latest flights on the page Home: a flight a row, with its profile and its forecast where there is room."""
+"""The latest flights on the page Home: a flight a row, with its profile and its forecast if there is room."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING

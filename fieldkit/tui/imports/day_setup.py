@@ -20,7 +20,7 @@ def setup_of_day(resources: "Resources") -> dict[str, str]:
 
 
 def waiting_setup(resources: "Resources") -> dict[str, str]:
-    """The same where a saved forecast waits for its flight; empty where none does."""
+    """The same if a saved forecast waits for its flight; empty if none does."""
     from fieldkit.services.manual_entry import planned_answers
 
     return setup_of_day(resources) if planned_answers(resources.ledger) else {}

@@ -12,7 +12,7 @@ from fieldkit.tui.page import PageScreen
 TEXTS = {"rocket": "Rocket", "config": "Configuration", "motor": "Motor", "site": "Site", "date_time": "Date"}
 NUMBERS = ("dry_mass", "diameter")
 QUESTIONS = (
-    *(Question(name, title, "For every flight of the file that does not say it.") for name, title in TEXTS.items()),
+    *(Question(name, title, "For every flight in the file that lacks it.") for name, title in TEXTS.items()),
     *(Question(name, BY_NAME[name].title, BY_NAME[name].help) for name in NUMBERS),
 )
 

@@ -3,26 +3,25 @@
 from fieldkit.tui.help import Help
 
 IMPORT_HELP = Help(
-    "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-    "what it was recognized as, how many flights it would bring, each row that would be left out, with the "
-    "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
-    "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
-    "of several altimeters in one flight.",
+    "Choose a log or a flight table. The file under the cursor is read but not stored: you see its format, how "
+    "many flights it would add, each rejected row with the reason, and the flights. Enter stores it. Duplicates "
+    "change nothing, so a file may be imported twice. The space bar marks files to read together, such as the "
+    "logs of several altimeters in one flight.",
     (
-        ("format", "The parser that recognised the file, by what is in it. F names another one."),
+        ("format", "The parser that recognized the file by its content. F chooses another one."),
         (
             "look",
-            "L draws the flight from lift-off with a cursor, and lists columns, readouts, events, what is stored.",
+            "L draws the flight from lift-off with a cursor, and lists columns, readouts and events.",
         ),
-        ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
+        ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),
         (
             "columns",
-            "m asks which column of a table is what; M lists what was named before, to change or forget it.",
+            "m maps the columns of a table; M lists saved mappings, to change or delete.",
         ),
-        ("edit", "What the file leaves open, such as the rocket and its mass, for every flight in it."),
+        ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
         (
             "design",
-            "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
+            "An OpenRocket file adds no flight: its mass, diameter and Cd are the start of a rocket.",
         ),
     ),
     (

@@ -83,7 +83,7 @@ def folder_text(folder: Path) -> str:
 
 
 def listed(folder: Path) -> list[Path]:
-    """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
+    """Folders and then files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
         return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
@@ -147,16 +147,16 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     if look.start is not None:
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
-        return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
+        return Content.assemble(*parts, ("\nEnter saves it as the start of this rocket", "b"))
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),
             printable(shortened(look.trouble)),
-            "\n\nf names the parser to read it with, m says what the columns of a table are",
+            "\n\nf chooses a parser, m maps the columns of a table",
         ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
-    parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
+    parts += ["\n", ("would add      ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
     parts += [f", {receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
     parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:MAX_NOTES]]
@@ -183,7 +183,7 @@ def what_it_holds(look: Look, system: str) -> Hanging:
 def left_out(look: Look) -> Hanging:
     """Each row that would be left out: where it is, and why."""
     rejected = look.receipt.rejected if look.receipt else ()
-    lines = [Content.assemble(("Left out, and why", "b $primary"))] if rejected else []
+    lines = [Content.assemble(("Rejected, and why", "b $primary"))] if rejected else []
     for one in rejected[:MAX_LISTED]:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
         lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))

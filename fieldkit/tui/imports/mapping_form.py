@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 
 _ABOUT = {
     "time": "The clock, in any unit: s, ms, us, 12:04:05.3.",
-    "altitude": "The height above the pad.",
-    "altitude_msl": "A height above sea level, or any that is not zero on the pad.",
-    "pressure": "The pressure of the air.",
-    "felt": "What the accelerometer along the rocket shows: one g on the pad.",
-    "acceleration": "The acceleration along the rocket without gravity: zero on the pad.",
-    LIFTOFF_MASS: "The mass with the motor; the motor's is taken off.",
-    MOTOR_MASS: "The mass of the loaded motor.",
+    "altitude": "Height above the pad.",
+    "altitude_msl": "Height above sea level, or any height that is not zero on the pad.",
+    "pressure": "Air pressure.",
+    "felt": "Acceleration along the rocket as the sensor measures it: one g on the pad.",
+    "acceleration": "Acceleration along the rocket without gravity: zero on the pad.",
+    LIFTOFF_MASS: "Mass with the motor; the motor's mass is subtracted.",
+    MOTOR_MASS: "Mass of the loaded motor.",
 }
-_HOW = "Type or choose its column; a unit that the heading lacks follows in brackets: Alt [ft]."
+_HOW = "Type or choose its column; add a missing unit in brackets: Alt [ft]."
 OTHER_ROWS = "rows"
 """What a form answers with to be asked again of the other kind of rows."""
 
 
 class MappingForm(Form):
-    """A line for each channel of samples, or each field of flights; empty where the table has no such column."""
+    """A line for each channel of samples, or each field of flights; empty if the table has no such column."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)
@@ -102,10 +102,8 @@ class MappingList(ModalScreen[None]):
     def compose(self) -> ComposeResult:
         """The list and its keys."""
         with Vertical() as frame:
-            frame.border_title = Content("Columns that were named")
-            yield Table(
-                id="mappings", empty="none yet: m on the page Import names the columns of a table", enter="Edit"
-            )
+            frame.border_title = Content("Saved mappings")
+            yield Table(id="mappings", empty="none yet: m on the page Import maps the columns of a table", enter="Edit")
             yield KeyBar()
 
     def on_mount(self) -> None:

@@ -39,7 +39,7 @@ class Standing:
 
 
 def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
-    """How a rocket stands, that flown last where it is not said or gone; None where nothing has flown."""
+    """How a rocket stands, that flown last if it is not said or gone; None if nothing has flown."""
     from fieldkit.services.forecasts import which_rocket
 
     ledger = resources.ledger

@@ -1,4 +1,4 @@
-"""The five panels of the page Loop: one at a time where room is short, all at once where it is not."""
+"""The five panels of the page Loop: one at a time if room is short, all at once if it is not."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from fieldkit.services.findings import Findings
 
 TEXT_BEFORE_RUN = {
-    "verdict": "l looks for what the model lacks: each flight is forecast from the others, and what is left over is "
-    "compared with what known effects would do. It takes some seconds and changes nothing.",
-    "against": "Once l has looked: each flight less its forecast, against whatever c chooses.",
-    "marks": "Once l has looked: what an effect would leave in each readout, beside what was there.",
+    "verdict": "l searches for missing effects: each flight is forecast from the others, and the residuals are "
+    "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
+    "against": "After l: each flight's residual, flown minus forecast, against the column that c chooses.",
+    "marks": "After l: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """What stands in a panel before anything was looked for."""
 
@@ -63,13 +63,13 @@ class Panels(Container):
         with VerticalScroll(id="p-Fingerprint", classes="panel"):
             yield Static(id="marks")
         with Vertical(id="p-Ranking", classes="panel"):
-            yield Table(id="ranking", empty="l looks for what may be missing", enter="Fingerprint")
+            yield Table(id="ranking", empty="l searches for missing effects", enter="Fingerprint")
             yield Static(id="at-length")
         with Container(id="p-Versions", classes="panel"):
             yield Table(id="versions", enter="Use it")
 
     def on_mount(self) -> None:
-        """The titles, where all are in sight."""
+        """The titles, if all are in sight."""
         for name in PANELS:
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
@@ -97,7 +97,7 @@ class Panels(Container):
         self.show_residuals(0)
         self.show_marks(0)
         rows = ranking_rows(found.diagnosis)
-        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 16)]
+        heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
         self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_verdict(self, system: str, *, accepted: bool = False) -> None:
@@ -130,7 +130,7 @@ class Panels(Container):
     def show_versions(self, standing: Standing, system: str) -> None:
         """The models of the rocket, and which is in use."""
         rows = version_rows(standing.versions, system)
-        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
+        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("held-out error", 18, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
 
     def front(self, panel: int) -> Widget | None:

@@ -29,8 +29,8 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
 
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
-    parts += [f"{printable(line)}\n" for line in (*beside_verdict(found), *found.implausible)]
-    parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
+    parts += [f"{printable(line)}\n" for line in (*beside_verdict(found, system), *found.implausible)]
+    parts += [("\nError on held-out flights\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
     if accepted:
@@ -53,7 +53,7 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
 
 def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
     """Residuals against a column, the `turn`-th by how much they hang together: what is said of it, the points, and
-    the names along the axis where the column holds no numbers."""
+    the names along the axis if the column holds no numbers."""
     import numpy as np
 
     from fieldkit.selection.residual import columns_of, kinds_of, residuals
@@ -69,16 +69,16 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
     pattern = next((row for row in found.patterns if row.against == name), None)
     tested = "too few values to test"
     if pattern is not None:
-        seen = "they go together" if pattern.p < PATTERN_P_VALUE else "no pattern"
+        seen = "they correlate" if pattern.p < PATTERN_P_VALUE else "no pattern"
         tested = f"{seen}, p {pattern.p:.2f}"
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
     places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
     points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
-    return f"residual / expected scatter, against {name.replace('_', ' ')}: {tested}", points, ticks
+    return f"residual / expected scatter, vs. {name.replace('_', ' ')}: {tested}", points, ticks
 
 
 def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
-    """The fingerprint of the residual beside that of an effect; bars are shorter where it is `narrow`."""
+    """The fingerprint of the residual beside that of an effect; bars are shorter if it is `narrow`."""
     if not found.fingerprints:
         return Content("no effect to compare with")
     trial, marks = found.fingerprints[turn % len(found.fingerprints)]
@@ -129,14 +129,14 @@ def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
     parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
-    parts.append(f"\nto check  {effect.tell_apart}" if effect is not None else "")
+    parts.append(f"\ntest     {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)
 
 
 def _odds(log_bayes: float) -> str:
     """A log Bayes factor as a flyer would bet: `20 to 1 for it`."""
     if abs(log_bayes) < EVEN_LOG_BAYES_FACTOR:
-        return "these flights say nothing either way"
+        return "these flights favor neither"
     odds = math.exp(min(abs(log_bayes), 20.0))
     said = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
     return f"{said} to 1 {'for' if log_bayes > 0 else 'against'} it"

@@ -37,7 +37,7 @@ def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, s
     from fieldkit.tui.widgets.plots import draw_density
 
     marks = [(target, "◎"), *((value, "") for value in three(apogee))]
-    title = "The apogee that the altimeter will show with that mass; ◎ is the target, lines are 5 %, middle and 95 %"
+    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5 %, middle and 95 %"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
 
 
@@ -72,7 +72,7 @@ def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "
 def _against_flown(answer: "Answer", rows: tuple[Interval, ...], system: str) -> "Answer":
     if not rows:
         return answer
-    title = "Forecast and flown: 90 % of flights should end in the line, ● its middle, ◆ where it ended"
+    title = "Forecast and flown: 90 % of flights should fall on the line; ● median, ◆ flown"
     return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
 
 

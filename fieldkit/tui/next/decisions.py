@@ -71,7 +71,7 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            return Answer(("No target yet: g on the page Next sets one.",))
+            return Answer(("No target yet. g on the page Next sets one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
@@ -108,17 +108,17 @@ class Decision:
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
-        """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
+        """The forecasts of the rocket that are kept, the newest first, each marked if it is stale, and why."""
         from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
-            return Answer(("No forecast of this rocket is saved yet: Enter on the page Next saves one.",))
+            return Answer(("No saved forecasts of this rocket yet. Enter on the page Next saves one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             said = one.made.payload
             words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
-            words += [f"  {line}" for line in in_words(one)]
+            words += [f"  {line}" for line in in_words(one, self.system)]
         return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
@@ -130,9 +130,9 @@ class Decision:
         rocket = self.plan.rocket
         rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
-            return Answer(("Two clean flights with an apogee are needed: each is forecast from those before it.",))
+            return Answer(("Needs two clean flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
-        words = (f"{len(rows)} flights of {rocket}, each forecast from the ones before it", "")
+        words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
         said = (*_missed(found, self.system), "", *against_the_bar(found))
         answer = Answer((*words, *said), tuple(histogram(found.calibration)))
         return decision_plots.of_forecasts(answer, rows, self.system)
@@ -146,9 +146,9 @@ class Decision:
         last = scored[-MAX_SCORED_FLIGHTS:]
         told = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        yield f"  points flown by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
         if alone:
-            yield f"            for the height alone, no duration: {', '.join(alone)}"
+            yield f"            altitude only, no duration: {', '.join(alone)}"
         if not day.declared:
             return
         try:
@@ -183,7 +183,7 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
 
 
 def rule_of(year: int) -> "Season":
-    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 

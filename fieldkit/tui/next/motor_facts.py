@@ -31,12 +31,12 @@ def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
         ("loaded mass", f"{motor.loaded_mass * 1e3:.1f} g"),
         ("propellant", " ".join((f"{motor.propellant_mass * 1e3:.1f} g", motor.propellant)).strip()),
         ("after burnout", f"{motor.casing_mass * 1e3:.1f} g stay"),
-        ("delays", "none on record" if delays == "-" else f"{delays} s{'; P: plugged, no charge' * ('P' in delays)}"),
+        ("delays", "none listed" if delays == "-" else f"{delays} s{'; P: plugged, no charge' * ('P' in delays)}"),
         ("on sale", "yes" if motor.available else "no longer made"),
         ("case", motor.case),
         ("estimated", ", ".join(name.replace("_", " ") for name in motor.estimated)),
         ("corrected", "; ".join(one.text() for one in motor.corrections if one.applied)),
-        ("on the web", motor.url),
+        ("web page", motor.url),
         ("source", motor.source),
     )
     return tuple((name, printable(value)) for name, value in pairs if value)

@@ -78,4 +78,4 @@ class MotorList:
         left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"
         unit = spelled(unit_of(cards.APOGEE, system))
-        return f"{fit}{every} fit" + (f", {left} to do" if left > 0 else "") + f" · {unit}"
+        return f"{fit}{every} fit" + (f", {left} left" if left > 0 else "") + f" · {unit}"

@@ -68,7 +68,7 @@ def _narrow(settings: Settings) -> list[MotorColumn]:
 
 
 def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
-    """All figures; where there is room, headings name their units and a few more stand beside them."""
+    """All figures; if there is room, headings name their units and a few more stand beside them."""
     return [
         MotorColumn("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
         MotorColumn("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
@@ -146,5 +146,5 @@ def whole(height: float, system: str) -> str:
 
 
 def signed(seconds: float | None) -> str:
-    """Seconds after apogee, with their sign; empty where none are known."""
+    """Seconds after apogee, with their sign; empty if none are known."""
     return "" if seconds is None else f"{seconds:+.1f}"

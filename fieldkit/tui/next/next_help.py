@@ -4,45 +4,61 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next.next_plan import QUESTIONS
 
 NEXT_HELP = Help(
-    "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
-    "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
-    "Type / and a name, a maker or a size such as 24mm to search the whole catalogue; * lists all of it. With a "
-    "target set (g), the motors that come nearest to it are on top. Enter saves a forecast, and the flight is "
-    "measured against it when you add it. Forecasts are advice: the range safety officer decides.",
+    "Plan the next flight. The table lists every motor on sale that fits the rocket (no wider than the widest it has "
+    "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
+    "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it. "
+    "With a target (g), the motors nearest to it come first. Enter saves a forecast; when you add the flight, the two "
+    "are compared. Forecasts are advice: the range safety officer decides.",
     (
-        ("apogee", "What your altimeter will show, in the middle of the distribution."),
-        ("off", "Forecast less target, where there is one (g); the nearest motor stands first."),
-        ("eject", "Seconds from apogee to ejection with the delay that fires nearest to it; - is before."),
+        ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
+        ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
+        (
+            "eject",
+            "Seconds from apogee to ejection, for the delay that fires nearest to apogee; negative is before it.",
+        ),
         ("by delay", "The same for each delay on sale."),
-        ("├─●─┤", "Under c: where nine flights of ten would end, all motors on one scale; ◎ is the target."),
-        ("mm, N s", "Diameter and total impulse of the motor; under c, with all that is known of each motor."),
+        ("├─●─┤", "With c: the 90 % interval, all motors on one scale; ◎ is the target."),
+        ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
         ("delay", "The delay on sale that fires nearest to apogee."),
-        ("✗ a motor", "Found by the search, and it does not fit: too wide, too weak, or no longer made."),
-        ("90 %", "Nine flights of ten should end between these two."),
-        ("hill", "How likely each apogee is: most where it is high. The upright lines are 5 %, middle and 95 %."),
-        ("true", "The height in fact; on a hot day a barometric altimeter shows less than that, in the cold more."),
-        ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; - is before."),
+        ("✗ a motor", "Found by the search but does not fit: too wide, too weak, or no longer made."),
+        ("90 %", "Nine flights in ten should fall between these two."),
+        (
+            "hill",
+            "The density of the forecast apogee: the higher, the likelier. The vertical lines are 5 %, median "
+            "and 95 %.",
+        ),
+        (
+            "true",
+            "The true height above the pad. A barometric altimeter reads low on a hot day and high on a cold one.",
+        ),
+        ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; negative is before it."),
         (
             "✓ ! ⊘ ?",
-            "Safety checks: well, caution, unsafe, not known; each with its figures and limit further down.",
+            "Safety checks: ok, caution, unsafe, unknown; each with its value and limit further down.",
         ),
         (
             "checks",
-            "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, "
-            "motor temperature, distances of people and bystanders, mass, certification, the class that the law "
-            "puts the rocket in, whether it is complex, and what the sky must be.",
+            "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, motor "
+            "temperature, distances to people and bystanders, mass, certification, legal class, whether the rocket is "
+            "complex, and the sky.",
         ),
-        ("off rail", "Speed at the end of the rail. Below 15 m/s fins may not hold the rocket straight."),
-        ("rail", "The same for every motor, under c."),
-        ("top speed", "The fastest it gets, at about burnout."),
-        ("T:W", "Thrust over weight, first half second and average: 5 is good, below 3 is not safe."),
-        ("Cd, alpha", "Drag of the rocket and thrust of the motor that the flight is forecast with, and how sure."),
+        ("off rail", "Speed at the end of the rail. If it is too low, the fins do not keep the rocket straight."),
+        ("rail", "The same for every motor, with c."),
+        ("top speed", "Top speed, at about burnout."),
+        ("T:W", "Thrust over weight, in the first half second and on average: above 5 is good, below 3 is unsafe."),
+        (
+            "Cd, alpha",
+            "Drag of the rocket and thrust of the motor used in the forecast, with their standard deviations.",
+        ),
         (
             "air",
-            "Density of the air at the pad, from what the plan says of the weather; what it leaves open is named.",
+            "Air density at the pad, from the plan's weather; assumed values are named.",
         ),
-        ("rests on", "The flights and the version of the model that the forecast is made from."),
-        ("narrows", "What more such flights would take off the 90 %; the rest is how single flights differ."),
+        ("rests on", "The flights and the model version behind the forecast."),
+        (
+            "narrows",
+            "How much more flights like this would narrow the 90 % interval; the rest is flight-to-flight variation.",
+        ),
         *((question.title, question.help) for question in QUESTIONS),
     ),
     ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors --fit ROCKET --target 800ft"),

@@ -25,13 +25,11 @@ MAX_NAMED_FLIGHTS = 8
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
 """Numbers of a plan that can be changed; the delay is chosen with the motor."""
 QUESTIONS = (
-    Question("rocket", "Rocket", "Its name, as in the ledger. Its clean flights are what the forecast rests on."),
-    Question(
-        "config", "Configuration", "Which build of it, such as A. Mass and diameter are those of its last flight."
-    ),
+    Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its clean flights."),
+    Question("config", "Configuration", "The build, such as A. Mass and diameter are those of its last flight."),
     *(Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as last flown, or standard.") for name in PLAN),
-    Question("site", "Site", "Its elevation, size and ceiling are as saved with `fieldkit sites`. Empty: as last."),
-    Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with its unit: 60F. For its safety line alone."),
+    Question("site", "Site", "Its elevation, size and ceiling are saved with `fieldkit sites`. Empty: the last site."),
+    Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with a unit: 60F. Used only for its safety check."),
 )
 
 
@@ -55,7 +53,7 @@ class Plan:
         return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
 
     def misfit(self, motor: "Motor") -> str:
-        """Why the rocket cannot fly on a motor, empty where it can."""
+        """Why the rocket cannot fly on a motor, empty if it can."""
         from fieldkit.planning.motor_guide import lifts
 
         if self.wanted.fits(motor):
@@ -89,7 +87,7 @@ class Plan:
 
 
 def read_plan(resources: "Resources") -> Plan | None:
-    """The plan as it was left, else for the rocket of known mass that flew last; None where nothing has flown.
+    """The plan as it was left, else for the rocket of known mass that flew last; None if nothing has flown.
 
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
     """
@@ -127,7 +125,7 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
     """The flights and the model that a forecast rests on, in words."""
     clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
     if not clean:
-        return "no flight of it: priors alone, so it is wide"
+        return "no flights of it: priors only, so it is wide"
     version = ledger.active_version(rocket)
     model = f"version {version.number}" if version else "the plain model"
     more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""

@@ -37,33 +37,33 @@ class PlanScreen(PageScreen):
     NAME = "next_flight"
     TITLE = "Decide"
     ABOUT = Help(
-        "What is left to decide once the motor is chosen, from the flights of this rocket, in the weather of "
-        "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
-        "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
-        "expect by a season's rule. Landing: where it comes down against the field, and the best rail. Saved: the "
-        "forecasts that were saved. Score: how good they are. Forecasts are "
-        "advice: the range safety officer decides.",
+        "What to decide once the motor is chosen, from the flights of this rocket and the weather of the plan. Delay: "
+        "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
+        "the mass to add or remove to meet the target (g on the page Next). Contest: the expected points by a "
+        "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
+        "forecasts. Score: how good they were. Forecasts are advice: the range safety officer decides.",
         (
-            ("delay", "Best is the one least likely to fire too fast for the parachute."),
+            ("delay", "The best delay is the one least likely to deploy too fast for the parachute."),
             (
                 "ballast",
-                "The dry mass that makes landing within 10 ft of the target as likely as it can be; j changes that to "
-                "the least mean miss, or the fewest points of the season.",
+                "The dry mass with the best chance of an apogee within 10 ft of the target; j changes that to the "
+                "smallest mean miss or the fewest points of the season.",
             ),
             (
                 "contest",
-                "Feet off the target and seconds outside the window, as many flights as may be declared. , and . "
-                "change the season, [ and ] the area of the parachute.",
+                "Points for feet off the target and seconds outside the window, over as many flights as may be "
+                "declared. , and . change the season, [ and ] the area of the parachute.",
             ),
             (
                 "the day",
-                "p: target and window as announced, the cut and so the chance to qualify, the flights declared, the "
-                "length of the rocket; and of the site the field's size and the ceiling, which safety lines ask for.",
+                "p enters the announced target and window, the cut (for the chance to qualify), the declared flights "
+                "and the length of the rocket; and the field size and ceiling of the site, for the safety checks.",
             ),
-            ("saved", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
+            ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
                 "score",
-                "Each flight forecast from those before it, beside simpler ways; where flights lay in their forecasts.",
+                "Each flight forecast from the earlier ones, compared with simpler methods, and the quantile of each "
+                "flight in its forecast.",
             ),
         ),
         (
@@ -78,14 +78,14 @@ class PlanScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back", priority=True),
-        Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
+        Binding("left", "turn(-1)", "Previous answer", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
-        Binding("p", "day", "Plan", tooltip="What is announced, the cut, flights declared, field and ceiling"),
-        Binding("j", "aim", "Aim", tooltip="What ballast is for: the band, the mean miss, the points"),
-        Binding("comma", "season(-1)", "Season before", key_display=",", show=False),
-        Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="The season after, or before with ,"),
+        Binding("p", "day", "Plan", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
+        Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
+        Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
+        Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
         Binding("left_square_bracket", "area(-1)", "Smaller parachute", key_display="[", show=False),
-        Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="A larger parachute"),
+        Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="Larger parachute"),
     ]
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
@@ -133,7 +133,7 @@ class PlanScreen(PageScreen):
     def reload(self) -> None:
         """Compute the current answer."""
         self.query_one(TabLine).front(self._view)
-        self._say(Answer(("working it out ...",)))
+        self._say(Answer(("computing ...",)))
         self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone=True)
 
     def _say(self, answer: Answer) -> None:
@@ -144,7 +144,7 @@ class PlanScreen(PageScreen):
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
-        """What explains the answer, where there is something to draw."""
+        """What explains the answer, if there is something to draw."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#picture").set_class(bool(answer.title), "-shown")
@@ -200,7 +200,7 @@ class PlanScreen(PageScreen):
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
 
     def action_area(self, by: int) -> None:
-        """A larger parachute, or a smaller one."""
+        """Larger parachute, or a smaller one."""
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 

@@ -53,7 +53,7 @@ class AddScreen(PageScreen):
         Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
         Binding("up", "step(-1)", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
-        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
+        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]
     DEFAULT_CSS = FORM_CSS
 
@@ -102,7 +102,7 @@ class AddScreen(PageScreen):
         self._sheet.fill(start.offers, self.resources.settings.units)
         self._sheet.picker.sources = start.names.sources()
         if start.draft and not self._draft.shown:
-            self.show_notice("You were typing a flight: go on here, or ^N to start over")
+            self.show_notice("Unfinished flight: continue here, or ^N to start over")
         self._draft.shown = True
         if start.draft and isinstance(self.focused, AfterCard):  # its flight was undone
             self._saving.leave_card()
@@ -262,7 +262,7 @@ class AddScreen(PageScreen):
             self._saving.object_to(trouble)
 
     def _offer_again(self) -> None:
-        """Another rocket or configuration suggests other answers where nothing was typed."""
+        """Another rocket or configuration suggests other answers if nothing was typed."""
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:
@@ -283,7 +283,7 @@ class AddScreen(PageScreen):
 
     def _forgotten(self, any_was: bool) -> None:
         if any_was:
-            self.show_notice("Started over. ^Z brings back what was typed")
+            self.show_notice("Started over. ^Z to undo")
         self.reload()
 
     def resting_place(self) -> Widget | None:

@@ -37,11 +37,11 @@ MAX_INFERRED = 400
 """Flights, those on top, whose drag and thrust are computed without being asked for. [1]"""
 REST = 0.15
 """How long the cursor stays on a flight before its log is read. [s]"""
-NOT_FOUND = "no flight holds all of these words; / changes them"
+NOT_FOUND = "no flight matches all of these words; / changes them"
 
 
 class FlightsScreen(PageScreen):
-    """The table, a line to filter it with, and beside it, where there is room, the flight under the cursor."""
+    """The table, a line to filter it with, and beside it, if there is room, the flight under the cursor."""
 
     NAME = "flights"
     TITLE = "Flights"
@@ -110,7 +110,7 @@ class FlightsScreen(PageScreen):
         self.field_app.settled()
 
     def _infer(self) -> None:
-        """Work out drag and thrust where they are not known yet: some flights at a time, those on top first."""
+        """Work out drag and thrust if they are not known yet: some flights at a time, those on top first."""
         top = self._sorted(self._rows.values())[:MAX_INFERRED]
         waiting = [row for row in top if row.id not in self._asked][:FLIGHTS_PER_BATCH]
         if waiting:
@@ -176,7 +176,7 @@ class FlightsScreen(PageScreen):
         self.soon(self._beside)
 
     def _beside(self) -> None:
-        """The card of the flight under the cursor, where it is in sight; its log once the cursor rests."""
+        """The card of the flight under the cursor, if it is in sight; its log once the cursor rests."""
         if self._rest is not None:
             self._rest.stop()
         if not self.has_class("-wide"):
@@ -272,7 +272,7 @@ class FlightsScreen(PageScreen):
             remove(self, row.id)
 
     def action_report(self) -> None:
-        """Write the report of the day of the flight under the cursor, or of the flight where no day is known."""
+        """Write the report of the day of the flight under the cursor, or of the flight if no day is known."""
         row = self._row()
         if row is not None:
             day = row.flight.date_time

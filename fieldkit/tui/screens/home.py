@@ -33,15 +33,15 @@ class HomeScreen(PageScreen):
     NAME = "home"
     TITLE = "Home"
     ABOUT = Help(
-        "What is next. Left, the forecast that waits for its flight, or the rocket to plan; right, the last flight "
-        "beside its forecast; below, the latest flights, those of today first. f flies: it leads to the motors, where "
-        "Enter saves a forecast. a types a flight in, with rocket, motor and weather filled in from that forecast. "
-        "p plans: rocket, mass and weather. Weather typed once (e) goes into every plan and flight of the day.",
+        "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
+        "its forecast; below, the latest flights, today's first. f opens the motors, where Enter saves a forecast. a "
+        "adds a flight, with rocket, motor and weather filled in from that forecast. p edits the plan: rocket, mass "
+        "and weather. Weather entered once (e) is used in every plan and flight of the day.",
         (
-            ("miss", "Flown less forecast, for the forecast that was saved before the flight."),
+            ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆", "The 90 % interval and the middle of the forecast; ◆ is the apogee that was flown."),
-            ("stale", "Mass, motor, weather or model have changed since the forecast was saved."),
+            ("├─●─┤ ◆", "The 90 % interval and the median of the forecast; ◆ is the flown apogee."),
+            ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
     )
@@ -49,7 +49,7 @@ class HomeScreen(PageScreen):
         Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
         Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
-        Binding("e", "day_weather", "Edit", tooltip="Type today's weather, for every plan and flight of today"),
+        Binding("e", "day_weather", "Edit", tooltip="Enter today's weather, for every plan and flight of the day"),
     ]
     DEFAULT_CSS = """
     HomeScreen #cards { height: 8; }
@@ -136,7 +136,7 @@ class HomeScreen(PageScreen):
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
         elif self._view is not None:
-            table.empty = "No flights yet: a types the first one in"
+            table.empty = "No flights yet. a adds the first one"
             self._list(self._view.flights)
         self.query_one(KeyBar).follow()
 

@@ -49,15 +49,13 @@ class ImportScreen(PageScreen):
     ABOUT = IMPORT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
-        Binding("F", "format", "Format", tooltip="Name the parser to read with"),
-        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket, motor, mass"),
-        Binding("l", "look", "Look", tooltip="The log as it is drawn, its columns, readouts and events"),
-        Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
-        Binding(
-            "M", "mappings", "Mappings", tooltip="Columns that were named before: change or forget them", show=False
-        ),
-        Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
-        Binding("r", "reload", "Look again", tooltip="List the folder and read the file again", show=False),
+        Binding("F", "format", "Format", tooltip="Choose the parser"),
+        Binding("e", "set", "Edit", tooltip="Values that the file lacks: rocket, motor, mass"),
+        Binding("l", "look", "Look", tooltip="The log as a plot, with its columns, readouts and events"),
+        Binding("m", "columns", "Columns", tooltip="Map the columns of a table"),
+        Binding("M", "mappings", "Mappings", tooltip="Saved mappings: change or delete them", show=False),
+        Binding("space", "mark", "Mark", tooltip="Mark files to read together", show=False),
+        Binding("r", "reload", "Reload", tooltip="Reload the folder and the file", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -81,7 +79,7 @@ class ImportScreen(PageScreen):
         """Where we are, the files, what one would bring."""
         yield Static("", id="where")
         with Horizontal(id="split"):
-            yield Table(id="files", empty="nothing here", enter="Store")
+            yield Table(id="files", empty="empty", enter="Store")
             with VerticalScroll(id="look"):
                 yield Static("", id="said")
                 yield Static("", id="more")
@@ -158,7 +156,7 @@ class ImportScreen(PageScreen):
             self.show_notice("Still reading the file; Enter again stores it")
 
     def _store(self, path: Path, look: Look) -> None:
-        """Store a file; where it names no rocket or motor and a forecast waits for its flight, ask first whether it is
+        """Store a file; if it names no rocket or motor and a forecast waits for its flight, ask first whether it is
         of that flight."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 
@@ -196,7 +194,7 @@ class ImportScreen(PageScreen):
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("Saved as the start of this rocket: Next uses it. u to undo" if new else "Saved already")
+        self.show_notice("Saved as the start of this rocket, used by Next. u to undo" if new else "Saved already")
         self.field_app.changed()
 
     def action_reload(self) -> None:
@@ -211,7 +209,7 @@ class ImportScreen(PageScreen):
         """Show the file under the cursor as it was read: plots with a cursor, columns, readouts, events."""
         look = self._look
         if look is None or look.receipt is None or not look.receipt.files:
-            self.complain(look.trouble if look is not None and look.trouble else "There is no file here to look into")
+            self.complain(look.trouble if look is not None and look.trouble else "No file under the cursor")
             return
         from fieldkit.tui.flights.log_view import LogView, looks_at
 
@@ -232,7 +230,7 @@ class ImportScreen(PageScreen):
             self._read_as(replace(self._reading, format=text.strip() or None))
 
     def _read_as(self, reading: ReadOptions) -> None:
-        """Read the file under the cursor so, and those after it. Where that cannot be, say why."""
+        """Read the file under the cursor so, and those after it. If that cannot be, say why."""
         try:
             reading.defaults()
             reading.named()
@@ -252,10 +250,10 @@ class ImportScreen(PageScreen):
         self._read_as(replace(self._reading, given=given))
 
     def action_columns(self) -> None:
-        """Say which column of a table is what."""
+        """Map the columns of a table."""
         path = self.query_one("#files", Table).current
         if path is None or path == UP or path.is_dir():
-            self.complain("There is no table here")
+            self.complain("No table under the cursor")
             return
         from fieldkit.tui.imports.ask_columns import ask_columns
 
@@ -283,7 +281,7 @@ class ImportScreen(PageScreen):
         elif path.exists():
             self.go(path.parent, path)
         else:
-            self.complain(f"{path}: there is no such file or folder")
+            self.complain(f"{path}: no such file or folder")
 
     def copied(self) -> str:
         """What the file would bring."""

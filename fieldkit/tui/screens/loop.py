@@ -28,34 +28,35 @@ if TYPE_CHECKING:
 
 
 class LoopScreen(PageScreen):
-    """Five panels: one at a time where room is short, all at once where it is not."""
+    """Five panels: one at a time if room is short, all at once if it is not."""
 
     NAME = "loop"
     TITLE = "Loop"
     ABOUT = Help(
-        "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
-        "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
-        "l looks, which takes some seconds; nothing changes until you accept with A. D leaves the model as it is. "
-        "Under Versions, Enter predicts with another model from now on; u undoes that as well.",
+        "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
+        "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). l "
+        "searches, which takes a few seconds; nothing changes until you accept with A. D leaves the model unchanged. "
+        "Under Versions, Enter switches to another model; u undoes that too.",
         (
-            ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
+            ("Verdict", "What is missing, with what probability, and the error on held-out flights, before and after."),
             (
                 "Residuals",
-                "Each flight less its forecast, in units of its expected scatter, against what v chooses. p is the "
-                "chance of such a pattern where there is none, corrected for how many columns were tried.",
+                "Flown minus forecast of each flight, in units of its expected scatter, against the column that v "
+                "chooses. p is the probability of such a pattern by chance, corrected for the number of columns "
+                "tested.",
             ),
             (
                 "Fingerprint",
-                "What an effect (n chooses) would leave in each readout, and what was there: similar or not.",
+                "The residual that an effect (n chooses) would cause in each readout, beside the one observed.",
             ),
             (
                 "Ranking",
-                "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it. Below "
-                "them the one under the cursor at length; Enter shows its fingerprint.",
+                "Effects by evidence: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
+                "details of the one under the cursor; Enter shows its fingerprint.",
             ),
-            ("Versions", "Models kept for this rocket, and the one in use. 0 is the plain model."),
-            ("no., made, adds", "Of a version: its number, the day it was made, and the effects that it adds."),
-            ("unseen flights", "Its mean error on flights that its fit did not see, before and after."),
+            ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
+            ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
+            ("held-out error", "Its mean error on held-out flights, before and after."),
         ),
         (
             "fieldkit loop [--rocket R] [--look] [--report FILE]",
@@ -64,14 +65,14 @@ class LoopScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("l", "look", "Look", tooltip="Look for what is missing"),
-        Binding("A", "accept", "Accept", tooltip="Predict with what was found"),
-        Binding("D", "decline", "Decline", tooltip="Leave the model as it is"),
+        Binding("l", "look", "Look", tooltip="Search for missing effects"),
+        Binding("A", "accept", "Accept", tooltip="Use the effects that were found"),
+        Binding("D", "decline", "Decline", tooltip="Leave the model unchanged"),
         Binding("v", "covariate", "Against", tooltip="Residuals against the next column"),
         Binding("n", "effect", "Effect", tooltip="Fingerprint of the next effect"),
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
         Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
-        Binding("left", "turn(-1)", "Panel before", show=False, priority=True),
+        Binding("left", "turn(-1)", "Previous panel", show=False, priority=True),
         Binding("right", "turn(1)", "Panels", key_display="←→", priority=True),
     ]
     DEFAULT_CSS = """
@@ -131,7 +132,7 @@ class LoopScreen(PageScreen):
             return
         before = self._standing
         if self.panels.found is not None and before is not None and before.flights != standing.flights:
-            self.panels.forget("The flights have changed: l looks again")
+            self.panels.forget("The flights have changed. l searches again")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -145,7 +146,7 @@ class LoopScreen(PageScreen):
         self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
 
     async def action_look(self) -> None:
-        """Look for what is missing, and show how far that is; nothing is changed."""
+        """Search for missing effects, and show how far that is; nothing is changed."""
         await self.settled("ask")
         if self._standing is None:
             return
@@ -212,7 +213,7 @@ class LoopScreen(PageScreen):
         found = self.panels.found
         drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
         if message.key not in drawn:
-            self.complain("no fingerprint of it: they are drawn of the likeliest effects alone")
+            self.complain("no fingerprint: only the likeliest effects have one")
             return
         self._effect = drawn.index(message.key)
         self._show_effect()
@@ -231,10 +232,10 @@ class LoopScreen(PageScreen):
             self.reload()
 
     def action_accept(self) -> None:
-        """Predict with what was found."""
+        """Use the effects that were found."""
         found = self.panels.found
         if found is None:
-            self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
+            self.complain("Nothing to accept yet. l searches for missing effects; Verdict shows the progress")
             return
         from fieldkit.services.close_loop import adopt
         from fieldkit.services.forecasts import used_version
@@ -244,7 +245,7 @@ class LoopScreen(PageScreen):
             self.show_notice("Nothing to accept: the plain model is in use")
             return
         if self._accepted_version is not None and self._standing and self._standing.used == self._accepted_version:
-            self.show_notice("Accepted already: forecasts use it")
+            self.show_notice("Already accepted: forecasts use it")
             return
 
         def work() -> int:
@@ -259,10 +260,10 @@ class LoopScreen(PageScreen):
         self.field_app.changed()
 
     def action_decline(self) -> None:
-        """Leave the model as it is."""
+        """Leave the model unchanged."""
         found = self.panels.found is not None
         self.show_notice(
-            "Declined: the model stays as it is" if found else "Nothing to decline yet: l looks for what is missing"
+            "Declined: the model is unchanged" if found else "Nothing to decline yet. l searches for missing effects"
         )
 
     @on(Table.Chosen, "#versions")
@@ -272,7 +273,7 @@ class LoopScreen(PageScreen):
         rocket, number = self._standing.rocket, message.key
         named = f"version {number}" if number else "the plain model"
         if number == self._standing.used:
-            self.show_notice(f"{rocket} uses {named} already")
+            self.show_notice(f"{rocket} already uses {named}")
             return
         work = partial(self.resources.ledger.activate, rocket, number or None)
         self.change(work, partial(self._used, f"{rocket} predicts with {named}"))
@@ -293,7 +294,7 @@ class LoopScreen(PageScreen):
             return self.query_one("#versions", Table).current_text()
         from fieldkit.presentation.loop_text import report
 
-        return "\n".join(report(found))
+        return "\n".join(report(found, self.resources.settings.units))
 
 
 PAGE = Page(5, "Loop", LoopScreen)

@@ -43,19 +43,19 @@ class NextScreen(PageScreen):
     ABOUT = NEXT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
+        Binding("slash", "search", "Motor", key_display="/", tooltip="Search motors"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
-        Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
+        Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
-        Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
+        Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
         Binding(
             "asterisk",
             "toggle_fit",
             "All",
             key_display="*",
             show=False,
-            tooltip="Only motors that fit, or all of the catalogue",
+            tooltip="Motors that fit, or the whole catalog",
         ),
     ]
     DEFAULT_CSS = """
@@ -117,7 +117,7 @@ class NextScreen(PageScreen):
         self._motors.turn_to(plan)
         self.set_class(plan is None, "-blank")
         if plan is None:
-            self.query_one("#plan", Static).update("No plan yet: p types one")
+            self.query_one("#plan", Static).update("No plan yet. p enters one")
             self.query_one(Table).empty = NO_FLIGHTS
             self.query_one(Table).show((), (), lambda _: ())
             return
@@ -285,7 +285,7 @@ class NextScreen(PageScreen):
         self._refill()
 
     def copied(self) -> str:
-        """The forecast as text, or the row under the cursor where all are compared."""
+        """The forecast as text, or the row under the cursor if all are compared."""
         if self.has_class("-comparing"):
             return self.query_one(Table).current_text()
         self._show_card()

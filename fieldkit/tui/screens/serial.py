@@ -42,24 +42,24 @@ class CaptureScreen(PageScreen):
     NAME = "serial"
     TITLE = "Capture"
     ABOUT = Help(
-        "Plug the logger or its adapter in; r looks again. Enter captures what is on the port under the cursor: what "
-        "it is follows from its numbers, or from listening; a unit that has to be asked is named with h first. Every "
-        "byte is on the disc before it is looked at, so a pulled cable loses nothing: the space bar goes on with it. "
-        "k ends a capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights "
-        "go into the ledger.",
+        "Plug in the logger or its adapter; r reloads the list. Enter captures from the port under the cursor. The "
+        "device is recognized by its USB numbers or by listening; choose one that must be asked with h first. Every "
+        "byte is saved to disk before it is decoded, so a pulled cable loses nothing: the space bar continues. k ends "
+        "a capture. Nothing on a logger is ever changed or erased. At the end you are asked whether to import its "
+        "flights.",
         (
-            ("port", "The name that the system has for it."),
-            ("what is known", "Who made the chip, and the logger where the numbers say."),
-            ("device", "The protocol that would be spoken; empty: found out by listening."),
-            ("altitude", "Of a telemetry stream, now; with the highest so far."),
+            ("port", "The port's name in the operating system."),
+            ("description", "The maker of the chip, and the logger if the USB numbers identify it."),
+            ("device", "The protocol to use; empty: recognized by listening."),
+            ("altitude", "The current altitude of a telemetry stream, and the highest so far."),
         ),
         ("fieldkit capture --list", "fieldkit capture [PORT] [--device NAME]", "fieldkit capture --resume"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("k", "stop", "Stop", tooltip="End the capture in good order"),
-        Binding("h", "device", "Device", tooltip="Name what is on the port"),
-        Binding("space", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
-        Binding("r", "look", "Look again", tooltip="List the ports again"),
+        Binding("k", "stop", "Stop", tooltip="End the capture"),
+        Binding("h", "device", "Device", tooltip="Choose the device on the port"),
+        Binding("space", "resume", "Continue", tooltip="Continue the newest unfinished capture"),
+        Binding("r", "look", "Reload", tooltip="List the ports again"),
     ]
     DEFAULT_CSS = """
     CaptureScreen #ports { height: 8; }
@@ -93,7 +93,7 @@ class CaptureScreen(PageScreen):
         """The ports, and what comes in."""
         from fieldkit.tui.widgets.plots import Plot
 
-        yield Table(id="ports", empty="no serial port: plug the logger in, then r looks again", enter="Capture")
+        yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
                 yield Static("", id="said")
@@ -106,7 +106,7 @@ class CaptureScreen(PageScreen):
     def on_mount(self) -> None:
         """Keys go to the ports."""
         self.set_focus(self.query_one(Table))
-        self._say("Enter captures; every byte is kept before anything is looked at")
+        self._say("Enter captures; every byte is saved before it is decoded")
 
     def on_unmount(self) -> None:
         """A capture ends with the app."""
@@ -131,7 +131,7 @@ class CaptureScreen(PageScreen):
             numbers = "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"
             return [port.name, numbers, port.about or port.described, self._device or port.device]
 
-        heads = [Head("port", 16), Head("numbers", 9), Head("what is known", 0), Head("device", 14)]
+        heads = [Head("port", 16), Head("numbers", 9), Head("description", 0), Head("device", 14)]
         self.query_one(Table).show(heads, ports, cells)
 
     @on(Table.Chosen)
@@ -139,7 +139,7 @@ class CaptureScreen(PageScreen):
         self._begin(message.key)
 
     def action_resume(self) -> None:
-        """Go on with the newest unfinished capture."""
+        """Continue the newest unfinished capture."""
         self._begin(None)
 
     def _begin(self, port: "Port | None") -> None:
@@ -173,7 +173,7 @@ class CaptureScreen(PageScreen):
             elif (file := capture.unfinished(capture_folder())) is not None:
                 events = capture.resume(file, device=device, stop=self._stop.is_set)
             else:
-                raise CaptureTrouble("found no capture that is unfinished, expected one to go on with")
+                raise CaptureTrouble("no unfinished capture to continue")
             for event in events:
                 self.post_message(self.Happened(event))
         except FieldkitError:
@@ -227,11 +227,11 @@ class CaptureScreen(PageScreen):
         """Say how it ended and ask whether its flights go into the ledger."""
         self._capturing = False
         if end is None or not end.bytes:
-            self._say("nothing came")
+            self._say("nothing received")
             return
-        whole = "all of it" if end.whole else "NOT all of it; the space bar goes on with it"
-        self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; kept in {end.file}")
-        question = f"{end.file.name}: {end.samples} samples, {whole}.\nAdd its flights to the ledger?"
+        whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
+        self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
+        question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
         self.app.push_screen(AskYes(question), partial(self._answered, end))
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
@@ -263,12 +263,12 @@ class CaptureScreen(PageScreen):
         self._stop.set()
 
     def action_device(self) -> None:
-        """Name what is on the port."""
+        """Choose the device on the port."""
         from fieldkit.capture import known_devices
         from fieldkit.services.pickers import OfferedAnswer
 
         picks = [OfferedAnswer(name, device.title) for name, device in known_devices().items()]
-        about = "What is on the port; ↓ chooses one. Empty: find out."
+        about = "The device on the port; ↓ chooses one. Empty: recognize it."
         self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
 
     def _named(self, text: str | None) -> None:

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
 EMPTY = (
-    "No motor is called that; / changes the search",
+    "No matching motor; / changes the search",
     "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
-    "No sites yet.\n\n2 Add   a flight that names its site lists it here",
+    "No sites yet.\n\n2 Add enter a flight with its site",
     "",
 )
 """What a list says that holds nothing."""
@@ -48,26 +48,25 @@ class SetupScreen(PageScreen):
     NAME = "setup"
     TITLE = "Setup"
     ABOUT = Help(
-        "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
-        "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
-        "flights name: Enter changes one in every flight that names it, and u undoes it. Settings: Enter "
-        "changes the one under the cursor.",
+        "Four lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
+        "and a name to search it, i adds your own .eng or .rse file. Rockets and sites come from your flights: Enter "
+        "edits one in every flight that has it, and u undoes that. Settings: Enter changes the one under the cursor.",
         (
-            ("mm, N s, avg N", "Of a motor: diameter, total impulse, average thrust."),
-            ("burn s, grams", "Of a motor: burn time, and mass with propellant."),
-            ("delays s", "Ejection delays on sale; P fires no charge."),
+            ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),
+            ("burn s, grams", "Burn time of a motor, and its mass with propellant."),
+            ("delays s", "Ejection delays on sale; P is plugged: no charge."),
             (
                 "rocket, config",
-                "A build: the flights that name both. Dry mass and diameter are those of its last flight.",
+                "A build of a rocket. Dry mass and diameter are those of its last flight.",
             ),
-            ("last", "The last flight there; of a build also its last motor."),
-            ("elevation", "Height of the site above the sea; with the weather it makes the density of the air."),
-            ("size, ceiling", "Of the field across, and of what may be flown to."),
-            ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
+            ("last", "The last flight there, and for a build its last motor."),
+            ("elevation", "Elevation of the site above sea level; air density depends on it and on the weather."),
+            ("size, ceiling", "Size of the field, and its altitude limit."),
+            ("units", "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them anywhere."),
             ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
-            ("target", "The apogee that motors are compared against on the page Next."),
-            ("sites", "Size of the field and its ceiling feed the safety lines of every plan flown there."),
-            ("rail", "Length and tilt of the rail you usually have, for plans that name none."),
+            ("target", "The target apogee for comparing motors on the page Next."),
+            ("sites", "Field size and ceiling are used in the safety checks of every plan at the site."),
+            ("rail", "Length and angle of your usual rail, for plans without one."),
         ),
         (
             "fieldkit motors F24",
@@ -78,7 +77,7 @@ class SetupScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("left", "turn(-1)", "List before", show=False),
+        Binding("left", "turn(-1)", "Previous list", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
         Binding("slash", "search", "Search", key_display="/"),
         Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
@@ -114,7 +113,7 @@ class SetupScreen(PageScreen):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
         with Container(id="split"):
-            yield Table(empty="nothing here yet", enter="Change")
+            yield Table(empty="nothing yet", enter="Change")
             yield SetupCard(id="card")
 
     def on_mount(self) -> None:
@@ -166,14 +165,14 @@ class SetupScreen(PageScreen):
         self.query_one(Table).set_class(self._kind == 3, "-settings")
         heads, keys, cells = self._list()
         table = self.query_one(Table)
-        table.enter, table.empty = ("About it", "Change", "Change", "Change")[self._kind], EMPTY[self._kind]
+        table.enter, table.empty = ("Details", "Change", "Change", "Change")[self._kind], EMPTY[self._kind]
         table.show(heads, keys, cells)
         self.query_one(KeyBar).follow()
         self._beside()
 
     @on(Table.Moved)
     def _beside(self) -> None:
-        """What is known of the row under the cursor, where there is room for it."""
+        """What is known of the row under the cursor, if there is room for it."""
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
@@ -250,8 +249,8 @@ class SetupScreen(PageScreen):
         from fieldkit.tui.widgets.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
-        about = Help("What is on record of this motor.", motor_facts.facts(motor), (f"fieldkit motors {text} --json",))
-        self.app.push_screen(HelpScreen(text, about, (), "On record"))
+        about = Help("The catalog data of this motor.", motor_facts.facts(motor), (f"fieldkit motors {text} --json",))
+        self.app.push_screen(HelpScreen(text, about, (), "Catalog data"))
 
     def _change_setting(self, name: str) -> None:
         settings = self.resources.settings
@@ -266,7 +265,7 @@ class SetupScreen(PageScreen):
 
             ask_rail(self)
         else:
-            self.complain(f"{name} is not changed here; ? says how")
+            self.complain(f"{name} cannot be changed here; ? explains how")
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""

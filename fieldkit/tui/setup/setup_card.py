@@ -52,7 +52,7 @@ class SetupCard(VerticalScroll):
         yield Static(id="facts")
 
     def show(self, facts: Facts) -> None:
-        """All of it; the picture where there is room for one."""
+        """All of it; the picture if there is room for one."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#facts", Static).update(stacked(facts.blocks))
@@ -86,7 +86,7 @@ def of_build(group: Group, system: str, length: float | None = None) -> Facts:
     for one in flights:
         motors[one.motor or "no motor named"].append(one)
     flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in motors.items()])
-    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
+    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
     drawn = (_side_view(group.last.diameter, length),) if group.last.diameter else ()
@@ -116,7 +116,7 @@ def of_site(place: LaunchSite, system: str) -> Facts:
     ]
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
-    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
+    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 BUILD = (
-    Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
+    Question("rocket", "Rocket", "Its name; renames it in every flight of this build."),
     Question("config", "Configuration", "The name of this build."),
     Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
     Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),
@@ -93,7 +93,7 @@ def _changed(page: PageScreen, what: str, count: int) -> None:
 
 
 def ask_rail(page: PageScreen) -> None:
-    """Length and tilt of the rail that is used where a plan names none."""
+    """Length and tilt of the rail that is used if a plan names none."""
     settings = page.resources.settings
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}

@@ -47,7 +47,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
 
 
 def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
-    """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
+    """The builds of the rockets that flights name; if it is narrow, their last motors stand in the card alone."""
     narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(group: Group) -> list[str]:
@@ -94,16 +94,15 @@ def settings_listed(settings: Settings, ledger: str) -> ListContents:
 
 
 MEANS = {
-    "units": "SI: metres and grams. US: feet and ounces. mixed: feet and grams. Enter takes the next; so does N on any "
-    "page.",
+    "units": "SI: meters and grams. US: feet and ounces. mixed: feet and grams. Enter switches to the next; so does N "
+    "on any page.",
     "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colors. Enter "
-    "takes the next; so does T on any page.",
-    "target": "The apogee that motors are compared against on the page Next, where g sets it as well.",
-    "rail": "Length and tilt of the rail or rod you usually have, for plans that name none.",
-    "ledger": "The file in which your flights are kept. It is not changed here: fieldkit --ledger FILE opens another, "
-    "or FIELDKIT_LEDGER names it.",
-    "own motors": "The folder of your own .eng and .rse files; i on the list Motors puts one there.",
-    "settings": "The file in which these choices are kept.",
+    "switches to the next; so does T on any page.",
+    "target": "The target apogee for comparing motors on the page Next, where g sets it too.",
+    "rail": "Length and angle of your usual rail or rod, for plans without one.",
+    "ledger": "The file with your flights. To open another, use fieldkit --ledger FILE or set FIELDKIT_LEDGER.",
+    "own motors": "The folder of your own .eng and .rse files; i on the list Motors adds one.",
+    "settings": "The file with these settings.",
 }
 """Of each setting, what it is and how it is changed."""
 

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from fieldkit.flight.site import Site
 
 ROOM = (
-    Question("size", "Field size", "The shorter side of the field, for its safety line: 400m. Empty: not known."),
-    Question("ceiling", "Ceiling", "Above the pad, by waiver or by who owns the field: 3000ft. Empty: not known."),
+    Question("size", "Field size", "Shorter side of the field, for the safety check: 400m. Empty: not known."),
+    Question("ceiling", "Ceiling", "Ceiling above the pad, by waiver or the field's owner: 3000ft. Empty: not known."),
 )
 """Questions about a site that flights do not answer."""
 QUESTIONS = (
-    Question("site", "Site", "Its name; a new name renames it in every flight there."),
+    Question("site", "Site", "Its name; renames it in every flight there."),
     Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
     *ROOM,
 )

@@ -75,8 +75,9 @@ class NoticeBar(Static):
         said = notice.text if whole else self._within(shortened(notice.text))
         lines = "\n".join(printable(line) for line in said.splitlines())
         more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
-        more += "  [@click=app.whole_notice][b]W[/] all of it[/]" if said != notice.text else ""
-        self.update(Content.assemble(mark, lines, Content.from_markup(f"{more}  [@click=app.read][b]Esc[/] read[/]")))
+        more += "  [@click=app.whole_notice][b]W[/] full text[/]" if said != notice.text else ""
+        dismiss = "  [@click=app.read][b]Esc[/] dismiss[/]"
+        self.update(Content.assemble(mark, lines, Content.from_markup(more + dismiss)))
 
     def _within(self, text: str) -> str:
         """As much of a text as leaves room for the keys that read it."""

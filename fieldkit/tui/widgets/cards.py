@@ -63,7 +63,7 @@ def motor_name(name: str, width: int) -> str:
 
 
 def apogee(flight: Flight, system: str) -> str:
-    """How high a flight went; a dash where that was not recorded."""
+    """How high a flight went; a dash if that was not recorded."""
     return measure(APOGEE, flight.apogee, system) or "–"
 
 

@@ -43,7 +43,7 @@ class LedgerNames:
     designs: "tuple[Start, ...]" = ()
 
     def length(self, rocket: str, config: str) -> float | None:
-        """How long a build is by its design, None where none was imported. [m]"""
+        """How long a build is by its design, None if none was imported. [m]"""
         from fieldkit.flight.start import start_among
 
         known = [one for one in self.designs if one.rocket == rocket]

@@ -20,7 +20,7 @@ LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
 
 @dataclass(frozen=True)
 class Hanging(Visual):
-    """Lines, each with the column at which it goes on where it is broken."""
+    """Lines, each with the column at which it goes on if it is broken."""
 
     lines: tuple[tuple[int, Content], ...] = ()
     _broken: dict[int, Content] = field(default_factory=dict, compare=False, repr=False)

@@ -68,7 +68,7 @@ class Picker(OptionList, can_focus=False):
         self.highlighted = None if at < 0 else min(at, len(self._picks) - 1)
 
     def take(self) -> bool:
-        """Put the answer under the cursor in the line; False where none is chosen."""
+        """Put the answer under the cursor in the line; False if none is chosen."""
         if not self.open or self.highlighted is None or self._line is None:
             self.close()
             return False

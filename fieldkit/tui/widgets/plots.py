@@ -105,7 +105,7 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
 def draw_density(
     values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
 ) -> Callable[[Any, Ink], None]:
-    """Draws a density with upright lines at some values; `number` writes the values below it, the first ones where not
+    """Draws a density with upright lines at some values; `number` writes the values below it, the first ones if not
     all have room."""
     at, heights = density(values)
 

@@ -3,7 +3,7 @@
 from math import sqrt
 
 SKETCHED_FINENESS = 12.0
-"""Length over diameter where the length is not known, as of many model rockets. [1]"""
+"""Length over diameter if the length is not known, as of many model rockets. [1]"""
 NOSE_CALIBERS, FIN_CALIBERS, SPAN_CALIBERS = 3.0, 1.3, 0.9
 """Of a sketched nose, the root of a fin and its span, in diameters. [1]"""
 MIN_RADIUS = 1.0
@@ -45,4 +45,4 @@ def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -
 
 def caption(length: float | None) -> str:
     """What of a drawing is to scale."""
-    return "" if length else "its length is not known: sketched; an .ork on the page Import has it"
+    return "" if length else "length not known: a sketch; import its .ork file for the length"

@@ -241,7 +241,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
 
 def fitted(text: str, width: int, right: bool, tail: bool = False) -> str:
-    """A text in a width, cut with an ellipsis where it is too long: at its end, or before its `tail`."""
+    """A text in a width, cut with an ellipsis if it is too long: at its end, or before its `tail`."""
     if cell_len(text) > width:
         cut = set_cell_size(text[::-1] if tail else text, width - 1)
         text = "…" + cut[::-1] if tail else cut + "…"

@@ -26,7 +26,7 @@ def flown(apogee: float | None, simulated: float = 200.0, rocket: str = "Astra",
 
 
 def said(rival: str, earlier: list[Simulated], plan: Simulated) -> list[float]:
-    """What a rival forecasts, nothing where it has nothing to go by."""
+    """What a rival forecasts, nothing if it has nothing to go by."""
     draws = RIVALS[rival](earlier, plan)
     return [] if draws is None else draws.tolist()
 

@@ -1,4 +1,4 @@
-"""Large tables are read by pandas where they are plain, and say the same as line by line."""
+"""Large tables are read by pandas if they are plain, and say the same as line by line."""
 
 from itertools import product
 

@@ -1,4 +1,4 @@
-"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings where they are due."""
+"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings if they are due."""
 
 import json
 from dataclasses import replace
@@ -142,7 +142,7 @@ def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
 def test_circumstances_beyond_training_are_told(field: Ensemble) -> None:
     brick = flight(dry_mass=0.9)
     found = infer_field([brick], [catalogue().find("Estes D12-5")], field)
-    assert any("beyond training" in line for line in found.warnings[0])
+    assert any("outside the training range" in line for line in found.warnings[0])
 
 
 def test_declared_conditions_may_all_be_missing(field: Ensemble, observed: Observed) -> None:

@@ -179,7 +179,7 @@ def test_misses_before_and_after_are_drawn_and_fall(found: Findings) -> None:
 def test_nothing_is_drawn_where_forecasts_stay(found: Findings) -> None:
     plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
     assert list(misses_drawn(plain)) == []
-    assert loop_document(plain)["verdict"]["accepting"] == ["forecasts stay with the plain model"]
+    assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
 
 
 # The fingerprint

@@ -29,7 +29,7 @@ LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stret
 
 @cache
 def flown(term: str, strength: float, seed: int, random_draw_sd: tuple[float, ...] | None = None) -> Regression:
-    """A flight beside the model without its force and luck, which is drawn where it is not given as in `LUCK`."""
+    """A flight beside the model without its force and luck, which is drawn if it is not given as in `LUCK`."""
     thrust, drag, stretch = np.exp(random_draw_sd or np.random.default_rng(seed).normal(size=3) * LUCK)
     motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
     rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)

@@ -1,4 +1,4 @@
-"""A force that is put into simulated logs is found again with its strength, and none where none is."""
+"""A force that is put into simulated logs is found again with its strength, and none if none is."""
 
 from functools import cache
 

@@ -22,7 +22,7 @@ TITLES = {
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A title, a place for each flight (nan for not recorded), and names of the places where they are groups."""
+    """A title, a place for each flight (nan for not recorded), and names of the places if they are groups."""
 
     title: str
     values: Float[Array, "flight"]

@@ -76,7 +76,7 @@ def content(found: Findings) -> dict[str, Any]:
 
 def _verdict(found: Findings) -> dict[str, Any]:
     diagnosis = found.diagnosis
-    titles = {"none": "These flights show nothing missing", "unexplained": "Something unexplained"}
+    titles = {"none": "No missing effect found", "unexplained": "Unexplained residual"}
     named = [effects()[name].title for name in diagnosis.effect.split("+") if name in effects()]
     return {
         "effect": diagnosis.effect,
