@@ -99,7 +99,7 @@ def test_what_other_pages_run_is_in_a_session(name: str) -> None:
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
 def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
-    """Blocks of `sh` and `python` are run; those of `console` are usages of `docs/commands.md`, and the installation."""
+    """Blocks of `sh` and `python` are run; those of `console` are usages in `docs/commands.md` and the installation."""
     fences = re.findall(r"^```(\w*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
     assert {language for language, _ in fences} <= {"sh", "python", "console", "math"}
     shown = [line for language, block in fences if language == "console" for line in block.splitlines()]

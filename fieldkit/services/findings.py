@@ -59,7 +59,7 @@ class NextFlight:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """A diagnosis of a rocket with everything that is said of it.
+    """A diagnosis of a rocket with everything that is reported of it.
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
     of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the

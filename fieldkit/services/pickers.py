@@ -50,7 +50,7 @@ class Names:
         }
 
     def _motors(self, typed: str) -> Sequence[OfferedAnswer]:
-        """Motors flown before that contain what was typed, then those of the catalogue, each with its delays."""
+        """Motors flown before that contain what was typed, then those of the catalog, each with its delays."""
         flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]

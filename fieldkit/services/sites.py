@@ -27,9 +27,8 @@ def site_of(ledger: Ledger, name: str) -> Site:
 
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
-    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest as it is.
-
-    Raises BadValue for a length that is none.
+    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest unchanged. Raises
+    BadValue for a length that is not above zero.
     """
     changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
     changes |= {} if rules is None else {"rules": rules}

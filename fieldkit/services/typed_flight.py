@@ -89,7 +89,7 @@ class TypedFlight:
                 return TypedEstimate(lacks)
             found = None if is_cluster(typed.motor) else self._motor(typed.motor)
             if found is None:
-                return TypedEstimate(("a motor of the catalogue",))
+                return TypedEstimate(("a motor in the catalog",))
             if odd := implausible(typed, found.motor):
                 return TypedEstimate(odd=odd)
             used = typed.clean and shows(typed)
