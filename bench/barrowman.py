@@ -11,7 +11,7 @@ from bench.world import Airframe
 NOSE_SLOPE = 2.0
 """Of any slender nose. [1/rad]"""
 OGIVE_CENTRE = 0.466
-"""Centre of pressure of an ogive as a part of its length. [1]"""
+"""Center of pressure of an ogive as a fraction of its length. [1]"""
 GYRATION = 0.27
 """Radius of gyration of a rocket without its motor, as a part of its length. [1]"""
 
@@ -39,7 +39,7 @@ def centre_of_pressure(frame: Airframe) -> float:
 
 
 def cg_for_margin(frame: Airframe, dry_mass: float, motor_mass: float, motor_length: float, margin: float) -> float:
-    """Centre of mass without the motor that gives a static margin in calibers on the pad. [m]"""
+    """Center of mass without the motor that gives a static margin in calibers on the pad. [m]"""
     loaded = centre_of_pressure(frame) - margin * frame.diameter
     motor = frame.length - motor_length / 2
     return (loaded * (dry_mass + motor_mass) - motor_mass * motor) / dry_mass

@@ -2,8 +2,8 @@
 
 Nothing of the product is imported but the sharing out of work: it is a command with JSON on its output, as the
 contract has it. A set's history goes into a ledger of its own, `loop` gives the verdict, and `predict --flights` the
-errors on the flights that came later, with the model before and after. `--keep FOLDER` keeps each set's result as it
-comes, and a second run goes on from there; `--cluster` runs the sets on Dask's workers, which need this checkout.
+errors on the flights that came later, with the model before and after. `--keep FOLDER` saves each set's result as it
+comes, and a second run resumes from there; `--cluster` runs the sets on Dask's workers, which need this checkout.
 """
 
 import argparse

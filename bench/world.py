@@ -29,7 +29,7 @@ class Airframe:
     sweep: float
     """How far the tip's leading edge lies behind the root's. [m]"""
     dry_cg: float
-    """Centre of mass without the motor. [m]"""
+    """Center of mass without the motor. [m]"""
 
 
 @dataclass(frozen=True, slots=True)

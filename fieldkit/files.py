@@ -85,7 +85,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
 
 
 def is_taken(file: Path) -> bool:
-    """Whether a plain file stands at a name, which only a flyer who says so wants replaced."""
+    """Whether a name is an existing plain file, which is replaced only if the user confirms."""
     return file.is_file() and not _is_stream(file)
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING or os.environ.get("FIELDKIT_CHECK_SHAPES"):
 else:
 
     class _Plain:
-        """Stands for an array's type and forgets what is said of it."""
+        """Stands for an array's type and ignores its annotation."""
 
         def __class_getitem__(cls, _: object) -> type:
             return cls

@@ -108,7 +108,7 @@ def _numbers(cells: Sequence[bytes], least: int, width: int, row: int) -> list[f
 
 
 def _unwrapped(clock: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A clock in ms that was printed through 16 bits, going on where it falls back. [ms]"""
+    """A clock in ms printed in 16 bits, with its overflows removed. [ms]"""
     return clock + WRAP * np.concatenate([[0], np.cumsum(np.diff(clock) < -WRAP / 2)])
 
 

@@ -2,8 +2,8 @@
 
 `@ LOG_LOW 212 2024 5 11 14:09:44.602 ... Bo: ... Vel: ... CRC: FEE8`, 50 a second, and `@ LOG_HIR`, 500 a second.
 A line may be overprinted by the next (`...0@ LOG_LOW   @ LOG_LOW  212 ...`): the last `@ LOG_` of it is tried.
-Frames without a good checksum are lost and counted. Numbers are scaled integers; acceleration is read
-from a label that speaks of it, if some scale makes it one g at the start. Time starts at the first frame.
+Frames without a good checksum are lost and counted. Numbers are scaled integers; acceleration is read from a label that
+names it, if some scale makes it one g at the start. Time starts at the first frame.
 """
 
 import math

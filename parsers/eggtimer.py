@@ -1,9 +1,9 @@
 """Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
 
 Neither text names its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall settles it:
-near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. If that is not to be
-seen the log is refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. `T` is in ms or in s, as its
-steps of a tenth or a twentieth of a second show. A column of events holds the altitude at its event, else zero.
+near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. If that does not show, the log is
+refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. `T` is in ms or in s, as its steps of a tenth or a
+twentieth of a second show. A column of events holds the altitude at its event, else zero.
 """
 
 import codecs
@@ -150,7 +150,7 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
 
 def _why(table: LogTable, head: Header) -> str:
     why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
-    return f"bears no units; altitude is taken in {_unit(table, head)}, {why}"
+    return f"has no units; altitude is taken in {_unit(table, head)}, {why}"
 
 
 def _below(item: Found, rows: int) -> Found:

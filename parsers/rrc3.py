@@ -1,7 +1,7 @@
 """Missile Works RRC3, exported by mDACS: `Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages`, 20 a second.
 
-The header bears no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
-whether altitude and velocity are in feet or in metres; if it proves neither they are left out. Temperature is
+The header has no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
+whether altitude and velocity are in feet or in meters; if it proves neither they are left out. Temperature is
 in the degrees that go with them; it is filled once a second. Cells are parted by comma, TAB or semicolon (with
 decimal commas), the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
 """
@@ -125,9 +125,9 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
         unit = UNITS["length"][length]
         if abs(ratio * unit.factor - 1) < HEIGHT_RATIO_TOLERANCE:
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
-                f"bears no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
+                f"has no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
             )
-    return series, Note("bears no units and its pressures prove neither feet nor metres: altitude left out")
+    return series, Note("has no units and its pressures prove neither feet nor meters: altitude left out")
 
 
 def _in_units(series: Series, table: LogTable, length: Unit, degrees: Unit) -> Series:

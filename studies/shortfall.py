@@ -42,7 +42,7 @@ ASSUMED_LAUNCH_ANGLE = REFERENCE_LAUNCH_ANGLE
 FIXED_SD = 1e-3
 """Standard deviation of what is held at its mean. [1]"""
 FLEET_SD = {"drag": 0.14, "thrust": 0.05, "mass": 0.1}
-"""How far all rockets of a flyer may be off together: a judgement, wide enough for what is not weighed or certified.
+"""How far all rockets of a flyer may be off together: a judgment, wide enough for what is not weighed or certified.
 [1]"""
 WIDE_DEVICE_SD = 0.1
 """How far a device may show all flights of a flyer off. [1]"""

@@ -97,6 +97,16 @@ def test_what_other_pages_run_is_in_a_session(name: str) -> None:
     assert {line for line in lines_of(name) if line.startswith("fieldkit ")} <= shown
 
 
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
+    """Blocks of `sh` and `python` are run; those of `console` are usages in `docs/commands.md` and the installation."""
+    fences = re.findall(r"^```(\w*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+    assert {language for language, _ in fences} <= {"sh", "python", "console", "math"}
+    shown = [line for language, block in fences if language == "console" for line in block.splitlines()]
+    assert [line for line in shown if not line.startswith("$ fieldkit ") and line != "pipx install ."] == []
+    assert not blocks("python", page) or page == PAGES["extending"]
+
+
 def test_every_command_has_an_example() -> None:
     commands = re.findall(r"^## `fieldkit (\w+)`", PAGES["commands"], flags=re.MULTILINE)
     shown = {shlex.split(line)[1] for name in ("examples.sh", "examples-long.sh") for line in lines_of(name)}
@@ -188,7 +198,9 @@ def test_the_logger_of_the_manual_is_read() -> None:
     log = b"SKYLARK 2\n0.00,0\n0.05,12.5\n0.10,100\n"
     assert skylark.recognises(log)
     (reading,) = skylark.read(log)
-    assert reading.stated == {"apogee": pytest.approx(30.48)}
+    (series,) = reading.clocks
+    assert series.time.tolist() == [0.0, 0.05, 0.1]
+    assert series.altitude.tolist() == pytest.approx([0.0, 3.81, 30.48])
     with pytest.raises(DamagedLog, match=r"row 3: found '0\.05'"):
         skylark.read(b"SKYLARK 2\n0.00,0\n0.05\n")
 

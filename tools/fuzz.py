@@ -3,7 +3,7 @@
 Begins with the sample logs, keeps what is new in build/fuzz/corpus, and stops at the first fault with the input that
 brings it, in build/fuzz. `python tools/fuzz.py --again FILE` runs that input alone. What must hold is what
 tests/importing/test_bad_input.py asks of bad logs. atheris is no dependency: pip install atheris into the
-environment that has the rest; if there is none, this says so and the test with hypothesis stands.
+environment that has the rest; without it, a message says that and the test with hypothesis remains.
 """
 
 import argparse

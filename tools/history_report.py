@@ -45,7 +45,7 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     yield from prose(
         f"{card['simulations']:,} histories of 1 to 60 flights, simulated in {shards['seconds']:.0f} s;",
         f"{card['training']['epochs']} epochs in {card['seconds']:.0f} s, on one thread of a busy machine.",
-        "Five members in one graph. A run that was cut short goes on where it was: shards that are there are taken.",
+        "Five members in one graph. An interrupted run resumes: existing shards are reused.",
     )
     yield from asked()
     yield from on_fresh(card)
@@ -65,7 +65,7 @@ def asked() -> Iterator[str]:
         "tools/benchmarks.py history`.",
     )
     yield from prose(
-        f"A quick forecast says *checked by the fit* where importance sampling bears it out. {DRAWS_OF_CHECK}",
+        f"A quick forecast says *checked by the fit* if importance sampling confirms it. {DRAWS_OF_CHECK}",
         "draws of log Cd and log alpha come from the network's normal distribution, the model's other unknowns",
         "from the linear fit given those, their covariance inflated by 15 %. The readouts of each draw are",
         "simulated; its weight is the prior times the likelihood of the one model (each flight's noise a",

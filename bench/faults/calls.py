@@ -131,7 +131,7 @@ def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None)
 
 
 def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[bytes]":
-    """strace, looking at a process that has stopped, which then goes on."""
+    """strace, looking at a process that has stopped, which then continues."""
     os.waitpid(pid, os.WUNTRACED)
     log.unlink(missing_ok=True)
     command = ["strace", "-f", "-qq", "-y", "-s", "0", "-o", str(log), "-e", f"trace={','.join(CALLS)}"]
@@ -170,7 +170,7 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """What is to go wrong: each call refused by the disk, writes for want of room too, reads that bring nothing, and
+    """The faults: each call refused by the disk, writes for want of room too, reads that bring nothing, and
     the process killed at each; of calls of one kind at most so many, evenly over the command."""
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():

@@ -166,7 +166,7 @@ def history(folder: Path, steps: int, seed: int) -> Outcome:
             done = state(clean)
             applied = now == done
             if not applied:
-                _put_back(clean, file)  # it was not done: the two go on from the same
+                _put_back(clean, file)  # it was not done: both continue from the same state
             wrong = "" if applied or now == before else "neither as before nor as replayed"
             if ended.status == 0 and not applied:
                 wrong = wrong or "acknowledged, and not in the replay"

@@ -1,6 +1,6 @@
 """Kill -9 at random moments: while a command writes, and anywhere in it.
 
-A command is the real one, run by `fieldkit.cli.main`. It goes on up to where it first takes the ledger to change it
+A command is the real one, run by `fieldkit.cli.main`. It runs up to where it first takes the ledger to change it
 (before the backup that comes first), and from there it is forked, once a trial, on a fresh copy of the ledger: so a
 long computation before is done once, and every kill falls if there is something to lose. Other trials fork before
 the first line of the command. The moment of each SIGKILL is drawn evenly over 1.1 times what that part takes when

@@ -1,7 +1,7 @@
 """The recorder bench: `python -m bench.recorders`, which prints how well every kind of recorder is read.
 
-`--flights` of each kind (20), `--only` those with a word in their names, `--worst` so many of the gravest misses.
-`--keep FILE` keeps each kind of recorder as it is done and goes on where it was: a long run may be cut in pieces.
+`--flights` of each kind (20), `--only` those with a word in their names, `--worst` how many of the largest misses.
+`--keep FILE` keeps each kind of recorder as it finishes and resumes there: a long run may be split.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from bench.recorders.models import RECORDERS
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the table and the gravest misses; 1 if a log was refused."""
+    """Print the table and the largest misses; 1 if a log was refused."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)

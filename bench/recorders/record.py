@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
 REST = 12.0
-"""The log goes on so long after landing. [s]"""
+"""How long the log continues after landing. [s]"""
 SOUND, SHOCK_WIDTH, SHOCKED = 335.0, 0.05, (0.92, 1.12)
 """Speed of sound [m/s], and the Mach numbers between which shocks stand on the vents, to within a width."""
 BLOW, BLOW_LASTS = 15 * GRAVITY, 0.03

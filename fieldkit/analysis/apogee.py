@@ -10,7 +10,8 @@ from fieldkit.analysis.robust_statistics import lag_one, mad_sd
 from fieldkit.shapes import Array, Flags, Float
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
-"""So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
+"""How long a curve must continue after its top [s] and how far it must clearly fall [m] before it counts as coming
+down."""
 _MAX_TAKEN = 0.8
 """The part of a variance that the mean of a short rest may have taken. [1]"""
 _LEAST_GPS = 2.0

@@ -36,7 +36,7 @@ class Coast:
 def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> Coast:
     """The coast through an apogee [s], [m] with a drag per mass at the pad [1/m], integrated back and forth from there.
 
-    Going back it is stopped at a speed that no hobby rocket has, and goes on at that speed.
+    Integrated backward, the speed is limited to one that no hobby rocket reaches.
     """
     back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
     forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))

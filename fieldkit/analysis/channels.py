@@ -39,7 +39,7 @@ _MAX_ACCELERATION = 10_000.0
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Samples of one value that make an end of range, and how many times more than of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
-"""Fraction of samples that are zero in a channel padded with zeros [1], and values below it. [m, Pa]"""
+"""Fraction of samples that are zero in a channel padded with zeros [1], and the least size of the others. [m, Pa]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 

@@ -15,7 +15,7 @@ from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.shapes import Flags
 
 _MAX_ACCELERATION = 2000.0
-"""No airframe of a hobby rocket bears such an acceleration; its launch from a gun would. [m/s^2]"""
+"""No airframe of a hobby rocket survives such an acceleration. [m/s^2]"""
 _LASTS = 15.0
 """A level that lasts longer than this is no fault that comes and goes. [s]"""
 _BACK = 0.5

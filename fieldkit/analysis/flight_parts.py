@@ -177,7 +177,8 @@ def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
-    """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
+    """When a receiver seems to fall about the boost, or None: it lost its satellites and extrapolated its course.
+    [s]"""
     inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
     height = track.height[inside]
     if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:

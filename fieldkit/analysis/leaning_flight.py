@@ -30,7 +30,7 @@ _STEP, _SHIFT = 0.02, 0.04
 _RAIL_LENGTH, _MIN_TURNING_SPEED = 2.0, 5.0
 """On its rail [m], and slower than this behind it [m/s], a rocket does not turn."""
 _COMPARED_PART = 0.9
-"""Of the time to the top that is compared: the charge may have gone by then. [1]"""
+"""Fraction of the time to apogee that is compared: the charge may have fired after it. [1]"""
 _SCALE_SD, _ZERO_SD, _RAM_SD = 0.03, 0.3, 0.05
 """Of the accelerometer's scale [1] and zero [m/s^2], and of the pressure in an airframe to the dynamic one [1]."""
 _AT_REST = (0.85, 1.08)

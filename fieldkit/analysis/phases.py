@@ -110,7 +110,7 @@ def _lift(
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
 
-    A zero that drifts there goes on to drift, and is off by that at the top. Without such samples, or if they rise
+    A zero that drifts there continues to drift, and is off by that at the top. Without such samples, or if they rise
     already, it is what the logger took for zero, or for a height that counts from elsewhere nothing: then its standard
     deviation is infinite.
     """

@@ -1,7 +1,7 @@
 """Figures that no rocket can have: taken out, and named as not measured, with why.
 
 Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
-of a hobby rocket bears some accelerations. If figures contradict each other all are out, for any may be wrong.
+of a hobby rocket survives some accelerations. If figures contradict each other all are out, for any may be wrong.
 """
 
 from collections.abc import Mapping
@@ -79,7 +79,7 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
 
     `climbs` is how fast the samples seem to climb at most, where a curve through them may swing. [m/s]
 
-    A climb that goes on for longer or further than its speed can carry it is a lift, a drone, a hill or the weather;
+    A climb that lasts longer or goes higher than its speed allows is a lift, a drone, a hill or the weather;
     what was slower than a thrown stone is none either.
     """
     speed = figures.get("top_speed")

@@ -35,7 +35,8 @@ _GAS, _GAS_LASTS = 4.0, 0.7
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
-"""Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe bears more [m/s^2]"""
+"""Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe survives more
+[m/s^2]"""
 _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
 """How long a parachute may take to open, and in which part of that it brakes hardest. [s]"""
 

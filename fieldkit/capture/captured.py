@@ -77,7 +77,7 @@ class Captured:
 
     @property
     def breaks(self) -> list[int]:
-        """Where bytes do not go on from those before them: the port was lost there, or the capture resumed."""
+        """Where bytes do not continue the earlier ones: the port was lost there, or the capture resumed."""
         return [mark.at for mark in self.marks if mark.at and "port" in mark.facts]
 
     def lines(self) -> Iterator[tuple[int, bytes]]:

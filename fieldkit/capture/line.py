@@ -45,7 +45,7 @@ class SerialLine:
     def _go_on(self) -> None:
         """Undo an XOFF that noise held, which would hold back every command: none is too long for a unit.
 
-        Linux goes on after an XOFF only if it was asked to stop as well.
+        Linux resumes after an XOFF only if it was asked to stop as well.
         """
         if self._port.xonxoff:
             self._port.set_output_flow_control(False)

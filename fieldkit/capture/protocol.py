@@ -57,8 +57,8 @@ class Protocol:
     """One kind of unit on a serial port.
 
     `dialogue` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
-    it got, when a lost unit is back. `recognizes_stream` says whether bytes heard unasked can only be from it. `logs`
-    takes out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
+    it got, when a lost unit is back. `recognizes_stream` says whether bytes that the unit sent unprompted can only be
+    from it. `logs` takes out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
     """
 
     title: str

@@ -18,7 +18,7 @@ from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 RECOGNITION_BYTES = 16_384
 """How much of the end of the received data is searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
-"""Speeds at which units talk unasked, tried in turn if one makes no sense. [baud]"""
+"""Speeds at which units send unprompted, tried in turn until one is readable. [baud]"""
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 
@@ -68,7 +68,7 @@ def resume(
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
-    """Go on with a capture, on the port where its unit is now; what it has already is not read again.
+    """Continue a capture, on the port where its unit is now; what it has already is not read again.
 
     Raises CaptureTrouble if there is no such capture or its unit is not found, and what `capture` raises.
     """
@@ -200,7 +200,7 @@ def _reopened(
 
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
-    """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
+    """Listen until the bytes can only be one protocol's, and continue with that one. Raises PortTrouble."""
     yield Instruction("listening for a unit that sends unprompted; if yours must be asked, name it with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
@@ -233,7 +233,7 @@ def _overheard(heard: bytes) -> list[str]:
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
-    """Go on as a protocol, which gets to hear what was heard already."""
+    """Continue with a protocol, which gets the bytes received so far."""
     link.line.protocol = name
     link.line.tape.note(device=name, settings={"baud": baud})
     link.push_back(heard)

@@ -141,7 +141,7 @@ def _new(folder: Path, name: str) -> tuple[Path, FileIO]:
 
 
 def go_on(file: Path, began: datetime) -> Tape:
-    """A capture that goes on where it ended, after what its files hold. Raises CaptureTrouble."""
+    """A capture that continues where it ended, after what its files hold. Raises CaptureTrouble."""
     try:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")

@@ -62,7 +62,7 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
 
 
 def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
-    """Ask for a flight, or go on with one; the flight, and the name of the draft that it finishes.
+    """Ask for a flight, or continue with one; the flight, and the name of the draft that it finishes.
 
     Exits with 1 when a person stops halfway; the draft stays.
     """
@@ -86,7 +86,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
 
 
 def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
-    """Go on with a draft if the flyer wants to; a script that says nothing leaves it where it is."""
+    """Continue a draft if the user wants to; a script that does not ask for it leaves it alone."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)

@@ -184,7 +184,7 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 
 
 def _tell(end: "Ended") -> None:
-    """Say how a capture ended and, if something is missing, how to go on."""
+    """Print how a capture ended and, if it is incomplete, how to continue."""
     kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:

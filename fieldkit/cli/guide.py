@@ -40,7 +40,7 @@ def print_guide(
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
         motors = suitable_motors(plan.motors, wanted)
-        mass = plan.flight.dry_mass or 0.0  # without one the guide says so
+        mass = plan.flight.dry_mass or 0.0  # without one the guide prints a note
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
         weak = [motor.designation for motor in motors if not lifts(motor, mass)] if strong is not motors else []
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)

@@ -27,7 +27,7 @@ MAX_COMPARED_FLIGHTS = 6
 """How many imported flights are compared with their forecasts, a line each."""
 
 FILES = 20
-"""What so many files were is said, a line each."""
+"""Maximum number of files that get a line of their own."""
 
 
 class ExportFormat(StrEnum):

@@ -36,7 +36,7 @@ def say_wrapped(text: str, hanging: str = "") -> None:
 
 
 def say_report(lines: Iterable[str]) -> None:
-    """Print lines of a report, what does not fit going on below its last column."""
+    """Print lines of a report; overflow is wrapped below the last column."""
     import re
 
     for line in lines:

@@ -19,7 +19,7 @@ REMARKS = 5
 def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
     """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder.
 
-    Trouble with its backups is said, and what was remarked of its flights, also if the command fails.
+    Problems with its backups and remarks on its flights are printed, also if the command fails.
     """
     from fieldkit.cli.screen import complain
     from fieldkit.ledger import Ledger

@@ -123,7 +123,7 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
     """The readouts of a boost that no rocket of this mass can have had on its motor, each with why.
 
     A readout is one only if it is so by more than two of its standard deviations. A burn ends, to an altimeter,
-    when the thrust falls below drag and weight: it may be a good deal shorter than the motor's, but not by half.
+    when the thrust falls below drag and weight: it may be much shorter than the motor's, but not by half.
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}

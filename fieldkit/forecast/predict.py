@@ -1,8 +1,8 @@
 """The next flight, as a distribution: the posterior of a rocket's model, flown many times.
 
 Draws of the shared unknowns come from the posterior, scatter and reading errors again for every flight, and
-all of them fly in one batch. With no flight to learn from the priors are flown, and the prediction says so.
-What is said of a plan does not hang on the plans that it is asked with: each flies on the same draws as it would alone.
+all of them fly in one batch. Without flights the priors are simulated, and the prediction reports that.
+A forecast does not depend on the other plans in the request: each flies on the same draws as it would alone.
 """
 
 from collections.abc import Collection, Mapping, Sequence

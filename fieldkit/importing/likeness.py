@@ -25,7 +25,7 @@ _MAX_NEAR_FORMATS, _MIN_SIGN_FRACTION = 3, 0.25
 
 @dataclass(frozen=True, slots=True)
 class Likeness:
-    """What of a parser's signs a file bears and what it lacks, as the parser spells them."""
+    """The signs of a parser that a file contains, and those that it lacks."""
 
     found: tuple[str, ...]
     missing: tuple[str, ...]
@@ -50,7 +50,7 @@ def _words(head: bytes) -> tuple[str, frozenset[str]]:
 
 
 def likeness(parser: Parser, log: bytes) -> Likeness:
-    """Which signs of a parser a file bears."""
+    """The signs of a parser that a file contains."""
     text, words = _words(log[:HEAD])
     there = [any(_bears(text, words, one) for one in sign.lower().split("|")) for sign in parser.signs]
     spelled = [sign.partition("|")[0] for sign in parser.signs]
@@ -80,7 +80,7 @@ def score(parser: Parser, log: bytes) -> tuple[float, int]:
 
 
 def nearest(parsers: Mapping[str, Parser], log: bytes) -> list[tuple[str, Likeness]]:
-    """The few parsers whose signs a file bears most of, best first; none if it bears hardly any."""
+    """The parsers with the most signs in a file, best first; none if there are hardly any."""
     likes = [(name, likeness(parser, log)) for name, parser in parsers.items() if parser.signs]
     likes = [(name, like) for name, like in likes if like.part >= _MIN_SIGN_FRACTION]
     return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_MAX_NEAR_FORMATS]

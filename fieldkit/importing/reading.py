@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from fieldkit.importing.tables.columns_read import ColumnRead
 
 HEAD = 65_536
-"""How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
+"""Size of the beginning of a log by which parsers recognize it. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class Parser:
 
     `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
     log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
-    about a log that no other parser recognises, so it never takes one from a parser that knows better.
+    about a log that no other parser recognizes, so it never takes one from a parser that knows better.
     `mapped` is `read` with the flyer's choice of columns, best choice first, if a format needs that. `signs` are
     what the beginning of such a file holds, spellings of one separated by `|`: if several parsers recognize a log, the
     one whose signs are present is asked first, and the error for an unknown file names the missing ones. `simulates`

@@ -1,4 +1,4 @@
-"""Which parser reads a log: the one that recognises it, or the one that the flyer names."""
+"""Which parser reads a log: the one that recognizes it, or the one that the user chose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
 
 
 def claims(log: bytes) -> list[str]:
-    """The names of the parsers that recognize a log, the surest first; fallbacks only if no other does."""
+    """The names of the parsers that recognize a log, most certain first; fallbacks only if no other does."""
     shelf = parsers()
     for fallback in (False, True):
         claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
@@ -47,7 +47,7 @@ def claims(log: bytes) -> list[str]:
 
 
 def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
-    """The parsers to try, by name and the surest first; if the flyer maps the columns, one that takes a mapping."""
+    """The parsers to try, by name, most certain first; if the user maps the columns, one that accepts a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     shelf = parsers()

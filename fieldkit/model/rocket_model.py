@@ -90,7 +90,7 @@ class Model:
         return replace(self, terms=(*self.terms, *terms))
 
     def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
-        """The same model with another belief about one unknown, as sure as before if no `sd` is said."""
+        """The same model with another prior mean of one unknown, and its standard deviation unless `sd` is given."""
         terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
         return replace(self, terms=tuple(terms))
 

@@ -28,7 +28,7 @@ class Motor:
     thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them if the
     motor is sold so; empty if they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
-    the certification [N], None if none is on record or only the number of the name; `corrections` are the
+    the certification [N], None if unknown or only the number in the name; `corrections` are the
     figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
     of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
     is gone at each knot [1], None if it goes with the impulse. Two motors are equal when

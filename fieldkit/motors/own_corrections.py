@@ -2,7 +2,7 @@
 
 Its columns are those of the shipped table (maker, designation, field, was, value, confidence, source), and two more
 that may be empty: `lot`, as printed on the motor, and `date` of its making. A row with a lot holds for that lot alone,
-which a motor is said to be of by its name: `F24-4W lot 0412`.
+which is named with the motor: `F24-4W lot 0412`.
 """
 
 import csv

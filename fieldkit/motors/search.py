@@ -1,4 +1,4 @@
-"""From a written name to a motor: what the text says narrows, and what is left is said aloud."""
+"""From a written name to a motor: the text narrows the choice, and any ambiguity is reported."""
 
 import difflib
 import re

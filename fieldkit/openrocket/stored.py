@@ -34,7 +34,7 @@ USED_COLUMNS = (
 )
 """Columns of a stored simulation that are read."""
 MOST_COLUMNS = 500
-"""Columns of a stored simulation: OpenRocket has some sixty, and a few for every plug-in. [1]"""
+"""Columns of a stored simulation: OpenRocket has about sixty, and a few more per plug-in. [1]"""
 LONGEST_NAME = 80
 """Of what is taken from the file as text. [characters]"""
 CD_TOLERANCE = 0.05

@@ -200,7 +200,7 @@ def _advance(
     mass: Stages,
     first_pull: Array | None,
 ) -> None:
-    """A step in as many parts as each draw needs; if most need no more, the others go on by themselves.
+    """A step in as many parts as each draw needs; if most need no more, the others continue separately.
 
     `first_pull` is the pull at its beginning, if that is known.
     """
@@ -228,7 +228,7 @@ def _some(values: Array, rows: Integers) -> Array:
 
 
 def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
-    """Draws that went on by themselves, among the others again."""
+    """Draws that continued separately, merged with the others."""
     if moving is track:
         return
     for name in ("position", "velocity", "time", "flying", "highest", "highest_time"):

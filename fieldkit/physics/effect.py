@@ -69,7 +69,7 @@ class Effect:
     """One bend of the flight model.
 
     `family` is what it is about. `prior` and the strength are in `unit`; if what the effect does grows with the
-    square of its strength (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of
+    square of its strength (`squared`), the square is fitted, and the prior is of the square. `per` says what kind of
     group of flights may have a strength of its own, `everywhere` whether it may also act on all flights equally, `each`
     whether every group has its own at once. `needs` is the column without which the effect cannot act; if it is
     `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one

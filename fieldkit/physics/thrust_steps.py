@@ -131,7 +131,7 @@ def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
 
 
 def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False) -> Burns:
-    """The motors on at least `steps` steps each, on curves of at most so many `knots` if these are said.
+    """The motors on at least `steps` steps each, on curves of at most `knots` knots if given.
 
     Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
     """

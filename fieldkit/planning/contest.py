@@ -148,7 +148,8 @@ def _scaled(value: float | None, by: float) -> float | None:
 def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
     """Flights with an apogee and their points, in the order given; nan for one that has no score.
 
-    The altitude counts in whole feet, the duration as two timers have it. Raises BadValue for a timer that is none.
+    The altitude counts in whole feet, the duration as two timers have it. Raises BadValue for a timer that is not a
+    number.
     """
     return [(flight, _points(rule, flight)) for flight in flights if flight.apogee is not None]
 

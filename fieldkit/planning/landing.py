@@ -85,7 +85,7 @@ class Landing:
 
 @dataclass(frozen=True, slots=True)
 class LandingEllipse:
-    """Centre downwind of the pad and to the right of that [m], half axes [m], and how far the long one is turned from
+    """Center downwind of the pad and to the right of that [m], half axes [m], and how far the long one is turned from
     downwind to the right [rad]; it holds a fraction `level` of the landings."""
 
     along: float

@@ -1,7 +1,7 @@
 """Safety lines from rule sets: wind, angle, mass, impulse, field, distances, certification, and words to keep in mind.
 
-If several sets have a rule for one thing, the line is that of the strictest. What is unverified is said to be so and
-never ends worse than with caution.
+If several sets have a rule for one thing, the line is that of the strictest. An unverified rule is marked, and its line
+is never worse than caution.
 """
 
 import datetime

@@ -4,7 +4,7 @@ from fieldkit import capture
 
 
 def event_line(event: capture.Event) -> str:
-    """What is said of an event; empty for one that is drawn instead."""
+    """The text of an event; empty for one that is drawn instead."""
     match event:
         case capture.PortOpened(port, device, file):
             return f"{device or 'listening'} on {port}; every byte goes to {file}"

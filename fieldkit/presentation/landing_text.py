@@ -65,7 +65,7 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
 
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
-    """How far a plan drifts for each m/s of a wind that was not given, and what wind the field bears."""
+    """The drift of a plan per m/s of wind if none was given, and the wind at which landings stay on the field."""
     low, middle, high = three(down.drift)
     yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad,"
     yield f"            90 % interval {shown.lengths(low, high)}"

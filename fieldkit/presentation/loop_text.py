@@ -174,7 +174,7 @@ def what_accepting_changes(found: Findings) -> Iterator[str]:
 
 
 def _chance(share: float) -> str:
-    """A probability in percent; of none it is said that it is certain."""
+    """A probability in percent, never 0% or 100%."""
     return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 

@@ -52,7 +52,7 @@ class Candidate:
 
     @property
     def effect(self) -> str:
-        """The name by which a verdict speaks of the effect, or empty for a pattern."""
+        """The name of the effect in a verdict, or empty for a pattern."""
         return spoken(self.place.effect)
 
 

@@ -122,8 +122,8 @@ def diagnose(
 ) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that are used in the fit.
 
-    `given` are effects that are there whatever the evidence, `declined` those that are not. Raises UnknownEffect
-    for one that is none, or that these flights cannot show. Flights are simulated as coarsely as forecasts fit them.
+    `given` are effects that are there whatever the evidence, `declined` those that are not. Raises UnknownEffect for an
+    unknown one, or one that these flights cannot show. Flights are simulated as coarsely as forecasts fit them.
     """
     model = replace(model, coarse=True)
     truth, seen = data.values[:, 0], data.seen[:, 0]

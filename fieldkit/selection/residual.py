@@ -1,4 +1,4 @@
-"""What the plain model gets wrong, and what the errors go together with."""
+"""The residuals of the plain model, and what they correlate with."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """How strongly a readout's residuals go together with a column of the flights.
+    """Correlation of a readout's residuals with a column of the flights.
 
     `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups; `p_alone` is
     the chance of one as large if nothing is, `p` the same after paying for everything looked at (Holm, 1979).

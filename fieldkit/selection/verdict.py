@@ -1,8 +1,8 @@
 """The verdict: which effects to name, from the posterior and from what a false and a missed name cost.
 
-To name an effect that is not there sends a flyer to mend what is whole; to miss one costs little, for forecasts follow
-every effect as far as it is probable. A false name is taken to cost twice a missed one. Then the expected cost is least
-if what is more probable than `NAMING_PROBABILITY` is named, and nothing else.
+To name an effect that is not there sends a flyer to fix what is not broken; to miss one costs little, for forecasts
+follow every effect as far as it is probable. A false name is taken to cost twice a missed one. Then the expected cost
+is least if what is more probable than `NAMING_PROBABILITY` is named, and nothing else.
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,9 @@ CREDIBLE = 0.9
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What is said: an effect's name (several joined by `+`), "none" or "unexplained".
+    """The verdict: an effect's name (several joined by `+`), "none" or "unexplained".
 
-    `confidence` is the posterior probability that what is said is so: that all effects named are there, or one of
+    `confidence` is the posterior probability that the verdict is right: that all effects named are there, or one of
     `also` in their place if only together they are probable enough. `accepted` are the effects named, each in its
     place.
     """

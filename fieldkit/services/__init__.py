@@ -1,1 +1,1 @@
-"""The use cases: one function for each thing that a flyer does, over the ledger and the core."""
+"""The use cases: one function per user action, over the ledger and the core."""

@@ -1,4 +1,4 @@
-"""A flight that was just entered, compared with its forecast: whether it is plausible, how it did, what comes next."""
+"""A flight that was just entered: whether it is plausible, how it compares with its forecast, and what to do next."""
 
 from dataclasses import dataclass
 
@@ -21,10 +21,10 @@ Interval = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a flight was forecast to do and what the next one like it will do, and Cd before and after it. [m, 1]
+    """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
-    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now. `after` is the
-    forecast of the next flight like it.
+    `kept` is whether the forecast was saved before the flight; otherwise it is computed from the earlier flights.
+    `after` is the forecast of the next flight like it.
     """
 
     flight: Flight
@@ -35,7 +35,7 @@ class Outcome:
 
     @property
     def next_flight(self) -> Interval:
-        """What the next flight like it will show. [m]"""
+        """The forecast of the next flight like it."""
         return _interval(self.after)
 
     @property
@@ -45,18 +45,18 @@ class Outcome:
 
     @property
     def miss(self) -> float | None:
-        """Apogee flown less forecast, None without one. [m]"""
+        """Flown minus forecast apogee, None without a forecast. [m]"""
         return None if self.flight.apogee is None else self.flight.apogee - self.forecast[1]
 
     @property
     def inside(self) -> bool:
-        """Whether the apogee flown lies in the 90 % interval."""
+        """Whether the flown apogee is inside the 90 % interval."""
         apogee = self.flight.apogee
         return apogee is not None and self.forecast[0] <= apogee <= self.forecast[2]
 
 
 def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Interval | None:
-    """What was to be expected of a flight whose apogee is out of the question; None for one that may well be right.
+    """The apogee to expect of a flight whose apogee is implausible; None if it is plausible.
 
     Also None if nothing can be expected: without an apogee, a motor or a dry mass.
     """
@@ -68,7 +68,7 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
 
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
-    """How a flight of the ledger did compared with its forecast, None if none can be made."""
+    """A flight of the ledger compared with its forecast, None if none can be made."""
     before = _forecast(ledger, motors, flight)
     if before is None:
         return None
@@ -84,7 +84,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
 
 
 def _forecast(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction | None:
-    """What the other flights say of one; None if its motor or mass is not known."""
+    """The forecast of a flight from the other flights; None if its motor or mass is unknown."""
     if not flight.motor or is_cluster(flight.motor) or flight.dry_mass is None:
         return None
     try:

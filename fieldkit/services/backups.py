@@ -1,4 +1,4 @@
-"""The copies of a ledger: which there are, and which one is put back."""
+"""The backups of a ledger: listing them and restoring one."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from fieldkit.ledger.backups import Backup, backups
 
 
 def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
-    """A ledger's file and its copies, newest first. Raises LedgerError for a ledger that is not a file."""
+    """A ledger's file and its backups, newest first. Raises LedgerError for a ledger that is not a file."""
     url = whereabouts.location(where)
     file = whereabouts.file_of(url)
     if file is None:
@@ -19,7 +19,7 @@ def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
 
 
 def chosen_copy(where: str | Path | None, number: int | None) -> tuple[Path, Backup]:
-    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError if there is none."""
+    """A ledger's file and the backup with a number, by default the newest. Raises LedgerError if there is none."""
     file, known = copies(where)
     for one in known:
         if number in (None, one.number):

@@ -21,7 +21,7 @@ from fieldkit.services.forecasts import accepted_average, flown
 from fieldkit.services.plausible_flights import implausible_flights
 
 SAME_PROBABILITY = 0.01
-"""Difference of a probability below which an average is the same. [1]"""
+"""Difference of probabilities below which two averages are the same. [1]"""
 
 
 def close_loop(
@@ -95,7 +95,7 @@ def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
 
 
 def _same(one: Averaged, other: Averaged) -> bool:
-    """Whether two averages are over the same sets, as probable as far as is printed."""
+    """Whether two averages are over the same sets, with probabilities that print the same."""
     plain: Averaged = ((1.0, ()),)
     first, second = ({places: chance for chance, places in some or plain} for some in (one, other))
     return first.keys() == second.keys() and all(abs(first[key] - second[key]) < SAME_PROBABILITY for key in first)

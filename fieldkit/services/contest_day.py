@@ -1,4 +1,4 @@
-"""The day of a contest as saved in the ledger, by season."""
+"""The contest day saved in the ledger, by season."""
 
 from dataclasses import asdict, replace
 
@@ -6,16 +6,16 @@ from fieldkit.ledger import Ledger
 from fieldkit.planning.contest_day import Day
 
 DAYS = "contest"
-"""Name under which the ledger keeps them, by season."""
+"""Name under which the ledger saves contest days, by season."""
 
 
 def day_of(ledger: Ledger, year: int) -> Day:
-    """What was saved for the day of a season; empty at first."""
+    """What was saved for the contest day of a season; empty at first."""
     kept = (ledger.draft(DAYS) or {}).get(str(year), {})
     window = kept.get("window")
     return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))
 
 
 def keep_day(ledger: Ledger, year: int, day: Day) -> None:
-    """Keep what is known of the day of a season."""
+    """Save the contest day of a season."""
     ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")

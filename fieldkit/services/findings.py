@@ -1,4 +1,4 @@
-"""All that is reported of a closed loop, computed once: the terminal, the JSON and the page show the same figures."""
+"""Everything reported of a closed loop, computed once: terminal, JSON and page show the same figures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,16 +28,16 @@ FORWARD_METHOD = (
     "(readouts linearized about the fits to all flights, which chose the effects averaged over)"
 )
 NEXT_FLIGHT_DRAWS = 400
-"""Draws of the forecast that shows what a verdict is worth. [1]"""
+"""Draws of the forecast of the next flight. [1]"""
 WORTH_A_TEST = 0.02
-"""Probability of another explanation below which no test against it is advised. [1]"""
+"""Probability of an alternative explanation below which no test against it is suggested. [1]"""
 MAX_SHOWN_EFFECTS = 3
-"""Effects whose fingerprint is shown, and tests that are advised. [1]"""
+"""Number of effects whose fingerprint is shown, and of tests that are suggested. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """Errors before and after, and by how much the mean absolute error fell. [m]"""
+    """Errors before and after, and the reduction of the mean absolute error. [m]"""
 
     before: Judged
     after: Judged
@@ -48,8 +48,8 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class NextFlight:
-    """The last flight flown again: the apogee that the plain model forecasts, and the average over what is probable,
-    with its 90 % interval. [m]"""
+    """The last flight flown again: the apogee by the plain model and by the model average, with the latter's 90 %
+    interval. [m]"""
 
     flight: Flight
     before: float
@@ -59,7 +59,7 @@ class NextFlight:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """A diagnosis of a rocket with everything that is said of it.
+    """A diagnosis of a rocket with everything that is reported of it.
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
     of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the
@@ -81,7 +81,7 @@ class Findings:
     next_flight: NextFlight
     testimony: LogEvidence
     implausible: tuple[str, ...] = ()
-    """A line for each flight that no rocket can have flown, and that had no part in any of this."""
+    """A line for each implausible flight, which was excluded."""
 
 
 def findings(
@@ -90,7 +90,8 @@ def findings(
     on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
+    """Everything that is reported of a diagnosis; `logs` are as returned by
+    `fieldkit.services.flight_logs.kept_logs`."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
@@ -126,7 +127,7 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
 
 
 def next_flight(diagnosis: Diagnosis) -> NextFlight:
-    """What the flight after the last would do on the same motor in the same conditions, before and after."""
+    """The forecast of the last flight flown again, before and after."""
     history = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
     last, motor = history[-1]
     plan = [(last.with_changes(**dict.fromkeys(last.readouts()), tags=()), motor)]
@@ -137,7 +138,7 @@ def next_flight(diagnosis: Diagnosis) -> NextFlight:
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
-    """What would distinguish the most probable explanation from the most probable of the others."""
+    """The tests that would distinguish the most probable explanation from the second most probable."""
     posterior, names = diagnosis.posterior, frozenset(diagnosis.effect.split("+"))
     known = {members: chance for members, chance in posterior.sets.items() if UNEXPLAINED not in members}
     named = [members for members in known if diagnosis.accepted and names <= members]

@@ -1,7 +1,7 @@
-"""What the other rockets of a ledger show of what they share with one: the fleet's level, and motor types.
+"""What the other rockets of a ledger show of the terms they share with a rocket: the fleet's mean, and motor types.
 
-Each rocket's message is kept in the ledger, with a digest of what it was computed from, and computed again when its
-flights, its motors or the hyperprior change.
+Each rocket's message is saved in the ledger with a digest of its inputs, and computed again when its flights, its
+motors or the hyperprior change.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
-"""Significant digits of a saved figure: far more than a forecast shows. [1]"""
+"""Significant digits of a saved figure: far more than a forecast needs. [1]"""
 
 FlownFlights = Sequence[tuple[Flight, Found]]
 
@@ -33,9 +33,9 @@ FlownFlights = Sequence[tuple[Flight, Found]]
 def fleet_prior(
     ledger: Ledger, motors: Catalogue, rocket: str, on_progress: ReportProgress = no_op
 ) -> "SharedPrior | None":
-    """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any.
+    """The message of the clean flights of all other rockets of a ledger about the shared terms; None without any.
 
-    `on_progress` hears of each rocket that is fitted again.
+    `on_progress` is called for each rocket that is fitted again.
     """
     return fleet_priors(ledger, motors, [rocket], on_progress)[rocket]
 
@@ -43,7 +43,7 @@ def fleet_prior(
 def fleet_priors(
     ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
 ) -> "dict[str, SharedPrior | None]":
-    """`fleet_prior` of several rockets, each of them fitted once at most."""
+    """`fleet_prior` of several rockets, each fitted at most once."""
     from fieldkit.inference.laplace.fleet import shared_prior
 
     own = learned()
@@ -56,7 +56,7 @@ def fleet_priors(
 
 
 def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight, Found]]]:
-    """The flights that show something, rocket by rocket."""
+    """The flights used in the fit, by rocket."""
     found: dict[str, list[tuple[Flight, Found]]] = {}
     for flight, motor in followed(ledger.flights(), motors):
         if flight.clean and flight.readouts():
@@ -65,7 +65,7 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
 
 
 def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
-    """A rocket's fit by itself, from the ledger if that is up to date."""
+    """A rocket's own fit, from the ledger if it is up to date."""
     from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)

@@ -1,4 +1,4 @@
-"""What is worked out of one flight: what its readouts say of drag and thrust, and what was forecast for it."""
+"""What is computed for one flight: the drag and thrust inferred from its readouts, and its forecast."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 DRAWS = 4000
-"""Of a posterior, for its picture."""
+"""Draws of a posterior for its plot. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class DragFacts:
 
 @dataclass(frozen=True, slots=True)
 class ForecastFacts:
-    """The apogee as it was forecast, at 5, 50 and 95 % [m], and by whom and when."""
+    """The forecast apogee at 5, 50 and 95 % [m], with its source and time."""
 
     low: float
     middle: float
@@ -57,10 +57,8 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
 
 
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
-    """The forecast that was made for a flight, else the one that the other flights make now.
-
-    Raises FieldkitError if there can be none.
-    """
+    """The forecast saved before a flight, else a forecast from the other flights now. Raises FieldkitError if there can
+    be none."""
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.services.forecasts import forecast_from_others
     from fieldkit.services.saved_forecasts import of_flight
@@ -77,7 +75,7 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> For
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
-    """The work, or in one line why there is nothing to be had of it: no fault, and no notice."""
+    """The result, or in one line why there is none: not an error, and no notice."""
 
     def tried() -> T | str:
         try:

@@ -1,4 +1,4 @@
-"""A forecast as a record under the keys of the contract: what a ledger saves of it, and what `--json` prints."""
+"""A forecast as a record under the keys of the contract: saved in the ledger, and printed by `--json`."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from fieldkit.forecast.prediction import Prediction, median
 
 
 def apogee_summary(prediction: Prediction) -> dict[str, float]:
-    """Mean, standard deviation and quantiles of the apogee that will be shown, under the contract's keys. [m]"""
+    """Mean, standard deviation and quantiles of the apogee on the altimeter, under the contract's keys. [m]"""
     p05, p50, p95 = prediction.apogee_quantiles()
     return {
         "mean": float(prediction.apogee.mean()),
@@ -18,7 +18,7 @@ def apogee_summary(prediction: Prediction) -> dict[str, float]:
 
 
 def forecast_record(prediction: Prediction) -> dict[str, Any]:
-    """A prediction under the contract's keys, and what it rests on."""
+    """A prediction under the contract's keys, with its basis."""
     document: dict[str, Any] = {"flight_id": prediction.plan.flight_id} if prediction.plan.flight_id else {}
     document |= {
         "rocket": prediction.plan.rocket,

@@ -1,4 +1,4 @@
-"""Forecasts from a ledger: what is asked of a rocket by name, answered from the flights in the ledger."""
+"""Forecasts from a ledger: rockets by name, forecast from their flights."""
 
 import hashlib
 import json
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
 QUANTILE_COUNT = 40
-"""Equally likely apogees that represent a saved prediction: enough for its probabilities to 2.5 %. [1]"""
+"""Equally likely apogees that represent a saved prediction: enough for probabilities to 2.5 %. [1]"""
 Which = Literal["before", "after"]
 
 
 def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket that physics can follow, in order, each with its motor.
+    """The flights of a rocket that the simulator can fly, in order, each with its motor.
 
-    Clusters, stages and flights without a dry mass are left out, and so are those that no rocket can have flown: the
-    ledger remarks on each of them.
+    Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a remark
+    on each of the latter.
     """
     flights = ledger.flights(rocket)
     ledger.remark(*implausible_flights(flights, motors))
@@ -44,7 +44,8 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, 
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The rocket asked for, flown or started from a design, or the one flown last. Raises NoFlights that lists them."""
+    """The named rocket, flown or started from a design, or the rocket flown last. Raises NoFlights that lists the
+    rockets."""
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
@@ -56,22 +57,21 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
 
 
 def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
-    """The sets of effects that a rocket's forecasts are averaged over now, or were before the loop; empty for the plain
-    model."""
+    """The sets of effects that a rocket's forecasts average over, now or before the loop; empty for the plain model."""
     version = ledger.active_version(rocket) if which == "after" else None
     return version_average(version.payload) if version else ()
 
 
 def version_average(payload: Mapping[str, Any]) -> Averaged:
-    """The sets of effects that a version of a model averages over, most probable first; of a version from before there
-    were averages, the one set that it has."""
+    """The sets of effects that a model version averages over, most probable first; for a version older than averaging,
+    its one set."""
     if "averaged" not in payload:
         return ((1.0, version_places(payload)),)
     return tuple((float(one["probability"]), _places(one["places"])) for one in payload["averaged"])
 
 
 def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
-    """The effects that a version of a model holds, and the pattern that forecasts follow, if any, each in its place."""
+    """The effects of a model version, and its pattern in the residuals if any, each in its place."""
     entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
     return _places(entries)
 
@@ -81,7 +81,7 @@ def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:
-    """What a version of a model adds to the plain one, each set as far as it is probable: `wind 80%, nothing 20%`."""
+    """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`."""
     sets = version_average(payload)
     named = ["+".join(map(str, places)) or "nothing" for _, places in sets]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
@@ -89,7 +89,7 @@ def version_adds(payload: Mapping[str, Any]) -> str:
 
 
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
-    """How the configuration of a plan starts; if the rocket has only one saved start, that one."""
+    """The starting design of a plan's configuration; the rocket's only saved one if there is just one."""
     return start_among(ledger.starts(plan.rocket), plan)
 
 
@@ -140,7 +140,7 @@ def predict_plans(
 def _keep(
     ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which, *, decided: bool
 ) -> None:
-    """Keep predictions of one rocket, each with what it was made from."""
+    """Save predictions of one rocket, each with its inputs."""
     version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
     for one in predictions:
         own = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
@@ -163,13 +163,13 @@ def _keep(
 
 
 def used_version(ledger: Ledger, rocket: str) -> int:
-    """The number of the model that a rocket is predicted with, 0 for the plain one."""
+    """The number of the model version in use for a rocket, 0 for the plain one."""
     active = ledger.active_version(rocket)
     return active.number if active else 0
 
 
 def keep_forecasts(ledger: Ledger, rows: "Sequence[Forecast]") -> None:
-    """Save forecasts of flown flights, all or none, so that the next ones are as wide as these had to be."""
+    """Save forecasts of flown flights, all or none, to calibrate the next ones."""
     ledger.keep_predictions([_kept_forecast(row) for row in rows])
 
 
@@ -186,7 +186,7 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
-    """What the other flights of its rocket say a flight should have shown; nothing is saved.
+    """The forecast of a flight from the other flights of its rocket; nothing is saved.
 
     Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """

@@ -1,8 +1,7 @@
-"""Drag and thrust of single flights, by the model that forecasts are made with or an ensemble with a prior of its own.
+"""Drag and thrust of single flights, by the forecast model or by an ensemble with a prior of its own.
 
-Each flight is taken by itself, with what the flyer's other rockets show: the network of whole histories is asked about
-a history of that one flight. The field ensemble, which sees nothing but the flight, warns of readouts that are far from
-those it was trained with.
+Each flight is taken alone, with the message of the user's other rockets: the network of whole histories gets a history
+of that one flight. The field ensemble, which sees only the flight, warns about readouts far from its training data.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,21 +25,21 @@ if TYPE_CHECKING:
     from fieldkit.model.shared_prior import SharedPrior
 
 Model = Literal["history", "field", "paper"]
-"""What can be asked: the network of whole histories, the field ensemble, the reference paper's."""
+"""The available models: the network of whole histories, the field ensemble, the reference paper's."""
 FIT_SHARE = 0.5
 """Part of the progress that fitting the other rockets takes, if none is cached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class InferredFlights:
-    """What was inferred, the number of each flight with it, and why others were left out."""
+    """The inferred flights with their ids, and the reasons why others were left out."""
 
     inferred: Sequence[Inferred]
     ids: Sequence[str]
     left_out: Sequence[str]
 
     def warnings(self) -> Iterator[tuple[str, list[str]]]:
-        """Every warning, and the flights that it is of."""
+        """Every warning, and the flights that it is about."""
         for warning in dict.fromkeys(line for one in self.inferred for line in one.warnings):
             yield warning, [id for id, one in zip(self.ids, self.inferred, strict=True) if warning in one.warnings]
 
@@ -62,14 +61,14 @@ def infer_flights(
 
 
 class FlightInference:
-    """Asks the network about flights of a ledger; what other rockets show is worked out once for each rocket."""
+    """Runs the network on flights of a ledger; the message of the other rockets is computed once per rocket."""
 
     def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
         self._ledger, self._motors = ledger, motors
         self._shared: dict[str, SharedPrior | None] = {}
 
     def infer(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> Inferences:
-        """Cd and alpha of each flight that can be judged; Cd is nan without a diameter. Raises DamagedModel."""
+        """Cd and alpha of each usable flight; Cd is nan without a diameter. Raises DamagedModel."""
         guarded = infer(flights, self._motors, "field")
         asked = [one.flight for one in guarded.inferred]
         answers = self.answers(asked, on_progress)
@@ -82,7 +81,7 @@ class FlightInference:
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
-        """What the network says of each flight by itself; all have to be of a kind that `infer` does not leave out."""
+        """The network's answer for each flight alone; `infer` must not leave any of them out."""
         from fieldkit.forecast.at_once import each_at_once
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]

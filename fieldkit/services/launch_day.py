@@ -1,4 +1,4 @@
-"""The day at the field: the plan of the next flight, and what is next."""
+"""The launch day: the plan of the next flight, the weather, the latest flights."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from fieldkit.settings import Settings
 
 PLAN_DRAFT = "plan"
-"""Name under which the ledger keeps the plan of the next flight."""
+"""Name under which the ledger saves the plan of the next flight."""
 MAX_LISTED_FLIGHTS = 50
 
 
 @dataclass(frozen=True, slots=True)
 class ListedFlight:
-    """A flight of the ledger with its number there, and the forecast that was saved for it, if any."""
+    """A flight of the ledger with its id, and the forecast that was saved for it, if any."""
 
     id: str
     flight: Flight
@@ -32,8 +32,8 @@ class ListedFlight:
 
 @dataclass(frozen=True, slots=True)
 class Overview:
-    """What is next: the planned flight, the weather of the day as a flight's conditions, the open forecast, and the
-    latest flights, newest first."""
+    """The launch day: the planned flight, today's weather as conditions, the open forecast, and the latest flights,
+    newest first."""
 
     plan: Flight
     weather: Flight
@@ -52,7 +52,7 @@ class Overview:
 
 
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
-    """Keep the plan of the next flight, and its weather as that of today, as one change; False if it is so already."""
+    """Save the plan of the next flight and today's weather as one change; False if both are unchanged."""
     weather = {name: text for name, text in texts.items() if name in WEATHER}
     drafts = {PLAN_DRAFT: {name: text for name, text in texts.items() if name not in WEATHER}}
     if weather != typed_weather(ledger)[0]:
@@ -62,8 +62,8 @@ def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
 
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
-    """The next flight as it was planned, else the rocket of known mass that flew last, in today's weather; None with
-    neither flights nor a plan."""
+    """The next flight as planned, else the last flown rocket of known mass in today's weather; None without flights and
+    plan."""
     draft = ledger.draft(PLAN_DRAFT) or {}
     if not flights and not draft:
         return None
@@ -80,8 +80,8 @@ def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlig
 
 
 def overview(ledger: Ledger, motors: "Catalogue", flights: Sequence[Flight] | None = None) -> Overview | None:
-    """What is next, None with neither flights nor a plan. Nothing is computed: all of it is read from the ledger, also
-    its `flights` if they were not read before."""
+    """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger, its
+    `flights` too unless given."""
     from fieldkit.services.manual_entry import PLAN
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
@@ -101,7 +101,7 @@ def overview(ledger: Ledger, motors: "Catalogue", flights: Sequence[Flight] | No
 
 
 def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", plan: Flight) -> "Prediction":
-    """Keep the plan of a rocket that has not flown, and the forecast of its first flight.
+    """Save the plan of a rocket that has not flown, and the forecast of its first flight.
 
     Raises UnknownMotor, and ImpossibleFlight for a plan without a dry mass.
     """
@@ -115,7 +115,7 @@ def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", pl
 
 
 def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
-    """The fields of a plan from what was typed, as the ledger keeps it; the motor's temperature beside them."""
+    """The fields of a plan from what was typed, as the ledger saves it, with the motor's temperature."""
     values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
     warm = texts.get(MOTOR_TEMPERATURE, "")
     return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})

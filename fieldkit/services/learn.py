@@ -1,4 +1,4 @@
-"""Learn the hyperprior from the exports of several flyers, and say how good forecasts of rockets left out are."""
+"""Fit the hyperprior to the exports of several flyers, and cross-validate it by rocket."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 FlownFlights = list[tuple[Flight, Found]]
 
 FULL_ROUNDS, FULL_STEPS = 4, 25
-"""Rounds of linearization and steps in each when all flights are learned from."""
+"""Rounds of linearization, and steps in each, for the fit to all flights. [1]"""
 LEFT_OUT_ROUNDS, LEFT_OUT_STEPS = 1, 12
-"""The same without one rocket, from where all flights led to: one rocket of forty moves little."""
+"""The same for a fit without one rocket, started from the fit to all: one rocket in forty changes little."""
 
 
 @dataclass(frozen=True, slots=True)
 class Flyer:
-    """The flights of one flyer, in the order flown, and the digests of the files that they came in."""
+    """The flights of one flyer, in the order flown, and the digests of their files."""
 
     name: str
     flown: FlownFlights
@@ -78,7 +78,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 def learn(
     flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
-    """The hyperprior that the flights of some flyers ask for, from the one in use, or `from_start` from `START`."""
+    """The hyperprior fitted to the flights of some flyers, from the one in use, or `from_start` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 
     start = START if from_start else learned()
@@ -113,14 +113,14 @@ class HeldOutRocket:
 
 
 def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: bool = False) -> Iterator[HeldOutRocket]:
-    """Every rocket of every flyer, to be left out in turn."""
+    """Every rocket of every flyer, each left out in turn."""
     for number, flyer in enumerate(flyers):
         for rocket in flyer.rockets:
             yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, from_start)
 
 
 def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
-    """Forecasts, forward in time, of a rocket's flights by a hyperprior that never saw any of them."""
+    """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them."""
     from fieldkit.forecast.evaluation.forward_in_time import forward
     from fieldkit.inference.laplace.learning import learn_hyperprior
 
@@ -146,7 +146,8 @@ def check(
     pool: Executor | None = None,
     on_progress: ReportProgress = no_op,
 ) -> "dict[str, list[Forecast]]":
-    """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
+    """Cross-validated forecasts of all flights, the hyperprior fitted without the rocket of each, by flyer, in the
+    order flown."""
     works = list(left_out(flyers, hyperprior, from_start=from_start))
     apply: "Callable[..., Iterator[list[Forecast]]]" = pool.map if pool else map
     found: "dict[str, list[Forecast]]" = {flyer.name: [] for flyer in flyers}
@@ -160,10 +161,8 @@ def check(
 
 
 def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
-    """Scores of forecasts of rockets left out, and of their rivals, by flyer: what the card says of them.
-
-    Of flights whose rocket had flown before, and of all of them, first flights included.
-    """
+    """Scores of cross-validated forecasts and of their rivals, by flyer, for the card: of flights whose rocket had
+    flown before, and of all flights, first flights included."""
     from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
     from fieldkit.forecast.evaluation.rivals import LABELS
 

@@ -1,4 +1,4 @@
-"""A flight being typed in, at a prompt or on a screen: what is offered, how units carry over, how it ends."""
+"""A flight being entered, at a prompt or on a screen: default answers, units, and saving."""
 
 from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
@@ -14,35 +14,35 @@ from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
-"""Questions whose answers belong to the day."""
+"""Questions about the day."""
 DRAFT = "add"
 UNITS = "units"
-"""Names under which the ledger keeps what was typed so far, and the units that were typed last."""
+"""Names under which the ledger saves the draft, and the units that were typed last."""
 PLAN = "plan"
-"""Key under which a saved forecast holds the answers of the flight that the flyer decided on."""
+"""Key under which a saved forecast holds the answers of the planned flight."""
 LAPSES = timedelta(days=14)
-"""A forecast without a flight's name is taken to be of a flight no later than this after it."""
+"""A forecast without a flight's name is for a flight at most this much later."""
 CONFIGURATION = ("motor", "dry_mass", "diameter")
-"""Questions whose answers belong to the configuration that was planned."""
+"""Questions about the planned configuration."""
 
 
 def kind(column: Column) -> str:
-    """Columns that are likely to be typed in one unit: heights are, a height and a diameter are not."""
+    """Columns that are likely typed in one unit: two heights are, a height and a diameter are not."""
     return f"{column.quantity} {column.unit}"
 
 
 def typed_unit(text: str) -> str:
-    """The unit written behind a number, empty if there is none: `ft` of `923 ft`."""
+    """The unit after a number, empty if there is none: `ft` of `923 ft`."""
     return text.strip().lstrip("+-.,0123456789eE ")
 
 
 def with_unit(text: str, unit: str) -> str:
-    """A typed number with the unit it is meant in; a text that has one, or is no number, as it is."""
+    """A typed number with its intended unit; a text that has a unit, or is not a number, unchanged."""
     return text if text in ("", NOT_RECORDED) or typed_unit(text) else text + unit
 
 
 def setup_answers(plan: Flight) -> dict[str, str]:
-    """A planned flight as the answers of the form that are offered; the delay stands behind the motor."""
+    """A planned flight as default answers of the form; the delay follows the motor."""
     texts = {question.name: answer_text(plan, question.name) for question in QUESTIONS if question.offered}
     if plan.delay is not None and "-" not in plan.motor:
         texts["motor"] = f"{plan.motor}-{plan.delay:g}"
@@ -50,7 +50,7 @@ def setup_answers(plan: Flight) -> dict[str, str]:
 
 
 def planned_answers(ledger: Ledger) -> dict[str, str]:
-    """The answers of the flight that the flyer decided on last; none once its rocket has flown, or after two weeks."""
+    """The answers of the last planned flight; none once its rocket has flown, or after two weeks."""
     kept = [one for one in ledger.predictions() if PLAN in one.payload]
     if not kept or datetime.now(UTC) - kept[-1].at > LAPSES:
         return {}
@@ -60,8 +60,8 @@ def planned_answers(ledger: Ledger) -> dict[str, str]:
 
 
 def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str, str] = MappingProxyType({})) -> str:
-    """What the flight that was planned (see `planned_answers`), or the last one like it, suggests as an answer, as one
-    would type it."""
+    """The default answer from the planned flight (see `planned_answers`) or from the last similar flight, as text to
+    edit."""
     if question.name == "tags":
         return "cluster" if is_cluster(flight.motor) else ""
     if not question.offered:
@@ -79,7 +79,7 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
 
 
 def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> bool:
-    """Whether what was answered so far is what was planned."""
+    """Whether the answers so far agree with the plan."""
     if question.name == "rocket":
         return True
     same = question.name not in CONFIGURATION or flight.config == plan.get("config", "")
@@ -87,8 +87,7 @@ def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> 
 
 
 def _weather(ledger: Ledger, name: str) -> str:
-    """What was typed for the day, or what the last flight of this very day had, whichever is newer: the weather of the
-    next flight is likely the same."""
+    """The weather entered for the day, or that of the day's last flight, whichever is newer."""
     last = ledger.latest()
     flown = last.date_time.replace(tzinfo=None) if last is not None and last.date_time is not None else None
     typed, at = typed_weather(ledger)
@@ -99,7 +98,7 @@ def _weather(ledger: Ledger, name: str) -> str:
 
 
 def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
-    """A flight with what is offered for the questions that were not answered."""
+    """A flight with the default answers for the questions that were not answered."""
     plan = planned_answers(ledger)
     for question in QUESTIONS:
         if question.offered and question.name not in answered and flight.rocket:
@@ -109,8 +108,8 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
 
 
 def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
-    """The middles of the readouts that the same rocket had on the same motor, whatever its delay; none if one is not
-    said. [SI]"""
+    """The medians of the readouts of the same rocket on the same motor, any delay; none if rocket or motor is missing.
+    [SI]"""
     motor = _without_delay(flight.motor)
     if not (flight.rocket and motor):
         return {}

@@ -67,7 +67,7 @@ def _differences(prediction: StoredPrediction, flight: Flight, motors: Catalogue
 
 
 def resolved(motors: Catalogue, flight: Flight) -> Found | None:
-    """A flight's motor, None for a cluster or one that nobody knows."""
+    """A flight's motor, None for a cluster or an unknown one."""
     try:
         return motors.resolve(flight.motor)
     except UnknownMotor:
@@ -75,7 +75,7 @@ def resolved(motors: Catalogue, flight: Flight) -> Found | None:
 
 
 def _motors(motors: Catalogue) -> Callable[[str], object]:
-    """The motor that a text means, whatever its delay and however it is written; else the text."""
+    """The motor that a text means, without its delay; else the text."""
 
     @cache
     def motor_of(text: str) -> object:
@@ -86,12 +86,12 @@ def _motors(motors: Catalogue) -> Callable[[str], object]:
 
 
 def residual(flight: Flight, prediction: StoredPrediction | None) -> float | None:
-    """Flown less forecast apogee, None if one is missing. [m]"""
+    """Flown minus forecast apogee, None if one is missing. [m]"""
     if prediction is None or flight.apogee is None:
         return None
     return flight.apogee - float(prediction.payload["apogee_m"]["p50"])
 
 
 def _local(moment: datetime) -> datetime:
-    """A moment as the clock at the field shows it, as flights have it."""
+    """A time in local time, as flights have it."""
     return moment.astimezone().replace(tzinfo=None)

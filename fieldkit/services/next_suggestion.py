@@ -1,4 +1,4 @@
-"""What a flyer may do after a flight: look for a missing effect, fly the motor nearest to the target, or repeat it."""
+"""What to do after a flight: search for a missing effect, fly the motor nearest to the target, or repeat the flight."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 RECENT_FORECASTS = 10
-"""Forecasts of a rocket, the newest, whose outcomes are counted. [1]"""
+"""Number of latest forecasts of a rocket whose outcomes are counted. [1]"""
 OUTSIDE_PROBABILITY = 0.1
-"""Of a flight outside its 90 % interval, if forecasts are calibrated. [1]"""
+"""Probability of a flight outside its 90 % interval, if forecasts are calibrated. [1]"""
 SIGNIFICANCE = 0.05
-"""Probability of as many flights outside by chance, below which the model is questioned. [1]"""
+"""Probability of as many flights outside by chance, below which the loop is suggested. [1]"""
 COMPARED_DRAWS = 200
-"""Flights flown for each motor that is compared with a target. [1]"""
+"""Simulated flights for each motor that is compared with a target. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +69,8 @@ def suggestion(
 
 
 def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
-    """If more of the last flights ended outside their intervals than chance would have it, and the loop has enough
-    flights to look for the reason."""
+    """The loop, if more of the last flights ended outside their intervals than by chance, and the rocket has enough
+    flights for it."""
     flown = [one for one in said if one.flown is not None][-RECENT_FORECASTS:]
     outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)
     usable = sum(flight.clean and flight.apogee is not None for flight in flights)
@@ -80,7 +80,7 @@ def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) 
 
 
 def chance_of(outside: int, forecasts: int) -> float:
-    """Probability that at least so many calibrated forecasts miss, each independently: a binomial tail. [1]"""
+    """Probability that at least a number of calibrated forecasts miss, each independently: a binomial tail. [1]"""
     p = OUTSIDE_PROBABILITY
     return sum(comb(forecasts, k) * p**k * (1 - p) ** (forecasts - k) for k in range(outside, forecasts + 1))
 

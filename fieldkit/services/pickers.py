@@ -1,4 +1,4 @@
-"""What a form offers as an answer is typed: names that the ledger and the motor catalogue know, the nearest first."""
+"""Answers that a form offers while typing: names from the ledger and the motor catalog, the nearest first."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,34 +12,34 @@ from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.services.sites import sites
 
 MAX_PICKS = 8
-"""Answers that are offered at once."""
+"""Answers offered at once. [1]"""
 NAME_QUESTIONS = ("rocket", "config", "site")
-"""Questions whose answers are names of the flyer's own."""
+"""Questions answered by names of the user's own."""
 MIN_SIMILARITY = 0.6
-"""Similarity from which a name is taken for another one misspelled (`difflib`). [1]"""
+"""Similarity above which a name is taken for a misspelling of another (`difflib`). [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class OfferedAnswer:
-    """An answer that is offered, and what is said of it."""
+    """An answer that is offered, with its description."""
 
     text: str
     about: str = ""
 
 
 Source = Callable[[str], Sequence[OfferedAnswer]]
-"""The answers to offer for what was typed so far."""
+"""The answers to offer for the text so far."""
 
 
 @dataclass(frozen=True)
 class Names:
-    """The names that a ledger knows, by question, the last used first, and the motor catalogue."""
+    """The names that a ledger knows, by question, most recent first, and the motor catalog."""
 
     known: Mapping[str, tuple[str, ...]]
     motors: Catalogue
 
     def sources(self) -> dict[str, Source]:
-        """What is offered for each question that has names."""
+        """The picker for each question about names."""
         own: dict[str, Source] = {
             name: among([OfferedAnswer(one) for one in self.known[name]]) for name in NAME_QUESTIONS
         }
@@ -50,7 +50,7 @@ class Names:
         }
 
     def _motors(self, typed: str) -> Sequence[OfferedAnswer]:
-        """Motors flown before that contain what was typed, then those of the catalogue, each with its delays."""
+        """Motors flown before that contain what was typed, then those of the catalog, each with its delays."""
         flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]
@@ -58,7 +58,7 @@ class Names:
         return list(islice(found, MAX_PICKS))
 
     def doubt(self, name: str, text: object) -> str:
-        """Why an answer may be a slip, in words; empty for one that is known, and for the first of its kind."""
+        """Why an answer may be a misspelling, empty for a known one, and for the first of its kind."""
         if name == "motor":
             return self.motor_trouble(str(text or ""))
         if name not in ("rocket", "site") or not text or str(text) in self.known[name] or not self.known[name]:
@@ -67,7 +67,7 @@ class Names:
         return f"No {name} {text} yet; " + (f"nearest: {', '.join(near)}" if near else "this adds one")
 
     def motor_trouble(self, name: str) -> str:
-        """Why a motor is not known, empty if it is or none is named."""
+        """Why a motor is unknown, empty if it is known or none is named."""
         return "" if not name or is_cluster(name) else self.motors.complaint(name) or ""
 
 
@@ -79,7 +79,7 @@ def names_of(ledger: Ledger, motors: Catalogue) -> Names:
 
 
 def among(picks: Sequence[OfferedAnswer]) -> Source:
-    """Of some answers, those that fit what was typed: its beginning first, then any part, then its letters in order."""
+    """The answers that match a text: by their beginning first, then any part, then its letters in order."""
 
     def found(typed: str) -> Sequence[OfferedAnswer]:
         text = typed.strip().casefold()
@@ -91,7 +91,7 @@ def among(picks: Sequence[OfferedAnswer]) -> Source:
 
 
 def nearest(text: str, known: Iterable[str]) -> list[str]:
-    """Names that a text may be a slip of, the most similar first."""
+    """Names that a text may misspell, the most similar first."""
     by_fold = {name.casefold(): name for name in known}
     return [by_fold[one] for one in get_close_matches(text.casefold(), by_fold, n=3, cutoff=MIN_SIMILARITY)]
 

@@ -1,4 +1,4 @@
-"""Plans for a rocket of a ledger, asked for by name: what the ledger says of the rocket and of the plan."""
+"""Plans for a rocket of a ledger: the rocket by name, and the plan completed from the ledger."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ SHORTLIST = "shortlist"
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
-    """What a ledger holds of a rocket, read once."""
+    """What a ledger has on a rocket, read once."""
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
@@ -56,11 +56,11 @@ INHERITED_RECOVERY = (
     "parachute_diameter",
     "opening_time",
 )
-"""What of its recovery a plan takes from the last flight of its configuration that says it."""
+"""The recovery of a plan, from the last flight of its configuration that has one."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
-    """A plan that comes down as its configuration last did, if it says nothing itself."""
+    """A plan with the recovery of its configuration's last flight, unless it has its own."""
     own = [flight for flight in flights if flight.config == plan.config]
     extra = dict(plan.extra)
     for name in INHERITED_RECOVERY:
@@ -71,10 +71,10 @@ def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
 
 
 def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
-    """The motors that a flyer put by for a rocket, by `label`."""
+    """The motors on a rocket's shortlist, by `label`."""
     return frozenset((ledger.draft(SHORTLIST) or {}).get(rocket, ()))
 
 
 def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
-    """Keep these motors as the shortlist of a rocket."""
+    """Save these motors as the shortlist of a rocket."""
     ledger.keep_draft(SHORTLIST, (ledger.draft(SHORTLIST) or {}) | {rocket: sorted(labels)})

@@ -1,4 +1,4 @@
-"""Which flights fits may use: those that a rocket can have flown, each with its motor; the others by name."""
+"""The flights that fits may use: plausible ones, each with its motor; the others by name."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,12 +9,12 @@ from fieldkit.motors import Catalogue, Found
 
 
 def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
-    """Those of some flights that physics can follow, each with its motor."""
+    """The flights among some that the simulator can fly, each with its motor."""
     return [(flight, found) for flight, found in _with_motors(flights, motors) if not implausible(flight, found.motor)]
 
 
 def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
-    """Those of some flights whose set-up a plan can begin from, whatever was read off; clusters are not judged."""
+    """The flights among some whose setup a plan can start from, whatever their readouts; clusters are not checked."""
     odd = {id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)}
     return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in odd]
 
@@ -24,7 +24,7 @@ def _set_up(flight: Flight) -> Flight:
 
 
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """A line for each clean one of some flights that no rocket can have flown, and that no fit uses therefore."""
+    """A line for each clean flight among some that is implausible, and is therefore in no fit."""
     found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
     return [
         f"flight {flight.flight_id} of {flight.rocket} is excluded from every fit: {reason}"

@@ -21,15 +21,15 @@ Parts = Mapping[str, Mapping[str, str]]
 """Name of a part to its texts by name."""
 
 OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
-"""Parts that the flyer decides, and that a flight can differ in from its prediction."""
+"""Parts that the user sets, in which a flight can differ from its prediction."""
 FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
-"""What a plan may take over from the design of its rocket: columns, and the name of the coefficient."""
+"""What a plan may take from the design of its rocket: columns, and the name of the coefficient."""
 USED_IN_FIT, FLOWN_ONLY = "+", "-"
 """Prefix of the digest of a flight: used in the fit, or only counted as flown."""
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
-    """The parts that the flyer decides: of a plan with everything that it takes over from earlier flights."""
+    """The parts that the user sets, for a plan completed from earlier flights."""
     delay = found.delay if found.delay is not None else plan.delay
     return {
         "mass": _columns(plan, ["dry_mass"]),
@@ -44,7 +44,7 @@ def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
 
 
 def model_parts(history: Sequence[Flight], name: str, version: int | None) -> dict[str, dict[str, str]]:
-    """The parts that the model decides: its version, None for the one that is asked for by name, and its flights."""
+    """The parts from the model: its version, None for one requested by name, and its flights."""
     asked = {"name": name} if version is None else {"name": name, "version": str(version)}
     return {
         "model": {**asked, "fieldkit": __version__},
@@ -53,14 +53,14 @@ def model_parts(history: Sequence[Flight], name: str, version: int | None) -> di
 
 
 def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]:
-    """The part that the rocket's design decides: its Cd, and of mass and diameter what the plan has from it."""
+    """The part from the rocket's design: its Cd, and the mass and diameter that the plan took from it."""
     known = _design(start)
     taken = {header: text for header, text in _columns(plan, FROM_DESIGN).items() if text and text == known.get(header)}
     return {"design": {DRAG: known.get(DRAG, ""), **taken}}
 
 
 def design_changes(made: Parts, start: Start | None) -> Iterator[str]:
-    """What is no longer so of the rocket's design, a phrase each."""
+    """What changed in the rocket's design, one phrase each."""
     now = _design(start)
     for name, old in made.get("design", {}).items():
         if old != now.get(name, ""):
@@ -80,7 +80,7 @@ def digest(parts: Parts) -> str:
 
 
 def flight_digest(flight: Flight) -> str:
-    """Eight hex digits of what the model reads of a flight, behind a sign for whether it is used in the fit."""
+    """Eight hex digits of what the model reads of a flight, after a mark for whether it is used in the fit."""
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
@@ -89,15 +89,16 @@ def flight_digest(flight: Flight) -> str:
 
 
 def motor_digest(motor: Motor) -> str:
-    """Eight hex digits of a motor's thrust curve and masses: a file of the flyer's own may change under its name."""
+    """Eight hex digits of a motor's thrust curve and masses: the user's own file may change under its name."""
     numbers = [*motor.time.tolist(), *motor.thrust.tolist(), motor.propellant_mass, motor.casing_mass]
     return _short(json.dumps([f"{number:.6g}" for number in numbers]))
 
 
 def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
-    """What the flyer changed of a plan, a phrase each.
+    """What the user changed in a plan, one phrase each.
 
-    Of a flight that was flown only what both know is compared: a temperature that no forecast gave is no change.
+    For a flown flight only values that both have are compared: a temperature that the forecast did not have is not a
+    change.
     """
     for part in OF_THE_PLAN:
         for name, new in now[part].items():
@@ -118,7 +119,7 @@ def _change(name: str, old: str, new: str) -> str:
 
 
 def model_changes(made: Parts, now: Parts) -> Iterator[str]:
-    """What changed of the model and of the flights that it was fitted to, a phrase each."""
+    """What changed in the model and its flights, one phrase each."""
     for name, old in made["model"].items():
         new = now["model"].get(name, "")
         if name == "version" and old != new:

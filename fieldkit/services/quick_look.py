@@ -1,4 +1,4 @@
-"""Quick answers from a ledger by the network: what a model may lack, and forecasts; nothing is saved."""
+"""Quick answers by the network: missing effects, and forecasts; nothing is saved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import flown, predict_plans
 
 MIN_FLIGHTS = 4
-"""Clean flights with an apogee that a look needs, as closing the loop does. [1]"""
+"""Clean flights with an apogee that a quick look needs, as for the loop. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class QuickForecast:
 
 
 def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
-    """What the network of whole histories makes of a rocket's flights; the model in use stays as it is.
+    """The network's answer for a rocket's flights; the model in use does not change.
 
     Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel.
     """

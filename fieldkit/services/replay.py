@@ -1,4 +1,4 @@
-"""Logs played again: the samples of a flight of the ledger, or of a file, and what is measured in them."""
+"""Logs read again: the samples of a flight of the ledger, or of a file, and what is measured in them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -100,6 +100,6 @@ def _recording(name: str, reading: Reading) -> Recording:
 
 
 def _by_readouts(flight: Flight, name: str) -> Recording:
-    """A flight of which only readouts are known; one that was typed in has no uncertainty of its own."""
+    """A flight with readouts only; a typed one has no uncertainty of its own."""
     figures = {key: Figure(value, flight.sd.get(key, 0.0), "readout") for key, value in flight.readouts().items()}
     return Recording(name, "readouts", None, Recorded(figures=figures))

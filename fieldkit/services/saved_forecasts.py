@@ -37,12 +37,12 @@ class SavedForecast:
 
     @property
     def stale(self) -> bool:
-        """Whether something that it was made from is no longer so, or was not when the flight came in."""
+        """Whether any of its inputs has changed, or had changed when the flight was added."""
         return bool(self.changes)
 
     @property
     def state(self) -> State:
-        """In a word."""
+        """The state in one word."""
         if self.flown is not None:
             return "flown"
         return self.over or ("stale" if self.stale else "open")
@@ -55,7 +55,7 @@ class SavedForecast:
 
     @property
     def flown(self) -> float | None:
-        """The apogee that was flown. [m]"""
+        """The flown apogee. [m]"""
         return self.flight.apogee if self.flight else None
 
     @property
@@ -64,7 +64,7 @@ class SavedForecast:
         return residual(self.flight, self.made) if self.flight else None
 
     def json(self) -> dict[str, Any]:
-        """The prediction, what it was made from by digest, and what became of it."""
+        """The prediction, the digest of its inputs, and its outcome."""
         payload = {key: value for key, value in self.made.payload.items() if key not in ("made_from", "likely_m", PLAN)}
         return payload | {
             "number": self.made.number,
@@ -105,12 +105,12 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
 
 
 def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
-    """The prediction that a flight is measured against, or None if none was made."""
+    """The prediction that a flight is compared with, or None."""
     return by_flight(list_forecasts(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
 def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedForecast]:
-    """Predictions by the rocket and flight_id of the flight that is measured against each."""
+    """Predictions by the rocket and flight_id of the flight that each is compared with."""
     return {(one.flight.rocket, one.flight.flight_id): one for one in found if one.flight}
 
 
@@ -128,7 +128,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
 
 
 def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
-    """Predictions that name a flight of which a later one was made."""
+    """Predictions of a named flight that a later one replaced."""
     named = [one for one in predictions if one.flight_id]
     last = {(one.rocket, one.flight_id): one.number for one in named}
     return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
@@ -139,7 +139,7 @@ def _lapsed(prediction: StoredPrediction) -> bool:
 
 
 def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
-    """What is no longer so, of the plan and of the model as it was when the flight came in, or is now."""
+    """What changed in the plan, and in the model as of when the flight was added, or now."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None:
         return  # of an older fieldkit, which did not save it
@@ -152,7 +152,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
 
 
 def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
-    """What changed of the rocket's design while the prediction is open: what it was at a flight is not saved."""
+    """What changed in the rocket's design while the prediction is open; the design at a past flight is not saved."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return

@@ -1,4 +1,4 @@
-"""How good the forecasts of a ledger are: those saved before flights, and each flight forecast from those before it."""
+"""The quality of a ledger's forecasts: those saved before flights, and each flight forecast from the earlier ones."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

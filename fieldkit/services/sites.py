@@ -1,4 +1,4 @@
-"""Launch sites: what the flights say of them, and what the flyer saved: size and ceiling."""
+"""Launch sites: elevation from the flights, and size, ceiling, distances and rules as saved."""
 
 from typing import Any
 
@@ -7,11 +7,11 @@ from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
 
 SITES = "sites"
-"""Name under which the ledger keeps them."""
+"""Name under which the ledger saves them."""
 
 
 def sites(ledger: Ledger) -> list[Site]:
-    """Every site that flights name or that was saved, the last used first."""
+    """Every site that is named in a flight or saved, most recent first."""
     saved = ledger.draft(SITES) or {}
     names = dict.fromkeys([*ledger.names("site"), *saved])
     flown = {flight.site: flight.site_elevation for flight in ledger.flights() if flight.site_elevation is not None}
@@ -19,7 +19,7 @@ def sites(ledger: Ledger) -> list[Site]:
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
-    """What is known of a site; nothing but its name if it is new."""
+    """What is known of a site; only its name if it is new."""
     saved = (ledger.draft(SITES) or {}).get(name, {})
     if not name or "elevation" in saved:
         return Site(name, **saved)
@@ -27,9 +27,8 @@ def site_of(ledger: Ledger, name: str) -> Site:
 
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
-    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest as it is.
-
-    Raises BadValue for a length that is none.
+    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest unchanged. Raises
+    BadValue for a length that is not above zero.
     """
     changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
     changes |= {} if rules is None else {"rules": rules}
@@ -43,7 +42,7 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
 
 
 def put_site(ledger: Ledger, site: Site) -> None:
-    """Save a site as it is now."""
+    """Save a site."""
     ledger.change_draft(SITES, with_site(ledger, site, site.name), "site", site.name)
 
 

@@ -78,7 +78,7 @@ def _beside(one: SavedForecast, known: Sequence[Simulated], motors: Catalogue) -
 
 
 def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> list[Simulated]:
-    """The flights of its rocket that a prediction rests on, and those of other rockets flown before the flight."""
+    """The flights of its rocket that a prediction is based on, and those of other rockets flown earlier."""
     itself = (flight.rocket, flight.flight_id)
     names = [(one.flight.rocket, one.flight.flight_id) for one in known]
     turn = names.index(itself) if itself in names else len(names)

@@ -1,4 +1,4 @@
-"""While a flight is being typed: Cd, alpha and the next apogee by the network, from what is typed so far."""
+"""While a flight is being entered: Cd, alpha and the next apogee by the network, from the values so far."""
 
 import math
 from collections.abc import Sequence
@@ -20,11 +20,11 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 
 Interval = tuple[float, float, float]
-"""A figure at 5, 50 and 95 %."""
+"""A value at 5, 50 and 95 %."""
 NORMAL_95 = 1.6448536
 """Standard deviations from the median of a normal distribution to its 95 % quantile. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
-"""Columns without which a flight does not constrain Cd, and what a flyer calls them."""
+"""Columns without which a flight does not constrain Cd, and their names in messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class TypedEstimate:
 
 
 def missing(typed: Flight, others: int) -> tuple[str, ...]:
-    """What a flight lacks for an estimate, beside `others` of the same rocket that show something."""
+    """What a flight lacks for an estimate, given `others` of the same rocket that are used in the fit."""
     lacks = [name for column, name in SET_UP.items() if not getattr(typed, column)]
     if not others and not shows(typed):
         lacks.append("a readout")
@@ -53,12 +53,12 @@ def missing(typed: Flight, others: int) -> tuple[str, ...]:
 
 
 def shows(flight: Flight) -> bool:
-    """Whether a flight has a readout that a fit compares."""
+    """Whether a flight has a readout that the fit uses."""
     return any(flight.number(name) is not None for name in OBSERVED_READOUTS)
 
 
 def set_up(flight: Flight) -> Flight:
-    """A flight without its readouts and whatever was noted: what decides how it would fly."""
+    """A flight without its readouts and notes: everything that determines how it would fly."""
     return replace(
         flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=(), flight_id="typed"),
         notes="",
@@ -82,14 +82,14 @@ class TypedFlight:
         self._ready: PreparedHistory | None = None
 
     def estimate(self, typed: Flight) -> TypedEstimate:
-        """What can be said with the flight as far as it is typed; never a figure that is not finite."""
+        """The estimate from the flight as far as it is entered; never a value that is not finite."""
         with self._lock:
             self._turn_to(typed.rocket)
             if lacks := missing(typed, sum(flight.clean and shows(flight) for flight, _ in self._flown)):
                 return TypedEstimate(lacks)
             found = None if is_cluster(typed.motor) else self._motor(typed.motor)
             if found is None:
-                return TypedEstimate(("a motor of the catalogue",))
+                return TypedEstimate(("a motor in the catalog",))
             if odd := implausible(typed, found.motor):
                 return TypedEstimate(odd=odd)
             used = typed.clean and shows(typed)
@@ -112,7 +112,7 @@ class TypedFlight:
         self._rocket, self._asked = rocket, None
 
     def _prepared(self, typed: Flight, found: Found, used: bool) -> PreparedHistory:
-        """What the flights would show, computed again only for another set-up."""
+        """The simulated response of the flights, computed again only if the setup changes."""
         asked = (set_up(typed), used)
         if self._ready is None or asked != self._asked:
             plan = repeated(asked[0])
@@ -124,7 +124,7 @@ class TypedFlight:
 
 
 def _estimate(said: QuickAnswer) -> TypedEstimate:
-    """An answer as intervals, or why there is none."""
+    """An answer as intervals, or the reason why there is none."""
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     cd, alpha = _interval(said.log_cd), _interval(said.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):

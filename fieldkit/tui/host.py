@@ -29,7 +29,7 @@ class Host(Protocol):
         """Remove a notice that no longer holds."""
 
     def survive(self, error: Exception) -> None:
-        """Write down an error that nobody foresaw, and say so."""
+        """Log an unexpected error, and show a notice."""
 
     def choose(self, said: str = "", **changes: Any) -> None:
         """Change settings, show what they change, and keep them."""

@@ -1,4 +1,4 @@
-"""What the app does about errors that nobody foresaw: it goes on if it can, and else remembers where it was."""
+"""How the app handles unexpected errors: it continues if it can, and otherwise remembers its state."""
 
 import sys
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """Colours of the app: one for any room, one for bright sun, one for the dark, one that is the terminal's own.
 
-Nothing is said by colour alone, so each may use as few as it likes.
+No information is in color alone, so each may use as few colors as it likes.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight expects some sixty.
+"""The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight predicts about sixty.
 
 Each effect is asked what it would take on the lighter flight alone, the drag being whatever lets the heavier one
 reach what it reached; and which next flight would distinguish the possible causes.

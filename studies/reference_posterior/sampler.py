@@ -78,7 +78,7 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
     """Draws of an exact posterior, all chains together in the order drawn.
 
     Positions are measured in the posterior's own width as far as the slopes know it (a constant mass matrix). Chains
-    that did not mix go on with the exact force from where they are, and what they drew before is left out.
+    that did not mix continue with the exact force from where they are, and what they drew before is left out.
     """
     scatter, reading, _ = result.model.hyperprior.scales()
     scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))

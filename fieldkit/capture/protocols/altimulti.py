@@ -162,7 +162,7 @@ def _counted(link: Link) -> Dialogue[int]:
 
 
 def _same_unit(link: Link, count: int, captured: Captured) -> None:
-    """Raise PortTrouble if a capture that goes on is of another unit."""
+    """Raise PortTrouble if a resumed capture is from another unit."""
     told = [one for one in sentences(captured.raw) if one.sound]
     counts = {one.fields[0] for one in told if one.name == "nbrOfFlight" and one.fields}
     settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}

@@ -76,7 +76,7 @@ def _identity(link: Link) -> Dialogue[dict[str, str]]:
 
 
 def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None:
-    """Raise PortTrouble if a capture that goes on is of another unit."""
+    """Raise PortTrouble if a resumed capture is from another unit."""
     before = set(re.findall(rb"^serial-number +(\d+)", captured.raw, re.MULTILINE))
     mine = identity.get("serial-number", "")
     if before and mine and mine.encode("latin-1") not in before:

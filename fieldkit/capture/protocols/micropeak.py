@@ -19,7 +19,7 @@ from fieldkit.importing.tables.checksums import crc_x25
 WAIT = 180.0
 """How long the flyer may take to switch the unit on, again if need be. [s]"""
 PAUSE = 5.0
-"""A stream that stops for so long in the middle will not go on. [s]"""
+"""A stream that stops for this long in the middle will not resume. [s]"""
 TAIL = 1.5
 """How long the identity of a MicroPeak 2 may take to follow. [s]"""
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
@@ -81,7 +81,7 @@ class Stream:
         return found
 
     def _take_start(self, chunk: bytes, at: int) -> int:
-        """Where to go on: after the next `MP`, with a record started, or at the end."""
+        """Where to continue: after the next `MP`, with a record started, or at the end."""
         while (letter := chunk.find(b"P", at)) >= 0:
             at = letter + 1
             if (chunk[letter - 1] if letter else self._last) == ord("M"):

@@ -63,5 +63,5 @@ PROTOCOL = Protocol(
     dialogue,
     logs,
     recognizes_stream,
-    invites="switch the unit on; the capture goes on until it is stopped or the unit goes silent",
+    invites="switch the unit on; the capture continues until it is stopped or the unit goes silent",
 )

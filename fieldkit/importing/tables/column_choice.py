@@ -180,14 +180,14 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
 
 
 def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A time of day that went on over midnight, or minutes that went on over the hour. [s]"""
+    """A time of day that passed midnight, or minutes that passed the hour. [s]"""
     span = _HOUR if float(np.nanmax(clock, initial=0.0)) < _HOUR else 24 * _HOUR
     over = np.diff(clock, prepend=clock[:1]) < -0.9 * span
     return np.asarray(clock + np.cumsum(over) * span)
 
 
 def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A counter of 16 or 32 bits that went on counting where it ran over."""
+    """A counter of 16 or 32 bits with its overflows removed."""
     for span in (2.0**16, 2.0**32):
         over = np.diff(counter, prepend=counter[:1]) < -0.9 * span
         if over.any() and float(np.nanmax(counter)) < span:

@@ -68,7 +68,7 @@ def units_of(
 def _beside_pressure(
     pick: Pick, stated: tuple[Unit, str, str], values: Mapping[str, Float[Array, "row"]]
 ) -> tuple[Unit, str, str]:
-    """The unit of heights as stated. If the pressure shows another, it is said if the flyer chose the one stated,
+    """The unit of heights as stated. If the pressure shows another, a note is made if the user chose the stated one,
     else DamagedLog is raised."""
     unit, name, _ = stated
     shows = height_unit_by_pressure(values)

@@ -23,7 +23,7 @@ class Header:
     separator: str
 
     def place(self, *names: str) -> int | None:
-        """The first column that bears one of these names, or None."""
+        """The first column with one of these names, or None."""
         places = (self.names.index(name) for name in names if name in self.names)
         return next(places, None)
 

@@ -101,6 +101,6 @@ def plain_numbers(
 
 
 def _has_width(content: bytes, lines: int, separator: str, widths: Collection[int]) -> bool:
-    """Whether all lines of a block have the one width that is allowed: none is wider than the first, or pandas says so,
-    and together they have as many separators."""
+    """Whether all lines of a block have the one width that is allowed: none is wider than the first, or pandas reports
+    it, and together they have as many separators."""
     return len(widths) == 1 and content.count(separator.encode()) == (max(widths) - 1) * lines

@@ -76,7 +76,7 @@ def _size(log: bytes) -> int:
 def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
     """The lines of a log below row `after` in blocks, each block with the number of its first line.
 
-    Only one block is text at a time. Nothing is refused: a character that is none becomes U+FFFD, a line that
+    Only one block is text at a time. Nothing is refused: an invalid character becomes U+FFFD, a line that
     is longer than a block begins with ENDLESS. Padding with NUL at the end is dropped.
     """
     number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"

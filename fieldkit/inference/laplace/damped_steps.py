@@ -15,7 +15,7 @@ FORECAST_TOLERANCE = 0.2
 class DampedSteps:
     """The way of a lane's point to its posterior mean.
 
-    Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
+    Where ejection meets apogee readouts have a kink, and a point could oscillate across it indefinitely: a term
     that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
     readout is off by is as linear anywhere, and gets there at once.
     """

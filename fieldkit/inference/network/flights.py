@@ -15,7 +15,7 @@ Model = Literal["field", "paper"]
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble that said so.
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble they are from.
 
     `warnings` is what the flyer should know before trusting it.
     """

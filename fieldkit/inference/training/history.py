@@ -44,7 +44,7 @@ VALIDATION_SHARE = 0.05
 HELD_OUT_ROCKETS = 150
 """Rockets on motors of a maker that the network never saw."""
 SAVE_EPOCHS = 5
-"""Epochs between states that a run that was cut short goes on from."""
+"""Epochs between saved states, from which an interrupted run resumes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def train_history(
 ) -> dict[str, Any]:
     """Simulate the histories of `n_train` rockets, train, export into a new folder, judge, and say how good it is.
 
-    Shards and the state of training are kept in the folder until the end: a run that was cut short goes on from there.
+    Shards and the state of training are saved in the folder until the end: an interrupted run resumes from there.
     `candidates_of` is what a history's effects are weighed by, `inclusion` their prior probabilities. Raises BadValue
     for an unknown schedule or a folder that holds an ensemble already.
     """

@@ -1,6 +1,6 @@
 """The one problem whose exact answer is known: the paper's rocket, prior and simulator, with more readouts.
 
-There is nothing at random in its flights but Cd and alpha, and the burn time if it is said to be uncertain, so the
+There is nothing at random in its flights but Cd and alpha, and optionally the burn time, so the
 exact posterior follows from the simulator on a grid. An ensemble of the field's kind trained on it is measured
 against that.
 """

@@ -1,4 +1,4 @@
-"""Files into the ledger, and its files read again."""
+"""Importing files into the ledger, and reading its files again."""
 
 from fieldkit.services.imports.add_files import Receipt, bring_in, take_in
 from fieldkit.services.imports.gather import Gathered, gather, read_file

@@ -1,4 +1,4 @@
-"""What files hold, put into the ledger as one change; a file that comes later joins the flight that it is of."""
+"""Adding the contents of files to the ledger as one change; a later file of a flight is added to that flight."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ def bring_in(
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Import files as one command: `gather` and `take_in`."""
+    """Import files as one change: `gather` and `take_in`."""
     gathered = gather(paths, check_motor, format=format, defaults=defaults, choices=choices)
     return take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
 
@@ -84,7 +84,7 @@ def take_in(
 
 
 def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
-    """A line for each of some arrivals that no rocket can have flown."""
+    """A line for each implausible flight among some arrivals."""
     for one in arrivals:
         for line in implausible_flights([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))

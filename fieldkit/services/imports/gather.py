@@ -24,7 +24,7 @@ READOUT_FIELDS = ("sd", "source")
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """What files hold for a ledger, before one is opened: nothing of their bytes is left but packed."""
+    """The contents of files, read before a ledger is opened; their bytes are compressed."""
 
     arrivals: tuple[Arrival, ...]
     rejected: tuple[Rejected, ...]
@@ -32,16 +32,16 @@ class Gathered:
     mapped: tuple[Mapped, ...] = ()
     files: tuple[FileView, ...] = ()
     unusable: int = 0
-    """Files of which nothing could be used, each among `rejected`. [1]"""
+    """Files that could not be used at all, each among `rejected`. [1]"""
 
 
 MIN_FILES_FOR_JOBS = 8
-"""Fewer files are read sooner by one process than others are started. [1]"""
+"""Number of files below which one process is faster than several. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OneRead:
-    """A file that was read, the folder that it is in, and its bytes as they are kept."""
+    """A file that was read, its folder, and its compressed bytes."""
 
     opened: OpenedFile
     original: Original
@@ -50,7 +50,7 @@ class _OneRead:
 
 @dataclass(frozen=True, slots=True)
 class _Refused:
-    """A file that cannot be used at all, and why."""
+    """A file that cannot be used at all, with the reason."""
 
     name: str
     error: FieldkitError
@@ -131,7 +131,7 @@ def _read_all(
     jobs: int,
     on_progress: ReportProgress,
 ) -> Iterator[_OneRead | _Refused]:
-    """What is in files, in their order."""
+    """The contents of files, in order."""
     one = partial(_read_one, format=format, choices=choices)
     if jobs < 2 or len(paths) < MIN_FILES_FOR_JOBS:
         for number, path in enumerate(paths):
@@ -148,7 +148,7 @@ def _read_all(
 
 
 def _read_one(path: Path, format: str | None, choices: tuple[ColumnChoice, ...]) -> list[_OneRead | _Refused]:
-    """What is in a file: a capture holds several logs."""
+    """The contents of a file: a capture holds several logs."""
     try:
         logs = _logs(path)
     except FieldkitError as error:
@@ -166,12 +166,12 @@ def _read_one(path: Path, format: str | None, choices: tuple[ColumnChoice, ...])
 
 
 def _without_name(one: _Refused) -> str:
-    """What is wrong with a file, without its name, which stands before it."""
+    """An error in a file without the file's name, which is printed before it."""
     return str(one.error).removeprefix(f"{one.name}: ")
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
-    """What parsers read of a file, with names: the file itself, or the logs in it if it is a capture."""
+    """What parsers read from a file, with names: the file itself, or the logs in it if it is a capture."""
     if is_capture(path):
         return [(log.name, log.content) for log in logs_in(path)]
     return [(_name(path), read_file(path))]

@@ -1,4 +1,4 @@
-"""The columns that a flyer named once: those that are remembered, put right, or forgotten."""
+"""Saved column mappings: listed, edited, deleted."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -92,11 +92,11 @@ def _looks_of_flights(head: bytes) -> bool:
 
 
 def list_mappings() -> Sequence[ColumnChoice]:
-    """The choices of columns that are remembered, the latest first: `forget` and `edit` count them from 1."""
+    """The saved column mappings, newest first: `forget` and `edit` count them from 1."""
     return remembered()
 
 
 def in_words(choice: ColumnChoice) -> tuple[str, str, str]:
-    """What a choice is for (`flights` or `samples`), the headers of its tables, and its columns."""
+    """What a mapping is for (`flights` or `samples`), the headers of its tables, and its columns."""
     columns = "; ".join(f"{name}={column}" for name, column in choice.channels.items())
     return "flights" if is_of_flights(choice) else "samples", ", ".join(choice.headers), columns

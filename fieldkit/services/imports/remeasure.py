@@ -1,4 +1,4 @@
-"""The files of a flight of the ledger, read again from the bytes that it keeps, and what is measured otherwise now."""
+"""The files of a flight, read again from the bytes in the ledger, and the figures that differ now."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -36,13 +36,13 @@ class Remeasured:
 
     @property
     def changes(self) -> Mapping[str, tuple[float | None, float | None]]:
-        """Readouts that change: the figure there is and the one measured now. [SI]"""
+        """Readouts that change: the current figure and the new one. [SI]"""
         pairs = {c.name: (self.flight.number(c.name), self.renewed.number(c.name)) for c in MEASURED}
         return {name: (old, new) for name, (old, new) in pairs.items() if old != new}
 
     @property
     def others(self) -> tuple[str, ...]:
-        """Columns that change and are no readouts: a date, the firmware, an uncertainty."""
+        """Columns that change and are not readouts: a date, the firmware, an uncertainty."""
         fields = [c.name for c in COLUMNS if c not in MEASURED] + ["date_time"]
         found = [name for name in fields if getattr(self.flight, name) != getattr(self.renewed, name)]
         for c in MEASURED:
@@ -103,7 +103,7 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
 
 
 def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
-    """A flight as read again, with how the ledger stores its files: the first of them, and the `others`."""
+    """A flight as read again, with how the ledger stores its files: the first one, and the `others`."""
     ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
     extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
     return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
@@ -146,7 +146,7 @@ def _beside(
 
 
 def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
-    """Whether a figure is the files' to say."""
+    """Whether a figure comes from the files."""
     value = was.number(column.name)
     if flight.number(column.name) != value:
         return False  # edited
@@ -165,12 +165,12 @@ def from_files(column: Column, flight: Flight) -> bool:
 
 
 def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight) -> bool:
-    """Whether the flyer's own figure stays if the files say another."""
+    """Whether the user's own figure is retained if the files differ."""
     mine, theirs = flight.number(column.name), fresh.number(column.name)
     return theirs is not None and mine != theirs and not _open_to(column, flight, entered or flight)
 
 
 def format_of(flight: Flight) -> str | None:
-    """The parser that read the first file of a flight, None if there is no such parser any more."""
+    """The parser that read the first file of a flight, None if it no longer exists."""
     known = flight.extra.get("log_format")
     return known if known in parsers() else None

@@ -1,4 +1,4 @@
-"""What a file is, as it was read for an import: the same for a look before anything is stored and for the receipt.
+"""A file as it was read for an import: the same for a preview and for the receipt.
 
 Numbers are in the units of their columns, as in the flight table.
 """
@@ -30,7 +30,7 @@ class ReadoutView:
 
 @dataclass(frozen=True, slots=True)
 class EventView:
-    """An event, seconds from lift-off (on the log's own clock if lift-off is not known), and the height there."""
+    """An event, seconds from lift-off (on the log's own clock if lift-off is unknown), and its height."""
 
     name: str
     time: float
@@ -47,7 +47,7 @@ class FlightView:
     events: tuple[EventView, ...]
     recorded: "Recorded | None"
     simulated: bool = False
-    """Whether it is a simulation, which is looked at and not stored."""
+    """Whether it is a simulation, which is shown and not stored."""
 
     @property
     def curve(self) -> "FlightCurve | None":
@@ -59,7 +59,7 @@ class FlightView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileView:
-    """One file: the parser that reads it by name and title and why it does, what it took, and the flights in it."""
+    """One file: its parser by name and title and why that one, what it took, and the flights in it."""
 
     file: str
     format: str
@@ -72,7 +72,7 @@ class FileView:
     notes: tuple[str, ...]
     rejected: int
     simulations: tuple[FlightView, ...] = ()
-    """What it states of flights that nobody flew: they are not among those that would be stored."""
+    """Its simulated flights, which would not be stored."""
 
     @property
     def shown(self) -> tuple[FlightView, ...]:
@@ -86,7 +86,7 @@ class FileView:
 
 
 def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
-    """A file as it was read; `flights` are those of the intake as they would be stored, `notes` all there are on it."""
+    """A file as it was read; `flights` are those of the import as they would be stored, `notes` all notes on it."""
     by_id = {one.flight_id: found for one, found in zip(intake.flights, intake.recorded, strict=True)}
     how = intake.recognition
     return FileView(

@@ -1,4 +1,4 @@
-"""What a log seems to show and no rocket of its mass does on its motor is not measured."""
+"""Readouts from a log that no rocket of its mass can reach on its motor are removed."""
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, SENSORS, Flight
@@ -9,9 +9,9 @@ _READOUT_DETAILS = ("sd", "source")
 
 
 def within_motor(flight: Flight) -> tuple[Flight, list[str]]:
-    """A flight without the readouts from samples that its motor and its mass do not allow, and a phrase for each.
+    """A flight without the readouts from samples that its motor and its mass rule out, and a phrase for each.
 
-    What was typed stays: it is questioned elsewhere.
+    Typed readouts are retained; they are questioned elsewhere.
     """
     if not flight.motor or flight.dry_mass is None or not set(SENSORS) & set(flight.source.values()):
         return flight, []

@@ -16,7 +16,7 @@ from fieldkit.tui.widgets.big import Big
 
 
 class Hand(Horizontal):
-    """A frame that bears the question, with the number and the words in it."""
+    """A frame titled with the question, containing the number and the text."""
 
     DEFAULT_CSS = """
     Hand { height: 5; border: round $border; padding: 0 1; }

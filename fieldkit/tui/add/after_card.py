@@ -88,7 +88,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         yield Static("", classes="earlier")
 
     def on_mount(self) -> None:
-        """How to go on."""
+        """What to do next."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, median and 95 %"

@@ -11,7 +11,7 @@ REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remov
 
 
 def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None) -> None:
-    """Take a flight out, say how it comes back, and go on with `then`."""
+    """Remove a flight, show how to undo it, and continue with `then`."""
 
     def removed(_: object) -> None:
         then()

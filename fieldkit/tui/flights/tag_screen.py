@@ -90,7 +90,7 @@ class TagScreen(PageScreen):
         self.ask(partial(self._shift, flight), self._have_shift, "effect", alone=True)
 
     def _list(self, flight: Flight) -> None:
-        """The tags, with a mark at those that the flight bears."""
+        """The tags, with a mark at those of the flight."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
         own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]

@@ -30,7 +30,7 @@ class Choice(Static):
         self._key, self._name, self._about = key, name, about
 
     def render(self) -> Content:
-        """What it leads to is said if there is room."""
+        """Its description is shown if there is room."""
         parts: list[str | tuple[str, str]] = [(f" {self._key} ", "b reverse"), (f" {self._name}", "b")]
         return Content.assemble(*parts, f"  {self._about}" if self.size.width > LONG_CHOICE_WIDTH else "")
 

@@ -36,7 +36,7 @@ QUESTIONS = (
 )
 """What a first forecast needs."""
 EXAMPLES = {"rocket": "a name such as Astra", "dry_mass": "a mass such as 330g", "motor": "a motor such as F24-4W"}
-"""What is said of an answer that is missing; without a diameter a usual one is assumed."""
+"""The message about a missing answer; without a diameter a usual one is assumed."""
 
 
 def step_cells(step: Step) -> Sequence[str]:

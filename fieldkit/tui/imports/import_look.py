@@ -34,7 +34,7 @@ UP = Path("..")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not.
+    """What a file would add: its recognized format and the receipt of a dry run, or why it cannot be read.
 
     Of a design it is what a rocket would `start` with, in `words`.
     """
@@ -51,8 +51,8 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
-    """How files are read: the parser by name, None for the one that recognises it; what they leave open; what the
-    columns of a table are, as typed (`altitude=Alt (ft)`)."""
+    """How files are read: the parser by name, None for the one that recognizes it; values that they lack; the mapping
+    of a table's columns, as typed (`altitude=Alt (ft)`)."""
 
     format: str | None = None
     given: Mapping[str, str] = field(default_factory=dict)
@@ -141,7 +141,7 @@ def _bring_in(
 
 
 def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
-    """What a file was recognised as, how many flights it would bring, and notes; or why it cannot be read."""
+    """The format of a file, how many flights it would add, and notes; or why it cannot be read."""
     parts: Parts = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
     if look.start is not None:

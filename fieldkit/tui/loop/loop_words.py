@@ -52,7 +52,7 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
 
 
 def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
-    """Residuals against a column, the `turn`-th by how much they hang together: what is said of it, the points, and
+    """Residuals against a column, the `turn`-th by strength of correlation: its title, the points, and
     the names along the axis if the column holds no numbers."""
     import numpy as np
 

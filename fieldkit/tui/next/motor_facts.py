@@ -11,7 +11,7 @@ KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
 
 
 def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
-    """What is on record of a motor, name and value with its unit."""
+    """The catalog data of a motor, name and value with its unit."""
     from fieldkit.motors.motor import delays_text
 
     delays = delays_text(motor.delays)

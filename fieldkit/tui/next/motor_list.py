@@ -26,7 +26,7 @@ TOO_WEAK = "thrust to weight"
 @dataclass(slots=True)
 class MotorList:
     """What a search found for a `plan`, and the forecasts that are `known` by now; `fitting` leaves out the rest of the
-    catalogue until something is searched."""
+    catalog until something is searched."""
 
     plan: "Plan | None" = None
     found: "Sequence[Motor]" = ()

@@ -133,7 +133,7 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
 
 
 def planned(values: Mapping[str, object]) -> Flight:
-    """The plan of a form that was filled in. Raises BadValue for a motor temperature that is none."""
+    """The plan of a form that was filled in. Raises BadValue for a motor temperature that is not one."""
     from fieldkit.planning.safety import motor_temperature
 
     warm = str(values.get(MOTOR_TEMPERATURE) or "")

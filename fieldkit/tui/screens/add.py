@@ -114,7 +114,7 @@ class AddScreen(PageScreen):
         self._ask_usual()
 
     def came(self) -> None:
-        """Keys go where typing goes on."""
+        """Focus the field where typing continues."""
         if not isinstance(self.focused, Input):
             self._to_first()
 

@@ -1,4 +1,4 @@
-"""Import: pick a file, see what was recognised and what would be rejected, then store it."""
+"""Import: pick a file, see what was recognized and what would be rejected, then store it."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

@@ -276,7 +276,7 @@ class NextScreen(PageScreen):
         self.change(work, partial(self._kept, motor))
 
     def _kept(self, motor: "Motor", made: "list[Prediction]") -> None:
-        """Say so, and show the figures that were saved from now on."""
+        """Show a notice, and from now on the figures that were saved."""
         from fieldkit.tui.next.next_words import saved_in_words
 
         self.show_notice(saved_in_words(made[0], self.resources.settings.units))

@@ -143,7 +143,7 @@ class CaptureScreen(PageScreen):
         self._begin(None)
 
     def _begin(self, port: "Port | None") -> None:
-        """Start capturing from a port, or going on with what is unfinished."""
+        """Start capturing from a port, or continue an unfinished capture."""
         if self._capturing:
             self.complain("a capture is running; k ends it")
             return

@@ -27,7 +27,7 @@ def shortened(text: str) -> str:
 
 
 class TopBar(Static):
-    """The pages by number; the one in front is set off by brackets and by colour."""
+    """The pages by number; the current one is marked by brackets and by color."""
 
     DEFAULT_CSS = """
     TopBar { height: 1; background: $panel; color: $foreground; padding: 0 1; text-wrap: nowrap;

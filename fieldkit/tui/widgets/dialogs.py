@@ -69,7 +69,7 @@ class HelpScreen(ModalScreen[None]):
 
 
 def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Hanging:
-    """A heading, and below it each name with what is said of it."""
+    """A heading, and below it each name with its description."""
     lines = [(0, Content.assemble((heading, "b")))]
     lines += [(4, Content.assemble("  ", (name, "b $accent"), f"  {text}")) for name, text in pairs]
     return Hanging(tuple(lines))

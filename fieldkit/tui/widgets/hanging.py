@@ -20,7 +20,7 @@ LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
 
 @dataclass(frozen=True)
 class Hanging(Visual):
-    """Lines, each with the column at which it goes on if it is broken."""
+    """Lines, each with the column at which it continues if it is wrapped."""
 
     lines: tuple[tuple[int, Content], ...] = ()
     _broken: dict[int, Content] = field(default_factory=dict, compare=False, repr=False)
@@ -50,7 +50,7 @@ class Hanging(Visual):
 
 
 def hanging(text: Iterable[str]) -> Hanging:
-    """Lines of text, which go on below where they begin behind a name or blanks, else a little to the right."""
+    """Lines of text, wrapped below their text after a name or spaces, else a little to the right."""
     return Hanging(tuple((_column(line), Content(line)) for line in map(printable, text)))
 
 
