@@ -432,7 +432,7 @@ def alive(processes: Iterable[int]) -> set[int]:
     found = set()
     for one in processes:
         with suppress(OSError):
-            if Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
+            if Path(f"/proc/{one}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z":
                 found.add(one)
     return found
 
