@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Thread
 from typing import TypeVar
 
 from fieldkit.errors import BadValue, FieldkitError
@@ -46,6 +47,28 @@ def workers(where: str) -> Iterator[Executor]:
     own = LocalCluster(n_workers=count, threads_per_worker=1, host="127.0.0.1", dashboard_address=None)
     with own, Client(own) as client:
         yield client.get_executor(pure=False)
+
+
+def processes(count: int) -> Executor:
+    """So many processes of this computer, none of which outlives this one: those of the standard library's pool alone
+    wait for ever where the process that began them is killed."""
+    from concurrent.futures import ProcessPoolExecutor
+
+    return ProcessPoolExecutor(count, initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    """End this process as soon as the one that began it has ended."""
+    from multiprocessing import connection, parent_process
+
+    if (parent := parent_process()) is None:
+        return
+
+    def wait() -> None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+    Thread(target=wait, name="parent", daemon=True).start()
 
 
 def done(

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -123,3 +124,27 @@ def test_the_bench_scores_a_set_from_what_it_is_given_and_goes_on(tmp_path: Path
     (tmp_path / "kept" / "set_001").write_text(json.dumps(kept | {"error": "", "verdict": "wind", "also": ["mass"]}))
     (again,) = score.results(failing, tmp_path / "kept", 1, "")
     assert (again.verdict, again.also, again.right) == ("wind", ("mass",), True)
+
+
+BUSY = """
+import time
+from multiprocessing import active_children
+from fieldkit.parallel import processes
+with processes(3) as pool:
+    waiting = [pool.submit(time.sleep, 1000) for _ in range(9)]
+    print(*(one.pid for one in active_children()), flush=True)
+    time.sleep(1000)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
+def test_no_worker_outlives_the_process_that_began_it() -> None:
+    with subprocess.Popen([sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True) as began:
+        assert began.stdout is not None
+        workers = began.stdout.readline().split()
+        assert len(workers) == 3
+        began.kill()
+    limit = time.monotonic() + 60.0
+    while any(Path(f"/proc/{one}").exists() for one in workers):
+        assert time.monotonic() < limit, "orphans wait for ever"
+        time.sleep(0.1)

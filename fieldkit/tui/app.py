@@ -17,7 +17,7 @@ from textual.widgets import Input
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.finder import Finder
-from fieldkit.tui.hangup import gone, terminal
+from fieldkit.tui.hangup import CHECK_INTERVAL, gone, never_outlive, terminal
 from fieldkit.tui.memory import PassedBy, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
@@ -28,9 +28,6 @@ from fieldkit.tui.themes import THEMES
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
-
-TERMINAL_CHECK_INTERVAL = 1.0
-"""Time between checks that the terminal is still there. [s]"""
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
@@ -93,7 +90,7 @@ class FieldkitApp(Surviving):
         if self._back:
             self.show_notice(self._back.crash.line(), error=True)
         if not self.is_headless and (held := terminal()) is not None:
-            self.set_interval(TERMINAL_CHECK_INTERVAL, partial(self._leave_if_gone, held))
+            self.set_interval(CHECK_INTERVAL, partial(self._leave_if_gone, held))
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave if the terminal was closed: whatever was typed is kept already."""
@@ -274,6 +271,8 @@ def run(where: str | None) -> None:
     began: list[float] = []
     place: Whereabouts | None = None
     held = terminal()
+    if held is not None:
+        never_outlive(held)
     while True:
         app = FieldkitApp(where, stays=True, back=place)
         app.run()

@@ -3,11 +3,18 @@ that shows the app in a browser."""
 
 import os
 import sys
+from threading import Thread
+from time import sleep
 
 try:
     from select import POLLERR, POLLHUP, poll
 except ImportError:  # Windows, which ends the app itself when its console closes
     poll = None  # type: ignore[assignment,misc]
+
+CHECK_INTERVAL = 1.0
+"""Time between checks that the other end is still there. [s]"""
+GRACE = 5.0
+"""Time that an app whose other end has gone has to leave by itself. [s]"""
 
 
 def terminal() -> int | None:
@@ -22,3 +29,19 @@ def gone(terminal: int) -> bool:
     held = poll()
     held.register(terminal, 0)  # a hang-up is always reported
     return any(event & (POLLHUP | POLLERR) for _, event in held.poll(0))
+
+
+def never_outlive(terminal: int) -> None:
+    """Have this process end soon after the other end has gone, whatever keeps it: a thread that computes, a question
+    that nobody will answer, an event loop that an error in writing has left without anything to do.
+
+    What was typed is kept as it is typed, and a change of the ledger that is cut short is rolled back.
+    """
+    Thread(target=_end_after, args=(terminal,), name="hangup", daemon=True).start()
+
+
+def _end_after(terminal: int) -> None:
+    while not gone(terminal):
+        sleep(CHECK_INTERVAL)
+    sleep(GRACE)
+    os._exit(1)

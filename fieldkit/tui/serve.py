@@ -68,8 +68,8 @@ def is_loopback(host: str) -> bool:
 
 
 def in_a_shell(command: Sequence[str]) -> str:
-    """A command as the system's own shell takes it."""
-    return list2cmdline(command) if sys.platform == "win32" else join(command)
+    """A command as the system's own shell takes it, which it replaces where it can: no process stands in between."""
+    return list2cmdline(command) if sys.platform == "win32" else f"exec {join(command)}"
 
 
 def address(host: str) -> str:

@@ -7,9 +7,10 @@ import json
 import logging
 import os
 import shutil
+import signal
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -60,7 +61,7 @@ def test_the_app_is_started_as_the_systems_shell_wants_it(monkeypatch: pytest.Mo
     monkeypatch.setattr(sys, "platform", "win32")
     assert in_a_shell(command) == '"C:\\Program Files\\python.exe" -m fieldkit.cli.main'
     monkeypatch.setattr(sys, "platform", "linux")
-    assert in_a_shell(["/opt/my python", "-m"]) == "'/opt/my python' -m"
+    assert in_a_shell(["/opt/my python", "-m"]) == "exec '/opt/my python' -m"
 
 
 async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
@@ -424,6 +425,45 @@ def children(process: int) -> set[int]:
         if parent == process:
             found |= {number} | children(number)
     return found
+
+
+def alive(processes: Iterable[int]) -> set[int]:
+    """Those that have not ended; one that nobody has waited for has."""
+    found = set()
+    for one in processes:
+        with suppress(OSError):
+            if Path(f"/proc/{one}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z":
+                found.add(one)
+    return found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
+async def test_apps_that_nobody_reads_end_with_their_server(
+    end: signal.Signals, unused_tcp_port: int, tmp_path: Path
+) -> None:
+    """What an app draws fills every buffer on the way, so that it hangs in writing when its server ends."""
+    season(tmp_path / "ledger.db")
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
+    home = {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
+    with child([*command, "serve", "--port", str(unused_tcp_port)], home, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        link = next(line.decode().split()[1] for line in process.stderr if line.startswith(b"open http"))
+        base, query = link.split("/?")
+        async with asyncio.timeout(PATIENCE), ClientSession() as http:
+            await listening_(http, link)
+            async with http.ws_connect(f"{base}/ws?width=250&height=90&{query}", origin=base) as socket:
+                async for message in socket:
+                    if message.type is WSMsgType.BINARY and b"No flights yet today" in message.data:
+                        break
+                for number in range(100):
+                    await socket.send_str(json.dumps(["stdin", "123456"[number % 6]]))
+                    await asyncio.sleep(0.02)
+                apps = children(process.pid)
+                assert apps
+                process.send_signal(end)
+                while alive(apps):
+                    await asyncio.sleep(0.1)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")

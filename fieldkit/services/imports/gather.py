@@ -14,6 +14,7 @@ from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import OpenedFile, intakes, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
+from fieldkit.parallel import processes
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports.view import FileView, file_view
 from fieldkit.services.imports.within_motor import within_motor
@@ -139,9 +140,7 @@ def _read_all(
                 on_progress(path.name, number / len(paths))
             yield from one(path)
         return
-    from concurrent.futures import ProcessPoolExecutor
-
-    with ProcessPoolExecutor(min(jobs, len(paths))) as pool:
+    with processes(min(jobs, len(paths))) as pool:
         for number, (path, found) in enumerate(zip(paths, pool.map(one, paths), strict=True), start=1):
             on_progress(path.name, number / len(paths))
             yield from found
