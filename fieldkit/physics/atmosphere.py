@@ -48,6 +48,18 @@ class Air:
         warmth *= HYDROSTATIC - 1
         return np.asarray(np.exp(warmth, out=warmth))
 
+    def sinking_path(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+        """Integral of the root of the density ratio from the pad up to a height. [m]
+
+        Over a descent speed near the ground it is the time of the descent, for that speed grows as the air thins.
+        """
+        if self.scale_height is not None:
+            scale = 2 * self.scale_height
+            return np.asarray(-scale * np.expm1(-height / scale))
+        power = 0.5 * (HYDROSTATIC + 1)
+        colder = np.log1p(np.maximum(height * (-LAPSE / self.temperature), -0.9))
+        return np.asarray(self.temperature / (-LAPSE * power) * np.expm1(power * colder))
+
     def sound_speed(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Speed of sound at a height above the pad. [m/s]"""
         result: Float[Array, "*draw"] = np.sqrt(

@@ -7,10 +7,12 @@ a layer of even density; otherwise Runge-Kutta steps are taken.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from fieldkit.physics.burn import AscentState
+from fieldkit.physics.descent import Devices, filling, opening_time
 from fieldkit.physics.forces import EquationsOfMotion
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
@@ -65,16 +67,22 @@ def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *,
     closed = track.position.shape[0] == 1 and not setup.forces
     points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
     last = next(points)
-    charge, opened = ([np.full(len(fires), np.nan)] * 2 for _ in range(2))
+    charge = [np.full(len(fires), np.nan)] * 2
+    passed = [last]
     for point in points:
         if ever:
             charge = _mark(charge, last, point, fires)
-            opened = _mark(opened, last, point, fires + setup.opening_time)
+            passed.append(point)
         last = point
     early = np.isfinite(charge[0])
     height, time = last.height, last.time
     if early.any():
-        height, time = _under_parachute(setup, opened, fires, height, time)
+        chute = parachute(setup)
+        opens = fires + opening_time(chute, chute.first, np.where(early, charge[1], 0.0))
+        opened = [np.full(len(fires), np.nan)] * 2
+        for before, after in pairwise(passed):
+            opened = _mark(opened, before, after, opens)
+        height, time = _under_parachute(setup, opened, opens, height, time)
     fell = track.velocity[0] <= 0
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
@@ -177,15 +185,19 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> l
     return [np.where(inside, new, old) for new, old in zip((before.height + gain, upward), marks, strict=True)]
 
 
+def parachute(setup: Setup) -> Devices:
+    """What opens at the charge of a set-up."""
+    mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
+    return Devices(setup.descent_speed, opening=setup.opening_time, filling=filling(mass, setup.air.density))
+
+
 def _under_parachute(
-    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+    setup: Setup, opened: list[Array], opens: Array, height: Array, time: Array
 ) -> tuple[Array, Array]:
     """Apogee if the parachute opens on the way up: it climbs on against its own terminal speed."""
-    g, terminal = setup.gravity, setup.descent_speed
     climbing = np.isfinite(opened[0])
+    thin = setup.air.density_ratio(np.where(climbing, opened[0], 0.0))
+    g, terminal = setup.gravity, setup.descent_speed / np.sqrt(thin)
     gain = terminal**2 / (2 * g) * np.log1p((opened[1] / terminal) ** 2)
     stop = terminal / g * np.arctan(opened[1] / terminal)
-    return (
-        np.where(climbing, opened[0] + gain, height),
-        np.where(climbing, fires + setup.opening_time + stop, time),
-    )
+    return np.where(climbing, opened[0] + gain, height), np.where(climbing, opens + stop, time)

@@ -4,16 +4,20 @@ Under a device drag carries the weight, so that its speed grows with the root of
 Recovery Systems Design Manual, 1991, chapter 5). What sinks moves with the wind at its height.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from fieldkit.physics.atmosphere import WIND_EXPONENT, WIND_HEIGHT, Air
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Bool, Float
 from fieldkit.units import STANDARD_GRAVITY
 
 GRID = 401
-"""Heights at which the integrals over the descent are tabulated. [1]"""
+"""Heights at which the wind's part of a descent is tabulated. [1]"""
+FILL_CONSTANT, PARACHUTE_CD = 8.0, 0.75
+"""Path over which a flat round parachute fills, over its diameter [1], and its drag coefficient on its laid-out area
+[1]. Source: Knacke, 1991, section 5.4 and table 5-1."""
 NO_SPEED = np.zeros(1)
 """No speed sideways. [m/s]"""
 MAX_REACH = 300.0
@@ -50,12 +54,30 @@ class WindProfile:
 @dataclass(frozen=True, slots=True)
 class Devices:
     """Descent speeds near the ground [m/s]: under what opens at the charge, and under a main that opens at a height
-    above the pad [m], nan or 0 for none; each takes `opening` to open [s]."""
+    above the pad [m], 0 for none. Each takes `opening` to open [s], and no more path than it takes to fill: `filling`
+    over its descent speed (`filling_path`) [m^2/s]."""
 
     first: Float[Array, "*#draw"]
-    main: Float[Array, "*#draw"]
-    main_altitude: float
-    opening: float
+    main: Float[Array, "*#draw"] = field(default_factory=lambda: np.zeros(1))
+    main_altitude: float = 0.0
+    opening: Float[Array, "*#draw"] | float = 0.0
+    filling: Float[Array, "*#draw"] = field(default_factory=lambda: np.full(1, np.inf))
+
+
+@dataclass(frozen=True, slots=True)
+class Sinking:
+    """The way down without the wind: time from apogee to the ground [s] and the part of it before a device is open [s],
+    height of the charge [m] and speed of the fall at it [m/s], heights where the first device [m] and the main [m] are
+    open, speed at landing [m/s], and whether nothing opened."""
+
+    time: Float[Array, "*draw"]
+    free_time: Float[Array, "*draw"]
+    eject_height: Float[Array, "*draw"]
+    eject_speed: Float[Array, "*draw"]
+    open_height: Float[Array, "*draw"]
+    main_height: Float[Array, "*draw"]
+    landing_speed: Float[Array, "*draw"]
+    ballistic: Bool[Any, "*draw"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,20 +94,95 @@ class DescentResult:
     ballistic: Float[Array, "*draw"]
 
 
-def fall_by(time: Float[Array, "*draw"], terminal: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def filling(mass: Float[Array, "*#draw"], density: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+    """Path over which a parachute fills times the speed at which it lets a mass [kg] down in air [kg/m^3]. [m^2/s]
+
+    The path is in proportion to the diameter of the parachute, which its descent speed gives.
+    """
+    return np.asarray(FILL_CONSTANT * np.sqrt(8 * mass * STANDARD_GRAVITY / (np.pi * PARACHUTE_CD * density)))
+
+
+def opening_time(
+    devices: Devices, descent_speed: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]
+) -> Float[Array, "*draw"]:
+    """From the charge to an open device of a descent speed [m/s] at a speed through the air [m/s]. [s]
+
+    A parachute fills over a path, not in a time: the faster, the sooner.
+    """
+    path = devices.filling / np.maximum(descent_speed, 1e-9)
+    return np.asarray(np.minimum(devices.opening, path / np.maximum(np.abs(speed), 1e-9)))
+
+
+def fall_by(
+    time: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
+) -> Float[Array, "*draw"]:
     """How far a body falls from rest against a drag that holds it at a terminal speed [m/s], in a time [s]. [m]"""
-    reach = np.minimum(STANDARD_GRAVITY * np.maximum(time, 0.0) / terminal, MAX_REACH)
-    log_cosh = reach + np.log1p(np.exp(-2 * reach)) - np.log(2.0)
-    beyond = np.maximum(STANDARD_GRAVITY * np.maximum(time, 0.0) / terminal - MAX_REACH, 0.0)
-    return np.asarray(terminal**2 / STANDARD_GRAVITY * (log_cosh + beyond))
+    reach = gravity * np.maximum(time, 0.0) / terminal
+    bent = np.minimum(reach, MAX_REACH)
+    log_cosh = np.log1p(2 * np.sinh(0.5 * bent) ** 2)
+    return np.asarray(terminal**2 / gravity * (log_cosh + (reach - bent)))
 
 
-def fall_time(height: Float[Array, "*draw"], terminal: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def fall_speed(
+    time: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
+) -> Float[Array, "*draw"]:
+    """How fast a body is after falling from rest for a time [s], as in `fall_by`. [m/s]"""
+    return np.asarray(terminal * np.tanh(gravity * np.maximum(time, 0.0) / terminal))
+
+
+def fall_time(
+    height: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
+) -> Float[Array, "*draw"]:
     """How long a body falls from rest from a height [m], as in `fall_by`. [s]"""
-    steep = np.minimum(np.maximum(height, 0.0) * STANDARD_GRAVITY / terminal**2, MAX_REACH)
-    far = np.maximum(np.maximum(height, 0.0) * STANDARD_GRAVITY / terminal**2 - MAX_REACH, 0.0)
+    deep = np.maximum(height, 0.0) * gravity / terminal**2
+    steep = np.minimum(deep, MAX_REACH)
     grown = np.expm1(steep)
-    return np.asarray(terminal / STANDARD_GRAVITY * (np.log1p(grown + np.sqrt(grown * (grown + 2))) + far))
+    return np.asarray(terminal / gravity * (np.log1p(grown + np.sqrt(grown * (grown + 2))) + (deep - steep)))
+
+
+def sink(
+    apogee: Float[Array, "*#draw"],
+    wait: Float[Array, "*#draw"],
+    terminal: Float[Array, "*#draw"],
+    devices: Devices,
+    air: Air,
+    sideways: Float[Array, "*#draw"] = NO_SPEED,
+    gravity: float = STANDARD_GRAVITY,
+) -> Sinking:
+    """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it where negative [s].
+
+    The airframe alone falls nose first, at `terminal` in the end [m/s], with what speed it has `sideways` [m/s]. A
+    charge before apogee finds it as fast as it would be as long after; its device is open at apogee if there was time
+    for it. With `wait` nan nothing ever opens.
+    """
+    apogee, after = np.maximum(np.asarray(apogee, float), 0.0), np.asarray(wait, float)
+    charge = apogee - fall_by(after, terminal, gravity)
+    speed = np.hypot(fall_speed(np.abs(after), terminal, gravity), sideways)
+    opens = np.maximum(after + opening_time(devices, devices.first, speed), 0.0)
+    opened = apogee - fall_by(opens, terminal, gravity)
+    ballistic = ~(opened > 0)
+    opened = np.where(ballistic, 0.0, opened)
+    main_at = np.zeros_like(opened)
+    time = air.sinking_path(opened) / devices.first
+    landing = np.broadcast_to(devices.first, opened.shape)
+    if devices.main_altitude > 0:
+        lag = opening_time(devices, devices.main, devices.first)
+        main_at = np.clip(devices.main_altitude - devices.first * lag, 0.0, opened)
+        low = air.sinking_path(main_at)
+        time = (air.sinking_path(opened) - low) / devices.first + low / devices.main
+        landing = np.where(main_at > 0, devices.main, devices.first)
+    hard = fall_time(apogee, terminal, gravity)
+    known = np.isfinite(after) & (charge > 0)
+    return Sinking(
+        time=np.where(ballistic, hard, opens + time),
+        free_time=np.where(ballistic, hard, opens),
+        eject_height=np.where(known, charge, np.nan),
+        eject_speed=np.where(known, speed, np.nan),
+        open_height=np.where(ballistic, np.nan, opened),
+        main_height=main_at,
+        landing_speed=np.where(ballistic, fall_speed(hard, terminal, gravity), landing),
+        ballistic=ballistic,
+    )
 
 
 def descend(
@@ -97,56 +194,44 @@ def descend(
     wind: WindProfile,
     sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED),
 ) -> DescentResult:
-    """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it if negative [s].
+    """Come down as in `sink`, carried by a wind; `air` is one for all draws.
 
-    `terminal` is the speed of the airframe alone [m/s]; `air` is one for all draws. A charge before apogee is taken to
-    have opened its device by then. With `wait` nan nothing ever opens. An airframe that falls nose first keeps the
-    speed downwind and across it that it has at apogee (`sideways`) [m/s]; once something is open that speed takes its
-    terminal speed over gravity to become the wind's.
+    An airframe that falls nose first keeps the speed downwind and across it that it has at apogee (`sideways`) [m/s];
+    once something is open that speed takes its terminal speed over gravity to become the wind's.
     """
-    apogee = np.maximum(np.asarray(apogee, float), 0.0)
-    after = np.asarray(wait, float)
-    opens_after = np.where(after < 0, np.maximum(after + devices.opening, 0.0), after + devices.opening)
-    charge = apogee - fall_by(np.maximum(after, 0.0), terminal)
-    opened = apogee - fall_by(opens_after, terminal)
-    ballistic = ~(opened > 0)
-    opened = np.where(ballistic, 0.0, opened)
+    fell = sink(apogee, wait, terminal, devices, air, np.hypot(*sideways))
+    opened = np.nan_to_num(fell.open_height)
     table = _Table.of(float(np.max(apogee, initial=1.0)), air, wind)
-    dual = devices.main_altitude > 0
-    main_at = np.minimum(devices.main_altitude - devices.first * devices.opening, opened) if dual else 0.0 * opened
-    main_at = np.maximum(main_at, 0.0)
-    first, main = table.between(opened, main_at), table.between(main_at, np.zeros_like(opened))
-    last = devices.main if dual else devices.first
-    hard = fall_time(apogee, terminal)
-    free_time = np.where(ballistic, hard, np.nan_to_num(opens_after))
-
-    def total(which: int) -> Array:
-        return np.asarray(first[which] / devices.first + main[which] / last)
-
+    last = devices.main if devices.main_altitude > 0 else devices.first
+    first, main = table.between(opened, fell.main_height), table.between(fell.main_height, np.zeros_like(opened))
     carried = [
-        speed * free_time
-        + np.where(ballistic, 0.0, (speed - np.interp(opened, table.height, blow)) * devices.first / STANDARD_GRAVITY)
-        for speed, blow in zip(sideways, table.wind, strict=True)
+        speed * fell.free_time
+        + np.where(
+            fell.ballistic,
+            0.0,
+            above / devices.first
+            + below / last
+            + (speed - np.interp(opened, table.height, blow)) * devices.first / STANDARD_GRAVITY,
+        )
+        for speed, blow, above, below in zip(sideways, table.wind, first, main, strict=True)
     ]
-    reached = dual & (main_at <= 0)
     return DescentResult(
-        time=np.where(ballistic, hard, free_time + total(0)),
-        along=carried[0] + np.where(ballistic, 0.0, total(1)),
-        across=carried[1] + np.where(ballistic, 0.0, total(2)),
-        eject_height=np.where(np.isfinite(after) & (charge > 0), charge, np.nan),
-        open_height=np.where(ballistic, np.nan, opened),
-        landing_speed=np.where(ballistic, terminal, np.where(reached, devices.first, last)),
-        ballistic=ballistic.astype(float),
+        time=fell.time,
+        along=carried[0],
+        across=carried[1],
+        eject_height=fell.eject_height,
+        open_height=fell.open_height,
+        landing_speed=fell.landing_speed,
+        ballistic=fell.ballistic.astype(float),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Integrals from the ground up: of the root of the density ratio [m], of it times the wind along and
-    across [m^2/s]; and the wind itself along and across [m/s]."""
+    """Integrals from the ground up of the root of the density ratio times the wind along and across [m^2/s]; and the
+    wind itself along and across [m/s]."""
 
     height: Array
-    time: Array
     along: Array
     across: Array
     wind: tuple[Array, Array]
@@ -160,13 +245,12 @@ class _Table:
         def summed(values: Array) -> Array:
             return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(height))])
 
-        columns = [summed(values) for values in (thin, thin * along, thin * across)]
-        return cls(height, columns[0], columns[1], columns[2], (along, across))
+        return cls(height, summed(thin * along), summed(thin * across), (along, across))
 
-    def between(self, high: Array, low: Array) -> tuple[Array, Array, Array]:
+    def between(self, high: Array, low: Array) -> tuple[Array, Array]:
         """What is passed through between two heights, to be divided by a speed near the ground."""
 
         def part(values: Array) -> Array:
             return np.asarray(np.interp(high, self.height, values) - np.interp(low, self.height, values))
 
-        return part(self.time), part(self.along), part(self.across)
+        return part(self.along), part(self.across)

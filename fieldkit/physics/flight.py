@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from fieldkit.physics.burn import AscentState, burn
-from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast
+from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast, parachute
+from fieldkit.physics.descent import Sinking, sink
 from fieldkit.physics.forces import planar
 from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float, Integers
@@ -62,9 +63,9 @@ def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apog
 def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> FlightResult:
     lifted = np.isfinite(track.time)
     start = np.where(lifted, track.time - track.flying, 0.0)
-    early = np.isfinite(top.eject_height)
-    height, speed, landed = _fall(setup.after_burnout(), top, np.where(early, np.nan, fires - top.time))
-    eject_height = np.where(early, top.eject_height, height)
+    early, never = np.isfinite(top.eject_height), np.isnan(fires)
+    fell = _fallen(setup.after_burnout(), top, fires - top.time)
+    eject_height = np.where(early, top.eject_height, np.where(never, np.nan, fell.eject_height))
     burn_time = track.top_speed_time - start
     values = {
         "apogee": top.height,
@@ -77,9 +78,9 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
         "apogee_to_eject": np.where(np.isfinite(eject_height), fires - top.time, np.nan),
         "eject_altitude": eject_height,
         "eject_altitude_shown": eject_height * setup.altimeter_gain,
-        "eject_speed": np.where(early, top.eject_speed, speed),
+        "eject_speed": np.where(early, top.eject_speed, np.where(never, np.nan, fell.eject_speed)),
         "descent_speed": setup.descent_speed,
-        "duration": landed - start,
+        "duration": top.time + fell.time - start,
         "rail_speed": track.rail_speed,
         "drift": top.drift,
         "across": top.across,
@@ -92,23 +93,11 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
     return FlightResult(lift_off=lifted.astype(float), **grounded)
 
 
-def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array, Array, Array]:
-    """Height and speed at the charge, and the moment of landing; `wait` is from apogee to the charge. [s]
-
-    The airframe falls nose first until the charge, then under the parachute at its speed in air as dense
-    as half way down. Without a charge the parachute is taken to open at apogee.
-    """
+def _fallen(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> Sinking:
+    """The way down; the charge fires `wait` after apogee [s], without one the parachute opens there."""
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
-    terminal = np.sqrt(setup.gravity / np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG))
-    reach = setup.gravity * np.fmax(wait, 0.0) / terminal
-    drop = terminal**2 / setup.gravity * np.log1p(2 * np.sinh(0.5 * np.minimum(reach, 300.0)) ** 2)
-    falls = np.isfinite(wait)
-    height = np.where(falls, top.height - np.where(falls, drop, 0.0), top.height)
-    opens = height > 0
-    slowly = setup.descent_speed / np.sqrt(setup.air.density_ratio(0.5 * np.maximum(height, 0.0)))
-    under = top.time + np.where(falls, wait, 0.0) + np.maximum(height, 0.0) / slowly
-    steep = np.expm1(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
-    hard = top.time + terminal / setup.gravity * np.log1p(steep + np.sqrt(steep * (steep + 2)))
-    speed = np.hypot(terminal * np.tanh(reach), np.hypot(top.sideways, top.sideways_across))
-    known = falls & opens
-    return np.where(known, height, np.nan), np.where(known, speed, np.nan), np.where(opens, under, hard)
+    drag = np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG)
+    sideways = np.hypot(top.sideways, top.sideways_across)
+    terminal = np.sqrt(setup.gravity / drag)
+    wait = np.where(np.isnan(wait), -np.inf, wait)
+    return sink(top.height, wait, terminal, parachute(setup), setup.air, sideways, setup.gravity)

@@ -7,7 +7,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_figure, recovery_of
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend
+from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend, filling
 from fieldkit.planning.descent_rate import Fall, air_at_pads, landing_mass
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
@@ -44,7 +44,8 @@ def descents(
     if recovery.dual and fall.drogue is not None:
         first = fall.drogue.speeds(np.random.default_rng(seed), (len(speed), 1), mass, density)[:, 0]
     sideways = (np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
-    devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time)
+    fills = filling(np.array(mass), air.density)
+    devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time, fills)
     return descend(said.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
 
 

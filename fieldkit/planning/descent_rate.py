@@ -15,7 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.recovery import Device, Recovery, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
-from fieldkit.physics.descent import fall_by, fall_time
+from fieldkit.physics.descent import PARACHUTE_CD, Devices, fall_time, filling, opening_time, sink
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
 from fieldkit.shapes import Array, Float
@@ -37,10 +37,9 @@ CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
 """Drag coefficients among which that of a flown apogee is looked for. [1]"""
 USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
 """At which a usual descent speed is meant [kg], [kg/m^3]."""
-PARACHUTE_CD, PARACHUTE_SD = 0.75, 0.12
-"""Drag coefficient of a flat round parachute on its laid-out area [1], and the standard deviation of the log of the
-descent speed that goes with it [1]. Source: Knacke, 1991, table 5-1: 0.75 to 0.80 for flat circular canopies; the
-spread is for holes, slots, and lines that are too short."""
+PARACHUTE_SD = 0.12
+"""Of the log of the descent speed that goes with a parachute's diameter, for holes, slots, and lines that are too
+short. [1]"""
 TYPED_FLIGHTS = 4
 """Flights that a typed descent speed counts for. [1]"""
 
@@ -198,19 +197,20 @@ def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
     if left <= 0:
         return flight.descent_speed, None
     if not recovery.dual or recovery.main_altitude is None:
-        return _thin_path(path.opened, air) / left, None
-    return _two_devices(flight, recovery, path.opened, left, air)
+        return float(air.sinking_path(np.array([path.opened]))[0]) / left, None
+    return _two_devices(flight, recovery, _devices(flight, found, recovery), path.opened, left)
 
 
 def _two_devices(
-    flight: Flight, recovery: Recovery, opened: float, left: float, air: Air
+    flight: Flight, recovery: Recovery, devices: Devices, opened: float, left: float
 ) -> tuple[float | None, float | None]:
     """Speeds under main and drogue of a flight that has both open, from a height [m], for the rest of its time [s]."""
-    main, drogue = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED
+    main, drogue, air = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED, air_at_pads([flight])
     shown: tuple[float | None, float | None] = main, None
     for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
-        open_main = min(max((recovery.main_altitude or 0.0) - drogue * recovery.opening_time, 0.0), opened)
-        high, low = (_thin_path(height, air) for height in (opened, open_main))
+        lag = float(opening_time(devices, devices.main, np.array(drogue))[0])
+        open_main = min(max(devices.main_altitude - drogue * lag, 0.0), opened)
+        high, low = (float(path) for path in air.sinking_path(np.array([opened, open_main])))
         if not main:
             under = left - (high - low) / drogue
             return (low / under if under > 0 else None), None
@@ -222,20 +222,16 @@ def _two_devices(
     return shown
 
 
+def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
+    """What opens in a flight, as fast as it was said or is usual."""
+    main = np.array([flight.descent_speed or recovery.main_speed or DESCENT_SPEED])
+    first = np.array([recovery.drogue_speed or DROGUE_SPEED]) if recovery.dual else main
+    fills = filling(np.array(landing_mass(flight, found)), air_at_pads([flight]).density)
+    return Devices(first, main, recovery.main_altitude or 0.0, recovery.opening_time, fills)
+
+
 ROUNDS = 6
 """Of the search for a drogue's speed, each of which changes it by an opening time's part of the last. [1]"""
-
-
-def _thin_path(height: float, air: Air) -> float:
-    """The integral of the root of the density ratio from the ground to a height. [m]"""
-    steps = np.linspace(0.0, max(height, 0.0), 33)
-    thin = np.sqrt(air.density_ratio(steps))
-    return float(np.sum(np.diff(steps) * _means(thin)))
-
-
-def _means(values: Array) -> Array:
-    """Means of neighbors, for the trapezoid rule."""
-    return np.asarray(0.5 * (values[1:] + values[:-1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,7 +264,7 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
     if flight.burn_time is not None and flight.coast_to_apogee is not None:
         rise = flight.burn_time + flight.coast_to_apogee
     mass, density = landing_mass(flight, found), float(air_at_pads([flight]).density[0])
-    terminal = np.array(np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area)))
+    terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area))
     charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # burnout after lift-off
     delay = flight.delay if flight.delay is not None else found.delay
     if flight.apogee_to_eject is not None:
@@ -278,9 +274,14 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
     elif delay is not None and np.isfinite(delay):
         wait = charge + delay - rise
     elif flight.eject_altitude is not None and flight.eject_altitude / gain < height:
-        wait = float(fall_time(np.array(height - flight.eject_altitude / gain), terminal))
+        wait = float(fall_time(np.array(height - flight.eject_altitude / gain), np.array(terminal)))
     else:
         wait = 0.0
-    free = max(wait + recovery.opening_time, 0.0)
-    opened = height - float(fall_by(np.array(free), terminal))
-    return _Path(rise, free, max(opened, 0.0))
+    fell = sink(
+        np.array([height]),
+        np.array([wait]),
+        np.array([terminal]),
+        _devices(flight, found, recovery),
+        air_at_pads([flight]),
+    )
+    return _Path(rise, float(fell.free_time[0]), float(np.nan_to_num(fell.open_height[0])))

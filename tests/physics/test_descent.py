@@ -11,8 +11,17 @@ from scipy.integrate import quad, solve_ivp
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import rail_direction, recovery_figure, recovery_of
 from fieldkit.motors import catalogue
-from fieldkit.physics.atmosphere import pad_air
-from fieldkit.physics.descent import Devices, WindProfile, descend, fall_by, fall_time
+from fieldkit.physics.atmosphere import Air, pad_air
+from fieldkit.physics.descent import (
+    Devices,
+    WindProfile,
+    descend,
+    fall_by,
+    fall_speed,
+    fall_time,
+    filling,
+    opening_time,
+)
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.units import DEGREE
@@ -76,6 +85,67 @@ def test_a_free_fall_is_that_of_its_equation() -> None:
     assert float(fall_time(fall_by(np.array(6.0), np.array(40.0)), np.array(40.0))) == pytest.approx(6.0, rel=1e-6)
     assert float(fall_by(np.array(900.0), np.array(2.0))) == pytest.approx(1800.0, rel=1e-2)
     assert float(fall_time(np.array(1800.0), np.array(2.0))) == pytest.approx(900.0, rel=1e-2)
+
+
+def test_a_free_fall_turns_height_into_speed_and_no_faster_than_its_terminal_speed() -> None:
+    """Without air v^2 = 2 g h; with it the energy lost is the work of the drag, and at last the speed is terminal."""
+    height = np.array([20.0, 500.0])
+    thin = np.full(2, 1e5)
+    free = fall_speed(fall_time(height, thin), thin)
+    assert free**2 == pytest.approx(2 * 9.80665 * height, rel=1e-6)
+    terminal = np.full(2, 30.0)
+    speed = fall_speed(fall_time(height, terminal), terminal)
+    work, _ = quad(lambda t: 9.80665 / 30.0**2 * (30.0 * np.tanh(9.80665 * t / 30.0)) ** 3, 0, 2.0)
+    early = fall_speed(np.array(2.0), np.array(30.0))
+    gained = 9.80665 * fall_by(np.array(2.0), np.array(30.0))
+    assert float(gained - early**2 / 2) == pytest.approx(work, rel=1e-6)
+    assert np.all(speed < terminal)
+    assert speed[1] == pytest.approx(30.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("delay", [5.0, 9.0, 11.0, np.nan])
+def test_a_flight_comes_down_as_the_descent_model_says(delay: float) -> None:
+    """One descent: that of a simulated flight and that of a landing are the same figures."""
+    found = catalogue().resolve("F39T")
+    flight = Flight(dry_mass=0.4, diameter=0.066, descent_speed=5.0)
+    setup = field_setup([flight], [found], np.array([0.002])).with_changes(delay=np.array([delay]))
+    up = fly(setup)
+    mass = 0.4 + found.motor.casing_mass
+    devices = Devices(np.array([5.0]), opening=0.5, filling=filling(np.array([mass]), setup.air.density))
+    terminal = np.sqrt(2 * mass * 9.80665 / (setup.air.density * 0.002))
+    wait = np.zeros(1) - np.inf if np.isnan(delay) else up.apogee_to_eject
+    fell = descend(up.apogee, wait, terminal, devices, setup.air, WindProfile())
+    assert up.duration - up.rise_time == pytest.approx(fell.time, rel=1e-9)
+    if np.isfinite(delay) and up.apogee_to_eject[0] > 0:
+        assert up.eject_altitude == pytest.approx(fell.eject_height, rel=1e-9)
+        assert up.eject_speed == pytest.approx(fall_speed(up.apogee_to_eject, terminal), rel=1e-9)
+
+
+def test_a_fast_parachute_opens_over_the_path_that_fills_it() -> None:
+    """Eight of its diameters, whose drag carries the weight at its descent speed; slowly it takes its time."""
+    mass, speed = 0.4, 5.0
+    diameter = np.sqrt(8 * mass * 9.80665 / (np.pi * 0.75 * 1.225)) / speed
+    devices = Devices(np.array([speed]), opening=0.5, filling=filling(np.array([mass]), np.array([1.225])))
+    fast = opening_time(devices, devices.first, np.array([40.0]))
+    assert 40.0 * fast == pytest.approx(8 * diameter)
+    assert opening_time(devices, devices.first, np.array([0.0])) == pytest.approx(0.5)
+
+
+def test_a_charge_early_in_the_climb_stops_it_within_the_path_that_fills_the_parachute() -> None:
+    found = catalogue().resolve("F39T")
+    flight = Flight(dry_mass=0.4, diameter=0.066, descent_speed=5.0, delay=1.0)
+    one = fly(field_setup([flight], [found], np.array([0.002])))
+    mass, speed = 0.4 + found.motor.casing_mass, float(one.eject_speed[0])
+    path = float(filling(np.array(mass), np.array(1.225))) / 5.0
+    stop = 25.0 / (2 * 9.80665) * np.log1p((speed / 5.0) ** 2)
+    assert speed > 50
+    assert float(one.apogee[0] - one.eject_altitude[0]) == pytest.approx(path + stop, rel=0.03)
+
+
+def test_air_that_thins_with_height_is_sunk_through_by_the_integral_of_its_root() -> None:
+    for air in (AIR, Air(AIR.density, AIR.temperature, 8000.0)):
+        expected, _ = quad(lambda h, air=air: float(np.sqrt(air.density_ratio(np.array(h)))), 0.0, 2500.0)
+        assert float(air.sinking_path(np.array(2500.0))) == pytest.approx(expected, rel=1e-9)
 
 
 def test_without_a_charge_it_comes_down_as_it_is() -> None:

@@ -17,7 +17,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
 from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
-from fieldkit.physics.descent import Devices, WindProfile, descend
+from fieldkit.physics.descent import Devices, WindProfile, descend, filling
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.check import SafetyCheck
@@ -49,7 +49,8 @@ def flown(speed: float, delay: float, main: float | None = None, drogue: float =
     up = fly(field_setup([flight], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
     wait = np.zeros(1) if main else up.apogee_to_eject
     first = drogue if main else speed
-    devices = Devices(np.array([first]), np.array([speed]), main or 0.0, 0.5)
+    fills = filling(np.array([landing_mass(flight, FOUND)]), np.array([1.225]))
+    devices = Devices(np.array([first]), np.array([speed]), main or 0.0, 0.5, fills)
     terminal = np.sqrt(2 * landing_mass(flight, FOUND) * 9.80665 / (1.225 * 0.6 * np.pi / 4 * 0.066**2))
     air = field_setup([flight], [FOUND], np.array([0.002])).air
     down = descend(up.apogee, wait, np.array([terminal]), devices, air, WindProfile())
