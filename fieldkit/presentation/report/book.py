@@ -12,10 +12,14 @@ from fieldkit.errors import LedgerError, NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.presentation.report.card import Card, cards, totals
+from fieldkit.presentation.report.card import Card, cards, left_out, totals
 from fieldkit.progress import ReportProgress, part
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
+
+MAX_FITS = 20
+"""Flights of a report up to which each that has no saved prediction is forecast by a fit to the others; in longer ones
+the loop's forecasts with the flight left out are shown, which are there already. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,12 +92,13 @@ def _of_several(
     rockets: Sequence[str],
     on_progress: ReportProgress,
 ) -> FlightReport:
-    made = cards(ledger, motors, flights, part(on_progress, 0.0, 0.4))
     loops = []
     for place, rocket in enumerate(rockets):
-        own = part(part(on_progress, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
+        own = part(part(on_progress, 0.0, 0.6), place / len(rockets), 1 / len(rockets))
         with suppress(NoFlights):  # too few flights to close it
             loops.append(look(ledger, motors, rocket, own))
+    known = {} if len(flights) <= MAX_FITS else {key: one for found in loops for key, one in left_out(found).items()}
+    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), known)
     return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True)
 
 

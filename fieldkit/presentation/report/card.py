@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,11 +12,14 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
 from fieldkit.quantities import measure
+from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
 
+CARD_DRAWS = 2000
+"""Draws of a forecast that is known as a mixture. [1]"""
 Rows = tuple[tuple[str, str, str], ...]
 """What, in SI, and in the other units."""
 
@@ -65,8 +69,15 @@ class Card:
         return self.flight.apogee - self.forecast.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progress: ReportProgress) -> list[Card]:
-    """A card for each of these flights of the ledger."""
+def cards(
+    ledger: Ledger,
+    motors: Catalogue,
+    flights: Sequence[Flight],
+    on_progress: ReportProgress,
+    known: Mapping[tuple[str, str], CardForecast] = MappingProxyType({}),
+) -> list[Card]:
+    """A card for each of these flights of the ledger; `known` are forecasts by rocket and flight_id, which are shown of
+    flights without a saved one."""
     said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
@@ -78,9 +89,24 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progr
             words = f"predicted {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
-            forecast = _afterwards(ledger, motors, flight)
+            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight)
         found.append(_card(ledger, motors, id, flight, forecast))
     return found
+
+
+def left_out(found: Findings) -> dict[tuple[str, str], CardForecast]:
+    """What the loop forecasts each flight of a rocket to reach with the flight left out, by rocket and flight_id."""
+    diagnosis = found.diagnosis
+    forecasts, rng = diagnosis.forecasts_after, np.random.default_rng(0)
+    by = "no saved prediction; with it left out of the fit, the loop forecasts {:.0f} m"
+    known = {}
+    for number, flight in enumerate(diagnosis.model.flights):
+        weight = np.maximum(forecasts.weight[:, number], 0.0)
+        part = rng.choice(len(weight), CARD_DRAWS, p=weight / weight.sum())
+        draws = np.exp(rng.normal(forecasts.mean[part, number], forecasts.sd[part, number]))
+        low, middle, high = (float(one) for one in np.quantile(draws, (0.05, 0.5, 0.95)))
+        known[flight.rocket, flight.flight_id] = CardForecast(draws, (low, middle, high), False, by.format(middle))
+    return known
 
 
 def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:

@@ -4,6 +4,7 @@ import re
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
@@ -11,6 +12,8 @@ from fieldkit.errors import BadValue, FieldkitError, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
+from fieldkit.presentation.report import book as book_module
+from fieldkit.presentation.report import card as card_module
 from fieldkit.presentation.report.book import FlightReport, book, table
 from fieldkit.presentation.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.presentation.report.style import A4, styled
@@ -18,6 +21,7 @@ from fieldkit.presentation.report.write import check_report, write_report
 from fieldkit.safe_text import as_markdown
 from fieldkit.services.forecasts import predict_plans
 from tests.presentation.report.pages import Page
+from tests.seasons import season
 
 CHECK_SHAPES = False
 
@@ -94,6 +98,21 @@ def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport)
     assert "stale: dry mass was 320 g" in words
     assert "Drag coefficient Cd" in words
     assert second.record.tolist() == [250.0, 262.0]
+
+
+def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flight(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(book_module, "MAX_FITS", 5)
+    monkeypatch.setattr(card_module, "forecast_from_others", lambda *_: pytest.fail("a fit for a flight"))
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        flown = season(np.random.default_rng(3), ("apogee", "top_speed"), 6)
+        ledger.add([one.with_changes(rocket="Astra", flight_id=str(n)) for n, (one, _) in enumerate(flown)])
+        made = book(ledger, catalogue(), "Astra", quiet)
+    expected = made.loops[0].diagnosis.forecasts_after.apogee
+    shown = [one.forecast.interval[1] for one in made.cards if one.forecast]
+    assert shown == pytest.approx(expected, rel=0.02)
+    assert all("left out" in one.forecast.by for one in made.cards if one.forecast)
 
 
 def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
