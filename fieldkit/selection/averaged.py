@@ -6,7 +6,7 @@ with all of them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
 from fieldkit.inference.laplace.leave_one_out import own_variance
-from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing
+from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing, solve
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
@@ -171,13 +171,16 @@ def _followed(posterior: SetPosterior) -> list[Hypothesis]:
 
 
 def _grown(one: Hypothesis) -> _Said:
-    """What a hypothesis said of every flight before it flew."""
-    grown, near = growing(one.fit), one.fit.tangent
+    """What a hypothesis said of every flight before it flew; before there are many, scales may be anywhere."""
+    near, model = one.fit.tangent, one.fit.model
+    model = replace(model, hyperprior=model.hyperprior.everywhere())
+    whole = solve(model, one.fit.data, near, one.fit.flight_weight)
+    grown = growing(whole)
     apogee = near.slope[:, 0]
     mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, grown.mean - near.at)
     known = np.einsum("ft,sftu,fu->sf", apogee, grown.covariance, apogee, optimize=True)
     total = np.logaddexp.reduce(grown.log_weight, axis=0)
-    return _Said(mean, known, own_variance(one.fit), np.exp(grown.log_weight - total), one.log_prior + total)
+    return _Said(mean, known, own_variance(whole), np.exp(grown.log_weight - total), one.log_prior + total)
 
 
 def _most_probable(some: Sequence[Hypothesis], said: Sequence[_Said]) -> tuple[str, ...]:

@@ -199,4 +199,5 @@ def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model
     wide = rocket_model(flights, found, side.places)
     area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
     own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
-    return replace(wide, area=own).part(slice(len(model.flights), None))
+    wide = replace(wide, area=own, hyperprior=side.fit.model.hyperprior)
+    return wide.part(slice(len(model.flights), None))
