@@ -59,15 +59,40 @@ CASES: dict[str, dict[str, Any]] = {
         "wind_aloft_height": 600.0,
         "rail_into": 3.0,
     },
+    "model of 60 g": MODEL
+    | {"motor": "C6", "dry_mass": 0.06, "diameter": 0.034, "length": 0.5, "cd": 0.7}
+    | {"wind": 2.0, "rail_into": 3.0, "rail_length": 0.9, "first_speed": 4.5},
+    "model, rail away from the wind": MODEL
+    | {"motor": "D12", "dry_mass": 0.12, "diameter": 0.042, "length": 0.6, "wind": 3.0, "rail_into": -4.0},
+    "contest rocket, 8 degrees": MODEL
+    | {"motor": "F42T", "dry_mass": 0.5, "length": 0.75, "cd": 0.55, "wind": 4.0, "rail_into": 8.0, "rail_length": 1.8},
+    "G80T, rail across the wind": MODEL
+    | {"motor": "G80T", "dry_mass": 0.75, "diameter": 0.075, "length": 1.1, "cd": 0.5}
+    | {"wind": 5.0, "rail_across": 5.0, "rail_length": 1.8, "first_speed": 6.5},
+    "streamer": MODEL | {"motor": "F24W", "wind": 5.0, "rail_into": 5.0, "first_speed": 10.0},
+    "dual, wind of 6 m/s, rail across": DUAL
+    | {"motor": "H128W", "dry_mass": 1.4, "diameter": 0.076, "length": 1.5, "wind": 6.0, "rail_across": -6.0}
+    | {"main_altitude": 200.0, "first_speed": 25.0},
+    "dual, 3.5 kg": DUAL
+    | {"motor": "J350W", "dry_mass": 3.5, "diameter": 0.098, "length": 2.0, "wind": 2.0, "rail_into": 6.0}
+    | {"first_speed": 30.0, "main_altitude": 250.0, "rail_length": 3.0},
+    "dual, wind of 8 m/s aloft": DUAL
+    | {"motor": "I161W", "dry_mass": 1.8, "diameter": 0.102, "length": 1.5, "wind": 5.0, "rail_into": 4.0}
+    | {"wind_aloft": 8.0, "wind_aloft_height": 300.0},
+    "dual, 6 kg": DUAL
+    | {"motor": "K550W", "dry_mass": 6.0, "diameter": 0.130, "length": 2.3, "wind": 4.0, "rail_into": 5.0}
+    | {"rail_length": 3.0, "first_speed": 25.0, "main_speed": 7.0, "main_altitude": 200.0},
 }
 """Speeds are near the ground [m/s], the wind is at the pad [m/s], angles in degrees, the rest in SI."""
 
 
 def flown(case: dict[str, Any]) -> dict[str, float]:
-    """Apogee [m], duration [s] and landing downwind and across [m] of a case."""
+    """Apogee [m], duration [s], apogee and landing downwind and across [m], and static margin on the pad [1] of a
+    case."""
     motor = catalogue().resolve(case["motor"]).motor
+    rocket = _rocket(case, motor)
     flight = Flight(
-        rocket=_rocket(case, motor),
+        rocket=rocket,
         environment=_environment(case),
         rail_length=case["rail_length"],
         inclination=90 - float(np.hypot(case["rail_into"], case["rail_across"])),
@@ -78,6 +103,9 @@ def flown(case: dict[str, Any]) -> dict[str, float]:
         "apogee": float(flight.apogee),
         "rise": float(flight.apogee_time),
         "duration": float(flight.t_final),
+        "stability": float(rocket.static_margin(0)),
+        "apogee_along": float(flight.apogee_x),
+        "apogee_across": -float(flight.apogee_y),
         "along": float(flight.x_impact),
         "across": -float(flight.y_impact),
     }

@@ -68,13 +68,14 @@ class Devices:
 class Sinking:
     """The way down without the wind: time from apogee to the ground [s] and the part of it before a device is open [s],
     height of the charge [m] and speed of the fall at it [m/s], heights where the first device [m] and the main [m] are
-    open, speed at landing [m/s], and whether nothing opened."""
+    open, speed of the fall where the first is [m/s] and at landing [m/s], and whether nothing opened."""
 
     time: Float[Array, "*draw"]
     free_time: Float[Array, "*draw"]
     eject_height: Float[Array, "*draw"]
     eject_speed: Float[Array, "*draw"]
     open_height: Float[Array, "*draw"]
+    open_speed: Float[Array, "*draw"]
     main_height: Float[Array, "*draw"]
     landing_speed: Float[Array, "*draw"]
     ballistic: Bool[Any, "*draw"]
@@ -140,6 +141,45 @@ def fall_time(
     return np.asarray(terminal / gravity * (np.log1p(grown + np.sqrt(grown * (grown + 2))) + (deep - steep)))
 
 
+def lag(
+    device: Float[Array, "*#draw"],
+    before: Float[Array, "*#draw"],
+    after: Float[Array, "*#draw"],
+    gravity: float = STANDARD_GRAVITY,
+) -> Float[Array, "*draw"]:
+    """By how much longer a device takes that has to come from one speed to another than it takes at its own. [s]
+
+    All speeds are of the fall [m/s]. Exact where the air is even: of v' = g (1 - v^2/u^2) the time is the path over u
+    and u/g ln((u + after) / (u + before)).
+    """
+    return np.asarray(device / gravity * np.log((device + after) / (device + before)))
+
+
+def settling(device: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+    """Path sideways of what hangs under a device of a speed [m/s] over its speed through the air sideways as it opens,
+    while that becomes none; it opens at a speed through the air [m/s]. [s]
+
+    Drag takes speed sideways in proportion to the path through the air, u' = -g/U^2 |v| u, which for one that falls
+    from v0 to U sums up to U/g arccos(r) / sqrt(1 - r^2) with r = v0/U; at U itself that is U/g.
+    """
+    share = speed / device
+    slow = np.arccos(np.minimum(share, 1.0)) / np.sqrt(np.maximum(1 - share**2, 1e-12))
+    fast = np.arccosh(np.maximum(share, 1.0)) / np.sqrt(np.maximum(share**2 - 1, 1e-12))
+    near = np.abs(share - 1) < 1e-4
+    return np.asarray(device / STANDARD_GRAVITY * np.where(near, 1.0, np.where(share < 1, slow, fast)))
+
+
+def _under(device: Array, stage: tuple[Array, Array], before: Array, air: Air, gravity: float) -> tuple[Array, Array]:
+    """Time under a device of a speed near the ground [m/s] from a height to another [m], entered at a speed of the fall
+    [m/s], and the speed at the end of it. [s], [m/s]"""
+    high, low = stage
+    there = device / np.sqrt(air.density_ratio(high))
+    deep = np.exp(-2 * gravity * (high - low) / there**2)
+    after = np.sqrt(np.maximum(there**2 + (before**2 - there**2) * deep, 0.0))
+    time = (air.sinking_path(high) - air.sinking_path(low)) / device + lag(there, before, after, gravity)
+    return time, after * np.sqrt(air.density_ratio(high) / air.density_ratio(low))
+
+
 def sink(
     apogee: Float[Array, "*#draw"],
     wait: Float[Array, "*#draw"],
@@ -162,15 +202,14 @@ def sink(
     opened = apogee - fall_by(opens, terminal, gravity)
     ballistic = ~(opened > 0)
     opened = np.where(ballistic, 0.0, opened)
-    main_at = np.zeros_like(opened)
-    time = air.sinking_path(opened) / devices.first
-    landing = np.broadcast_to(devices.first, opened.shape)
+    main_at, falls, ground = np.zeros_like(opened), fall_speed(opens, terminal, gravity), np.zeros_like(opened)
     if devices.main_altitude > 0:
-        lag = opening_time(devices, devices.main, devices.first)
-        main_at = np.clip(devices.main_altitude - devices.first * lag, 0.0, opened)
-        low = air.sinking_path(main_at)
-        time = (air.sinking_path(opened) - low) / devices.first + low / devices.main
-        landing = np.where(main_at > 0, devices.main, devices.first)
+        late = opening_time(devices, devices.main, devices.first)
+        main_at = np.clip(devices.main_altitude - devices.first * late, 0.0, opened)
+    time, landing = _under(devices.first, (opened, main_at), falls, air, gravity)
+    if devices.main_altitude > 0:
+        slowly, slow = _under(devices.main, (main_at, ground), landing, air, gravity)
+        time, landing = np.where(main_at > 0, time + slowly, time), np.where(main_at > 0, slow, landing)
     hard = fall_time(apogee, terminal, gravity)
     known = np.isfinite(after) & (charge > 0)
     return Sinking(
@@ -179,6 +218,7 @@ def sink(
         eject_height=np.where(known, charge, np.nan),
         eject_speed=np.where(known, speed, np.nan),
         open_height=np.where(ballistic, np.nan, opened),
+        open_speed=np.where(ballistic, np.nan, falls),
         main_height=main_at,
         landing_speed=np.where(ballistic, fall_speed(hard, terminal, gravity), landing),
         ballistic=ballistic,
@@ -197,13 +237,17 @@ def descend(
     """Come down as in `sink`, carried by a wind; `air` is one for all draws.
 
     An airframe that falls nose first keeps the speed downwind and across it that it has at apogee (`sideways`) [m/s];
-    once something is open that speed takes its terminal speed over gravity to become the wind's.
+    once something is open that speed becomes the wind's, over `settling` of the device.
     """
     fell = sink(apogee, wait, terminal, devices, air, np.hypot(*sideways))
     opened = np.nan_to_num(fell.open_height)
     table = _Table.of(float(np.max(apogee, initial=1.0)), air, wind)
     last = devices.main if devices.main_altitude > 0 else devices.first
     first, main = table.between(opened, fell.main_height), table.between(fell.main_height, np.zeros_like(opened))
+    over_wind = [
+        speed - np.interp(opened, table.height, blow) for speed, blow in zip(sideways, table.wind, strict=True)
+    ]
+    through_air = np.hypot(*over_wind)
     carried = [
         speed * fell.free_time
         + np.where(
@@ -211,9 +255,9 @@ def descend(
             0.0,
             above / devices.first
             + below / last
-            + (speed - np.interp(opened, table.height, blow)) * devices.first / STANDARD_GRAVITY,
+            + relative * settling(devices.first, np.hypot(np.nan_to_num(fell.open_speed), through_air)),
         )
-        for speed, blow, above, below in zip(sideways, table.wind, first, main, strict=True)
+        for speed, relative, above, below in zip(sideways, over_wind, first, main, strict=True)
     ]
     return DescentResult(
         time=fell.time,

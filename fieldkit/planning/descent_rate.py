@@ -15,7 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.recovery import Device, Recovery, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
-from fieldkit.physics.descent import PARACHUTE_CD, Devices, fall_time, filling, opening_time, sink
+from fieldkit.physics.descent import PARACHUTE_CD, Devices, fall_time, filling, lag, opening_time, sink
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
 from fieldkit.shapes import Array, Float
@@ -196,30 +196,47 @@ def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
     left, air = flight.duration - path.rise - path.free, air_at_pads([flight])
     if left <= 0:
         return flight.descent_speed, None
+    devices = _devices(flight, found, recovery)
     if not recovery.dual or recovery.main_altitude is None:
-        return float(air.sinking_path(np.array([path.opened]))[0]) / left, None
-    return _two_devices(flight, recovery, _devices(flight, found, recovery), path.opened, left)
+        return _one_device(path, air, left), None
+    return _two_devices(flight, devices, path, air, left)
+
+
+def _one_device(path: "_Path", air: Air, left: float) -> float:
+    """Speed under a device that comes down a path in the rest of a flight's time [s]. [m/s]"""
+    sunk = float(air.sinking_path(np.array([path.opened]))[0])
+    speed = sunk / left
+    for _ in range(ROUNDS):  # it has to come to its speed first
+        speed = sunk / max(left - _lag(speed, path.speed), 0.5 * left)
+    return speed
 
 
 def _two_devices(
-    flight: Flight, recovery: Recovery, devices: Devices, opened: float, left: float
+    flight: Flight, devices: Devices, path: "_Path", air: Air, left: float
 ) -> tuple[float | None, float | None]:
-    """Speeds under main and drogue of a flight that has both open, from a height [m], for the rest of its time [s]."""
-    main, drogue, air = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED, air_at_pads([flight])
+    """Speeds under main and drogue of a flight that has both open, for the rest of its time [s]."""
+    main, drogue = flight.descent_speed, float(devices.first[0])
     shown: tuple[float | None, float | None] = main, None
     for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
-        lag = float(opening_time(devices, devices.main, np.array(drogue))[0])
-        open_main = min(max(devices.main_altitude - drogue * lag, 0.0), opened)
-        high, low = (float(path) for path in air.sinking_path(np.array([opened, open_main])))
+        late = float(opening_time(devices, devices.main, np.array(drogue))[0])
+        open_main = min(max(devices.main_altitude - drogue * late, 0.0), path.opened)
+        high, low = (float(sunk) for sunk in air.sinking_path(np.array([path.opened, open_main])))
+        rest = left - _lag(drogue, path.speed)
         if not main:
-            under = left - (high - low) / drogue
-            return (low / under if under > 0 else None), None
-        under = left - low / main
+            under = rest - (high - low) / drogue
+            shown = (low / under if under > 0 else None), None
+            continue
+        under = rest - _lag(main, drogue) - low / main
         if under <= 0 or high <= low:
             return main, None
         drogue = (high - low) / under
         shown = main, drogue
     return shown
+
+
+def _lag(device: float, before: float) -> float:
+    """`lag` of a device that comes to its own speed from another. [s]"""
+    return float(lag(np.array(device), np.array(before), np.array(device)))
 
 
 def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
@@ -231,16 +248,18 @@ def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
 
 
 ROUNDS = 6
-"""Of the search for a drogue's speed, each of which changes it by an opening time's part of the last. [1]"""
+"""Of the search for a descent speed, each of which changes it by a small part of the last. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], and the height where it opens."""
+    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], height where it is open [m] and
+    speed of the fall there [m/s]."""
 
     rise: float
     free: float
     opened: float
+    speed: float
 
 
 def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
@@ -284,4 +303,5 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
         _devices(flight, found, recovery),
         air_at_pads([flight]),
     )
-    return _Path(rise, float(fell.free_time[0]), float(np.nan_to_num(fell.open_height[0])))
+    opened, speed = (float(np.nan_to_num(one[0])) for one in (fell.open_height, fell.open_speed))
+    return _Path(rise, float(fell.free_time[0]), opened, speed)

@@ -20,7 +20,10 @@ from fieldkit.physics.descent import (
     fall_speed,
     fall_time,
     filling,
+    lag,
     opening_time,
+    settling,
+    sink,
 )
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
@@ -53,8 +56,10 @@ def down(
 def test_low_down_it_sinks_its_height_at_its_speed_and_drifts_with_an_even_wind() -> None:
     even = WindProfile(4.0, 4.0, 100.0)
     time, along, across = down(50.0, wind=even)
-    assert time == pytest.approx(10.0, rel=0.002)
-    assert along == pytest.approx(4.0 * time - 4.0 * 5.0 / 9.80665, rel=1e-3)  # it has to take the wind's speed first
+    comes_to_speed = 5.0 / 9.80665 * np.log(2)
+    assert time == pytest.approx(10.0 + comes_to_speed, rel=0.002)
+    settles = 5.0 / 9.80665 * np.arccos(0.8) / 0.6  # it has to take the wind's speed first
+    assert along == pytest.approx(4.0 * 10.0 - 4.0 * settles, rel=2e-3)
     assert across == 0.0
 
 
@@ -72,11 +77,44 @@ def test_two_devices_fall_fast_and_then_slowly() -> None:
     time, _, _ = down(500.0, first=20.0, main=5.0, at=100.0)
     assert time == pytest.approx(400 / 20 + 100 / 5, rel=0.03)
     late, _, _ = down(500.0, first=20.0, main=5.0, at=100.0, opening=1.0)
-    assert late - time == pytest.approx(-20 / 5 + 20 / 20 + 1.0 - 4.9 / 20, abs=0.15)
+    sooner = 20 / 9.80665 * np.log(1 + 9.8 / 20)  # at its speed, for it falls freely until the drogue is open
+    assert late - time == pytest.approx(-20 / 5 + 20 / 20 + 1.0 - 4.9 / 20 - sooner, abs=0.15)
+
+
+@pytest.mark.parametrize(("height", "before"), [(300.0, 0.0), (300.0, 60.0), (8.0, 0.0), (8.0, 60.0)])
+def test_a_device_takes_the_speed_of_the_fall_to_its_own(height: float, before: float) -> None:
+    """As the equation of motion in even air has it, also where the ground comes before it hangs quietly."""
+    even = Air(AIR.density, AIR.temperature, 1e9)
+    solved = solve_ivp(
+        lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 20.0) ** 2)],
+        (0, 60),
+        [0.0, before],
+        rtol=1e-9,
+        events=lambda t, y: y[0] - height,
+        dense_output=True,
+    )
+    ground = float(solved.t_events[0][0])
+    takes = height / 20.0 + float(lag(np.array(20.0), np.array(before), np.array(solved.sol(ground)[1])))
+    assert takes == pytest.approx(ground, rel=1e-6)
+    if before == 0:
+        fell = sink(np.array([height]), np.zeros(1), np.full(1, 60.0), Devices(np.full(1, 20.0)), even)
+        assert float(fell.time[0]) == pytest.approx(ground, rel=1e-6)
+        assert float(fell.landing_speed[0]) == pytest.approx(float(solved.sol(ground)[1]), rel=1e-6)
+
+
+@pytest.mark.parametrize("falls", [0.0, 10.0, 19.9999, 35.0])
+def test_a_speed_sideways_settles_over_the_path_through_the_air(falls: float) -> None:
+    solved = solve_ivp(
+        lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 20.0) ** 2), y[3], -9.80665 / 400 * y[1] * y[3]],
+        (0, 80),
+        [0.0, falls, 0.0, 1.0],
+        rtol=1e-9,
+    )
+    assert float(settling(np.array(20.0), np.array(falls))) == pytest.approx(solved.y[2, -1], rel=1e-4)
 
 
 def test_a_main_above_the_apogee_opens_there() -> None:
-    assert down(90.0, first=20.0, main=5.0, at=400.0)[0] == pytest.approx(90 / 5, rel=0.01)
+    assert down(90.0, first=20.0, main=5.0, at=400.0)[0] == pytest.approx(90 / 5 + 0.35, rel=0.01)
 
 
 def test_a_free_fall_is_that_of_its_equation() -> None:
@@ -166,10 +204,6 @@ def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
     assert calm_below == pytest.approx([4.0])
 
 
-STABILITY = {0.066: "3.1", 0.079: "4.9", 0.102: "4.2"}
-"""Static margin of the reference's rockets on the pad by their diameter, after Barrowman. [body diameters]"""
-
-
 def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     """A case of the reference in fieldkit's own physics."""
     found = catalogue().resolve(case["motor"])
@@ -194,6 +228,7 @@ def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     )
     return {
         "apogee": float(up.apogee[0]),
+        "apogee_along": float(up.drift[0]),
         "duration": float(up.rise_time[0] + fell.time[0]),
         "along": float(up.drift[0] + fell.along[0]),
         "across": float(up.across[0] + fell.across[0]),
@@ -202,19 +237,36 @@ def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
 def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> None:
-    """Source: RocketPy 6-DOF flights, `python -m bench.recovery_reference`."""
-    own, reference = _flown(case), case["flown"]
-    assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
-    assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
-    apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
-    assert apart < 0.15 * np.hypot(reference["along"], reference["across"])
+    """Source: RocketPy 6-DOF flights, `python -m bench.recovery_reference`; the rocket's static margin is known.
+
+    A rocket that the rail sends upwind by as much as it drifts back lands near the pad, as the difference of two long
+    ways; there the miss is judged against the way it drifted under its parachute.
+    """
+    own, reference = _flown(case, f"{case['flown']['stability']:.2f}"), case["flown"]
+    assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.02)
+    assert own["duration"] == pytest.approx(reference["duration"], rel=0.02)
+    assert _miss(own, reference) < 0.10
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
-def test_a_rocket_of_known_stability_turns_into_the_wind_as_rocketpy_has_it(case: dict[str, Any]) -> None:
-    own, reference = _flown(case, STABILITY[case["diameter"]]), case["flown"]
+def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: dict[str, Any]) -> None:
+    """Two calibers are assumed and these have three to six, so that they turn into the wind sooner than forecast."""
+    own, reference = _flown(case), case["flown"]
+    assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
+    assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
+    assert _miss(own, reference) < (0.15 if reference["stability"] < USUAL_MOST else 0.25)
+
+
+USUAL_MOST = 3.5
+"""Static margin up to which a rocket is one of the usual ones. [body diameters]"""
+
+
+def _miss(own: dict[str, float], reference: dict[str, float]) -> float:
+    """Distance between two landings over that of the landing from the pad, or from the apogee if that is longer."""
     apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
-    assert apart < 0.06 * np.hypot(reference["along"], reference["across"])
+    away = np.hypot(reference["along"], reference["across"])
+    drifted = np.hypot(reference["along"] - reference["apogee_along"], reference["across"] - reference["apogee_across"])
+    return float(apart / max(away, drifted))
 
 
 def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
