@@ -50,7 +50,7 @@ def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
         raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise DamagedRow(f"found a log whose size differs from the {size} bytes on record")
+        raise DamagedRow(f"found a log whose size differs from the {size} bytes recorded for it")
     if digest_of(content) != digest:
         raise DamagedRow(f"the bytes of the log {digest} do not match their checksum")
     return content

@@ -1,4 +1,4 @@
-"""The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
+"""The app: its pages, its colors, what is waiting to be read, and undo from anywhere."""
 
 import asyncio
 import time
@@ -252,7 +252,7 @@ class FieldkitApp(Surviving):
         return {"backdrop": "black 60%"}
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """What the palette finds: pages, colours, units, and what the page in front can do."""
+        """What the palette finds: pages, colors, units, and what the page in front can do."""
         for name, page in pages().items():
             yield SystemCommand(page.title, f"Go to {page.title} ({page.number})", partial(self.action_page, name))
         for theme in THEMES:

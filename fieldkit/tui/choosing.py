@@ -60,7 +60,7 @@ class Choosing(InOrder):
             self.screen.refresh_if_changed()
 
     def action_next_theme(self) -> None:
-        """The next colours."""
+        """The next colors."""
         names = list(THEMES)
         self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
 
