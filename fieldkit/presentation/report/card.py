@@ -1,4 +1,4 @@
-"""What a flight card holds: figures in both units, the prediction and the flight, the log, the rocket's record."""
+"""The contents of a flight card: figures in the user's units, forecast and flown, the log, the rocket's record."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
-from fieldkit.quantities import measure
+from fieldkit.quantities import ShownUnits, measure
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
 
-Rows = tuple[tuple[str, str, str], ...]
-"""What, in SI, and in the other units."""
+Rows = tuple[tuple[str, str], ...]
+"""Title and value."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +56,7 @@ class Card:
     record: Float[Array, "flight"]
     clean: Flags
     place: int
+    system: str = "SI"
 
     @property
     def miss(self) -> float | None:
@@ -65,8 +66,14 @@ class Card:
         return self.flight.apogee - self.forecast.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progress: ReportProgress) -> list[Card]:
-    """A card for each of these flights of the ledger."""
+def cards(
+    ledger: Ledger,
+    motors: Catalogue,
+    flights: Sequence[Flight],
+    on_progress: ReportProgress,
+    system: str = "SI",
+) -> list[Card]:
+    """A card for each of some flights of the ledger, in the units of a system."""
     said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
@@ -78,48 +85,47 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progr
             words = f"predicted {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
-            forecast = _afterwards(ledger, motors, flight)
-        found.append(_card(ledger, motors, id, flight, forecast))
+            forecast = _afterwards(ledger, motors, flight, system)
+        found.append(_card(ledger, motors, id, flight, forecast, system))
     return found
 
 
-def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:
-    """What the other flights say this one should have shown, if none was said before it."""
+def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) -> CardForecast | None:
+    """The forecast of a flight from the other flights, if none was saved before it."""
     try:
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
-    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
+    shown = ShownUnits(system).length(middle)
+    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {shown}"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
-def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None) -> Card:
+def _card(
+    ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None, system: str
+) -> Card:
     own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
     names = [one.flight_id for one in own]
     return Card(
         id=id,
         flight=flight,
-        readouts=_rows(flight, READOUTS),
-        circumstances=_rows(flight, (*SETUP, *CONDITIONS)),
+        readouts=_rows(flight, READOUTS, system),
+        circumstances=_rows(flight, (*SETUP, *CONDITIONS), system),
         learned=_learned(ledger, flight, motors),
         forecast=forecast,
         trace=_trace(ledger, id),
         record=np.array([one.apogee or np.nan for one in own], float),
         clean=np.array([one.clean for one in own], bool),
         place=names.index(flight.flight_id) if flight.flight_id in names else -1,
+        system=system,
     )
 
 
-def _rows(flight: Flight, columns: Sequence[Column]) -> Rows:
-    """The numbers that were recorded, in SI and, if those differ, in US units."""
-    rows = []
-    for column in columns:
-        value = flight.number(column.name)
-        if value is not None:
-            metric, other = (measure(column, value, system) for system in ("SI", "US"))
-            rows.append((column.title, metric, other if other != metric else ""))
-    return tuple(rows)
+def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
+    """The recorded numbers, in the units of a system."""
+    values = ((column, flight.number(column.name)) for column in columns)
+    return tuple((column.title, measure(column, value, system)) for column, value in values if value is not None)
 
 
 def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
@@ -132,8 +138,8 @@ def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
         return ()
     rows = []
     if np.isfinite(one.cd):
-        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}", ""))
-    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
+        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}"))
+    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}"))
     return tuple(rows)
 
 
