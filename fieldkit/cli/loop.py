@@ -1,4 +1,4 @@
-"""`fieldkit loop` and `fieldkit model`: what a rocket's model lacks, and which model is used."""
+"""`fieldkit loop` and `fieldkit model`: missing effects, and the model version in use."""
 
 from collections.abc import Mapping
 from pathlib import Path
