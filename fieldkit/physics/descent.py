@@ -81,7 +81,7 @@ def fall_by(time: Float[Array, "*draw"], terminal: Float[Array, "*draw"]) -> Flo
 
 
 def fall_time(height: Float[Array, "*draw"], terminal: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-    """How long a body falls from rest from a height [m], as in `fall_by`. [s]"""
+    """The time in which a body falls from rest from a height [m], as in `fall_by`. [s]"""
     steep = np.minimum(np.maximum(height, 0.0) * STANDARD_GRAVITY / terminal**2, MAX_REACH)
     far = np.maximum(np.maximum(height, 0.0) * STANDARD_GRAVITY / terminal**2 - MAX_REACH, 0.0)
     grown = np.expm1(steep)
