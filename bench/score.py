@@ -164,7 +164,7 @@ def main() -> None:
     parser.add_argument("--command", default="fieldkit", help="how the product is called")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--cluster", default="", help="Dask's workers: local, local:4, or a scheduler's address")
-    parser.add_argument("--keep", type=Path, help="a folder for the results of sets as they come, to go on from")
+    parser.add_argument("--keep", type=Path, help="a folder for the results of sets, to resume from")
     parser.add_argument("--timeout", type=float, default=180.0, help="seconds for one call")
     parser.add_argument("--scenario", nargs="*", help="only these")
     parser.add_argument("--limit", type=int, help="only the first so many sets of each scenario")

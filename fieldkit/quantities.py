@@ -73,6 +73,21 @@ class ShownUnits:
         """`m` or `ft`."""
         return SYSTEMS[self.system].get("m", "m")
 
+    @property
+    def speed_unit(self) -> str:
+        """`m/s` or `mph`."""
+        return SYSTEMS[self.system].get("m/s", "m/s")
+
+    @property
+    def length_factor(self) -> float:
+        """One unit of length in SI, by which heights are divided for a plot. [m]"""
+        return units.unit("length", self.length_unit).factor
+
+    @property
+    def speed_factor(self) -> float:
+        """One unit of speed in SI. [m/s]"""
+        return units.unit("speed", self.speed_unit).factor
+
     def length(self, value: float, digits: int = 0) -> str:
         """`284 m` or `932 ft`."""
         return written(value, "m", self.system, digits)

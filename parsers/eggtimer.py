@@ -2,7 +2,7 @@
 
 Neither text names its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall settles it:
 near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. If that does not show, the log is
-refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. `T` is in ms or in s, as its steps of a tenth or a
+refused, and a unit in the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s, as its steps of a tenth or a
 twentieth of a second show. A column of events holds the altitude at its event, else zero.
 """
 

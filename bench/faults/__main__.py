@@ -1,6 +1,6 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
 
-It runs for an hour or so; `nice -n 19` leaves the cores to others, `--keep FOLDER` goes on where it was, and with
+It runs for an hour or so; `nice -n 19` leaves the cores to others, `--keep FOLDER` resumes where it was, and with
 `--minutes` it stops after the part that is being tried by then, and writes no page.
 """
 
@@ -156,9 +156,9 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=1000, help="how many processes are killed")
     parser.add_argument("--others", type=int, default=96, help="the size of each other part")
     parser.add_argument("--quick", action="store_true", help="a little of everything, and no page")
-    parser.add_argument("--keep", type=Path, help="a folder for what comes of each part, to go on from")
+    parser.add_argument("--keep", type=Path, help="a folder for the result of each part, to resume from")
     parser.add_argument("--out", type=Path, default=PAGE, help="where the page goes")
-    parser.add_argument("--minutes", type=float, default=math.inf, help="how long to go on, with --keep")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="how long to run, with --keep")
     given = parser.parse_args()
     ends = time.monotonic() + 60 * given.minutes
     if given.quick:

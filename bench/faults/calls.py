@@ -170,7 +170,7 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """The faults: each call refused by the disk, writes for want of room too, reads that bring nothing, and
+    """The faults: each call refused by the disk, writes for lack of space too, reads that bring nothing, and
     the process killed at each; of calls of one kind at most so many, evenly over the command."""
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():

@@ -76,7 +76,7 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
             continue
         if status:
             known = any(one in said for one in SAID) and "fieldkit backups restore" in said
-            came.append("said so, backup offered")
+            came.append("reported, backup offered")
             faults += [] if known else [f"{what}: {arguments[0]} said {said.strip()!r}"]
         elif out == answer:
             came.append("answers are right")
@@ -90,7 +90,7 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
     outcome.saw(min(came, key=WORST.index, default="raised"), "; ".join(faults[:1]))
 
 
-WORST = ("another answer", "said so, backup offered", "answers are right")
+WORST = ("another answer", "reported, backup offered", "answers are right")
 
 
 def _restored(file: Path, right: list[str]) -> list[str]:

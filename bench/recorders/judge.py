@@ -61,7 +61,7 @@ class Miss:
 
     @property
     def grave(self) -> bool:
-        """Whether it is far off and does not say so."""
+        """Whether it is far off without a note."""
         return bool(self.relative > GROSS and abs(self.sds) > HONEST)
 
 
@@ -96,7 +96,7 @@ def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recor
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One readout of one recorder: of how many flights, of how many there, how many within two deviations and gravely
+    """One readout of one recorder: of how many flights, of how many there, how many within two deviations and far
     off, and in the middle the error and the standard deviation, as parts of the truth. [1]"""
 
     flights: int
@@ -133,7 +133,7 @@ def table(kept: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
     """Lines of a table: a row a recorder, and of each readout how many in a hundred lie within two deviations.
 
     A cell is `measured/within/grave`: how many flights of a hundred have it, and how many of these are within two
-    standard deviations and how many are gravely off. Below are all together, and the error and the standard deviation
+    standard deviations and how many are far off. Below are all together, and the error and the standard deviation
     in the middle of the recorders, in percent of the truth.
     """
     yield "| recorder | " + " | ".join(READOUTS) + " |"

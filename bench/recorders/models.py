@@ -68,7 +68,7 @@ _PLAIN = {
     "10 Hz": Recorder(baro=10, resolution=0.3),
     "20 Hz": Recorder(),
     "20 Hz feet": Recorder(resolution=1, column="altitude_ft"),
-    "20 Hz metres": Recorder(resolution=1),
+    "20 Hz meters": Recorder(resolution=1),
     "20 Hz quiet": Recorder(baro_noise=0.08, resolution=0.01),
     "20 Hz noisy": Recorder(baro_noise=1.5),
     "50 Hz": Recorder(baro=50, baro_noise=0.6),

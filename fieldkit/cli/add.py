@@ -1,4 +1,4 @@
-"""`fieldkit add`: a flight typed in, by answering questions or all at once in options."""
+"""`fieldkit add`: enter a flight, by answering questions or with options."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
@@ -52,7 +52,7 @@ def _from_options(changes: dict[str, str]) -> "Flight":
 
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
-    """Say what looks mistyped; the flight is taken as it is."""
+    """Print what looks mistyped; the flight is saved anyway."""
     from fieldkit.flight.plausibility import doubts
     from fieldkit.quantities import significant
     from fieldkit.services.manual_entry import usual
@@ -62,9 +62,9 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
 
 
 def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
-    """Ask for a flight, or continue with one; the flight, and the name of the draft that it finishes.
+    """Ask for a flight, or continue with one; the flight, and the name of the draft that it completes.
 
-    Exits with 1 when a person stops halfway; the draft stays.
+    Exits with 1 if the user stops halfway; the draft is retained.
     """
     import sys
 
@@ -123,7 +123,7 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 
 
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
-    """Put a flight in the ledger and show it."""
+    """Save a flight in the ledger and print it."""
     from fieldkit import settings
     from fieldkit.presentation.after_flight_text import outcome_lines
     from fieldkit.services.after_flight import outcome

@@ -1,4 +1,4 @@
-"""`fieldkit capture`: a logger on a serial port, read out or listened to, and into the ledger."""
+"""`fieldkit capture`: download or record a logger on a serial port, and import it."""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -73,7 +73,7 @@ def capture(
 
 
 def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "Ended":
-    """Show all events; the last of them."""
+    """Show all events and return the last one."""
     for event in events:
         show(event)
     return event  # type: ignore[return-value]  # a capture ends with it or raises
@@ -82,7 +82,7 @@ def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "En
 def _events(
     where: Sequence[str], device: str | None, resume: bool, wishes: "CaptureOptions", stop: Callable[[], bool]
 ) -> "Iterator[Event]":
-    """The events of the capture that was asked for. Raises PortTrouble, CaptureTrouble; wrong usage otherwise."""
+    """The events of the requested capture. Raises PortTrouble, CaptureTrouble; otherwise wrong usage."""
     from fieldkit import capture
     from fieldkit.paths import capture_folder
 
@@ -118,7 +118,7 @@ def _unfinished() -> Path:
 
 
 def _port(names: Sequence[str], device: str | None) -> "Port":
-    """The port of a name, or the one that there is. Raises PortTrouble that lists the ports."""
+    """The named port, or the only one. Raises PortTrouble that lists the ports."""
     from fieldkit.capture import Port, ports
     from fieldkit.errors import PortTrouble
 
@@ -137,7 +137,7 @@ def _port(names: Sequence[str], device: str | None) -> "Port":
 def _chooser(
     wanted: Sequence[int], pause: Callable[[], None], asks: bool
 ) -> "Callable[[Sequence[Stored]], Sequence[int]]":
-    """Which flights to read: those of the options, or those that a person types."""
+    """The flights to read: those of the options, or those that the user types."""
 
     def choose(flights: "Sequence[Stored]") -> Sequence[int]:
         from fieldkit.errors import BadValue
@@ -162,7 +162,7 @@ def _chooser(
 
 @contextmanager
 def _interrupt() -> "Iterator[Callable[[], bool]]":
-    """Whether Ctrl-C was pressed: once ends the capture in good order, twice at once."""
+    """Whether Ctrl-C was pressed: once ends the capture cleanly, twice at once."""
     import signal
     from threading import Event, current_thread, main_thread
 

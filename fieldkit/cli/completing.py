@@ -1,6 +1,6 @@
-"""What the shell offers after a TAB, from the flyer's own ledger and the motors known here.
+"""Shell completion from the user's own ledger and the known motors.
 
-A TAB changes nothing and complains of nothing: without a ledger, or with a damaged one, there is nothing to offer.
+Completion changes nothing and reports no errors: without a ledger, or with a damaged one, it offers nothing.
 """
 
 from pathlib import Path
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
 
 MAX_MOTORS = 60
-"""Motors offered at most. [1]"""
+"""Maximum number of motors offered. [1]"""
 
 
 def rocket_names(context: typer.Context, incomplete: str) -> list[str]:
@@ -28,7 +28,7 @@ def config_names(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
-    """Ids of the ledger's flights, as commands take them."""
+    """Ids of the ledger's flights, as commands accept them."""
     ledger = _ledger(context)
     if ledger is None:
         return []
@@ -37,7 +37,7 @@ def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def motor_names(context: typer.Context, incomplete: str) -> list[str]:
-    """Motors flown before, then those of the catalog with the delays they are sold with."""
+    """Motors flown before, then those of the catalog, each with its delays."""
     from math import isfinite
 
     from fieldkit.motors.own import known_motors
@@ -58,7 +58,7 @@ def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:
 
 
 def _ledger(context: typer.Context) -> "Ledger | None":
-    """The ledger that the half-typed command names, None if it is not there: a TAB makes none."""
+    """The ledger named in the incomplete command line, None if it does not exist: completion creates none."""
     from fieldkit.ledger import Ledger
     from fieldkit.ledger.whereabouts import location
 

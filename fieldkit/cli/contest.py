@@ -1,4 +1,4 @@
-"""`fieldkit contest`: flights and plans scored by the rule of a season."""
+"""`fieldkit contest`, `finals`: flights and plans scored by the rule of a season."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -177,7 +177,7 @@ app.command()(contest)
 
 
 def _flown(flight: "Flight") -> str:
-    """What a flight is scored by: `706 ft, 48.3 s`."""
+    """The values a flight is scored by: `706 ft, 48.3 s`."""
     from fieldkit.planning.contest_flight import judged_duration, whole_feet
 
     duration = judged_duration(flight)
@@ -186,7 +186,7 @@ def _flown(flight: "Flight") -> str:
 
 
 def _share(text: str | None, default: float) -> float:
-    """A share typed as `85%` or `0.85`. Raises BadValue, BadParameter."""
+    """A fraction typed as `85%` or `0.85`. Raises BadValue, BadParameter."""
     from fieldkit.units import parse
 
     if text is None:

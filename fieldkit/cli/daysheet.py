@@ -82,7 +82,7 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
 
 
 def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: Given) -> "Flight":
-    """A row of a table of plans with what is given for the day, and what is known of its rocket."""
+    """A row of a table of plans, completed with the day's conditions and from its rocket."""
     from fieldkit.flight import CONDITIONS, MOTOR_TEMPERATURE
     from fieldkit.flight.recovery import RECOVERY_NAMES, recovery_header
     from fieldkit.importing.manual_entry import read_changes

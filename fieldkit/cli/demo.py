@@ -1,4 +1,4 @@
-"""`fieldkit demo`: the whole of fieldkit on twelve flights that come with it."""
+"""`fieldkit demo`: everything on the twelve reference flights."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -48,7 +48,7 @@ def demo(context: typer.Context) -> None:
 
 
 def _named_ledger(context: typer.Context) -> str | None:
-    """The ledger of the command line; one that only the environment names is the flyer's own."""
+    """The ledger on the command line; one from the environment is the user's own."""
     root = context.find_root()
     source = root.get_parameter_source("ledger")
     return root.obj if source is not None and source.name == "COMMANDLINE" else None
@@ -122,7 +122,7 @@ def _loop(found: "Demo") -> None:
 
 
 def _paper(on_progress: ReportProgress) -> "PaperReport | None":
-    """The reference paper put to the test, if the studies are here."""
+    """The reference paper's test, if the studies are installed."""
     if not studies_are_here():
         return None
     from studies.paper.report import report

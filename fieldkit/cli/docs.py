@@ -12,7 +12,7 @@ app = typer.Typer()
 
 
 def page_names(incomplete: str = "") -> list[str]:
-    """Pages of the manual that begin so, in the order in which its first page lists them."""
+    """Pages of the manual whose names begin with a text, in the order of its first page."""
     linked = re.findall(r"\]\((\w[\w-]*)\.md\)", _text("index"))
     return [name for name in dict.fromkeys(["index", *linked]) if name.startswith(incomplete)]
 
@@ -51,6 +51,6 @@ def _title(name: str) -> str:
 
 
 def _readable(text: str) -> str:
-    """A page without its pictures, and with links to other pages as the names by which to ask for them."""
+    """A page without its pictures, and with links replaced by the commands that print those pages."""
     text = re.sub(r"^!\[[^]]*\]\([^)]*\)\n", "", text, flags=re.MULTILINE)
     return re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)

@@ -30,7 +30,7 @@ app = typer.Typer()
 
 
 class ModelVersion(StrEnum):
-    """The model of a rocket without, or with, what the loop added."""
+    """The model of a rocket before or after the loop."""
 
     before = "before"
     after = "after"
@@ -101,7 +101,7 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
 
 
 def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":
-    """The flight that the options describe; what they leave open is as last flown. Raises BadValue."""
+    """The flight described by the options; missing values are as last flown. Raises BadValue."""
     from fieldkit.errors import BadValue
 
     if not given.get("motor"):
@@ -113,7 +113,7 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 
 
 def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
-    """Print a forecast, and what was left out of it that was not said yet."""
+    """Print a forecast, and the flights left out of it that were not reported yet."""
     from fieldkit.presentation.forecast_text import in_words
 
     for note in prediction.found.notes:
@@ -147,7 +147,7 @@ def _print_table(predictions: "list[Prediction]") -> None:
 
 
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
-    """The air and every safety line of each planned flight, and who decides."""
+    """Print the air and the safety checks of each planned flight, and who decides."""
     from fieldkit.cli.screen import say_wrapped
     from fieldkit.planning.air import air_of
     from fieldkit.planning.check import ADVICE_NOTE

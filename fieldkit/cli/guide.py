@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
 MAX_CHECKED_MOTORS = 12
-"""Motors whose checks are printed unless all are asked for. [1]"""
+"""Motors whose checks are printed without --all. [1]"""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
-"""Delays of a motor listed next to it: as many as fit a line of 80 characters, or all of them. [1]"""
+"""Delays of a motor listed: as many as fit in 80 characters, or all. [1]"""
 
 
 def print_guide(
@@ -30,7 +30,7 @@ def print_guide(
     every: bool,
     json: bool,
 ) -> None:
-    """Print the motor guide of a rocket, nearest to the target first, and with a season what motor brings the fewest
+    """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
     points."""
     from fieldkit.planning.check import ADVICE_NOTE
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
@@ -144,7 +144,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
 
 
 def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> None:
-    """A line for each check that fails, of as many motors as `shown`; what is unknown for every motor is listed
+    """Print a line for each failed check, for at most `shown` motors; a check that is unknown for every motor is listed
     once."""
     unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
     if unknown and not every:
@@ -158,7 +158,7 @@ def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> N
 
 
 def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> None:
-    """A line for each reason that keeps motors from fitting, and the motors that it keeps."""
+    """Print a line for each reason that excludes motors, with these motors."""
     reasons: dict[str, list[str]] = {}
     for choice in apart:
         for line in choice.why_not:
@@ -179,7 +179,7 @@ def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
 
 
 def _ejections(choice: "MotorChoice", most: int) -> str:
-    """When the delays that fire nearest to apogee would fire, the shortest first: `5:-0.2 6:+0.8`."""
+    """When the delays nearest to apogee would fire, the shortest first: `5:-0.2 6:+0.8`."""
     nearest = sorted(choice.ejections, key=lambda one: abs(one[1]))[:most]
     return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
 

@@ -13,7 +13,7 @@ app = typer.Typer()
 
 
 class EnsembleName(StrEnum):
-    """The network of the model that forecasts are made with, one that sees the flight alone, the reference paper's."""
+    """The forecast model's network, one that uses each flight alone, or the reference paper's."""
 
     history = "history"
     field = "field"

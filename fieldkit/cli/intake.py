@@ -1,4 +1,4 @@
-"""`fieldkit inspect`, `fieldkit import` and `fieldkit export`: files looked at, files in, files out."""
+"""`fieldkit inspect`, `fieldkit import` and `fieldkit export`."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 MAX_COMPARED_FLIGHTS = 6
-"""How many imported flights are compared with their forecasts, a line each."""
+"""Imported flights that are compared with their forecasts, one line each. [1]"""
 
 FILES = 20
-"""Maximum number of files that get a line of their own."""
+"""Files that get a line of their own. [1]"""
 
 
 class ExportFormat(StrEnum):
-    """What `export` writes."""
+    """Formats of `export`."""
 
     CSV = "csv"
     JSON = "json"
@@ -83,7 +83,7 @@ def inspect(
 def _gathered(
     files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
 ) -> "tuple[Gathered, list[ColumnChoice], Catalogue]":
-    """What files hold, read as for an import, the choices of columns that they were read with, and the motors."""
+    """The contents of files as for an import, the column mappings used, and the motors."""
     from fieldkit.importing.tables.mapping import read_choice, remembered
     from fieldkit.services.imports import gather
 
@@ -138,13 +138,13 @@ def import_(
 
 
 def _fail_for(unusable: int) -> None:
-    """End with status 1 if a file could not be used at all; it was named, and the others were taken."""
+    """Exit with status 1 if a file could not be used at all; it was named, and the others were imported."""
     if unusable:
         raise typer.Exit(1)
 
 
 def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
-    """Rows that were refused and what else is worth a note, a line each."""
+    """Print rejected rows and notes, one line each."""
     for row in rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
@@ -153,7 +153,7 @@ def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
 
 
 def _document(receipt: "Receipt") -> dict[str, object]:
-    """What was imported, under the contract's keys."""
+    """The result of an import under the contract's keys."""
     from dataclasses import asdict
 
     from fieldkit.presentation.import_view import receipts
@@ -169,7 +169,7 @@ def _document(receipt: "Receipt") -> dict[str, object]:
 
 
 def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
-    """Print how much was imported, a line per file, and the forecasts of what was imported."""
+    """Print the counts of an import, one line per file, and forecasts of the imported flights."""
     from fieldkit.presentation.import_view import in_a_line
 
     counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"

@@ -1,4 +1,4 @@
-"""`fieldkit learn`: how far rockets, motors and flights differ, from the exports of several flyers."""
+"""`fieldkit learn`: fit how much rockets, motors and flights vary, to the exports of several flyers."""
 
 from contextlib import nullcontext
 from datetime import datetime
@@ -97,7 +97,7 @@ def learn(
 
 
 def _print(found: "Hyperprior") -> None:
-    """Every standard deviation, and the scores of rockets left out."""
+    """Print every standard deviation, and the cross-validated scores."""
     flights = sum(one["flights"] for one in found.about["data"])
     evidence = found.about["log_evidence"]
     say_wrapped(

@@ -1,4 +1,4 @@
-"""A capture while it runs: counts and altitude, drawn in a terminal, otherwise reported in lines."""
+"""A running capture: counts and altitude, drawn in a terminal, otherwise printed as lines."""
 
 import sys
 import time
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 BARS = "▁▂▃▄▅▆▇█"
 STALE_ALTITUDE_AGE = 3.0
-"""Age from which an altitude is marked as old. [s]"""
+"""Age above which an altitude is marked as old. [s]"""
 WIDTH = 60
-"""How many of the last altitudes are drawn."""
+"""Number of latest altitudes drawn. [1]"""
 
 
 @dataclass(slots=True)
 class View:
-    """What is shown of a capture; a context that puts the terminal back as it was."""
+    """The display of a capture; a context that restores the terminal."""
 
     device: str = ""
     port: str = ""
@@ -34,7 +34,7 @@ class View:
     heights: deque[float] = field(default_factory=lambda: deque(maxlen=WIDTH))
     last: "Sample | None" = None
     heard: float = 0.0
-    """When the last altitude came, on the monotonic clock. [s]"""
+    """When the last altitude arrived, on the monotonic clock. [s]"""
     _live: "Live | None" = None
 
     def __enter__(self) -> "View":
@@ -52,7 +52,7 @@ class View:
         self.pause()
 
     def pause(self) -> None:
-        """Leave the terminal to somebody else until the next event."""
+        """Release the terminal until the next event."""
         if self._live is not None:
             self._live.stop()
 
@@ -105,12 +105,12 @@ class View:
 
 
 def printable_lines(lines: list[str]) -> str:
-    """Lines made harmless for a terminal, one below the other."""
+    """Sanitized lines for a terminal."""
     return "\n".join(map(printable, lines))
 
 
 def flight_line(sample: "Sample", age: float) -> str:
-    """What else the stream says of the flight, and how old it is if that is long. [s]"""
+    """Speed, state and, if it is old, age [s] of a sample."""
     parts = (
         [f"{'+' if sample.speed >= 0 else ''}{ShownUnits(system()).speed(sample.speed)}"]
         if sample.speed is not None
@@ -122,7 +122,7 @@ def flight_line(sample: "Sample", age: float) -> str:
 
 
 def sparkline(heights: "deque[float]") -> str:
-    """The last altitudes as bars, the lowest of them at the bottom. [m]"""
+    """The latest altitudes as bars, the lowest at the bottom. [m]"""
     low, high = min(heights), max(heights)
     scale = (len(BARS) - 1) / (high - low) if high > low else 0.0
     return "".join(BARS[round((height - low) * scale)] for height in heights)

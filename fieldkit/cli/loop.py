@@ -1,4 +1,4 @@
-"""`fieldkit loop` and `fieldkit model`: what a rocket's model lacks, and which model is used."""
+"""`fieldkit loop` and `fieldkit model`: missing effects, and the model version in use."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -66,7 +66,7 @@ def loop(
                 ledger, known_motors(), name, on_progress, accept=not look, given=given, declined=declined
             )
     if page is not None:
-        write_page(found, page, force=force)
+        write_page(found, page, force=force, system=system())
         complain(f"report written to {page}")
     if json:
         print_json(loop_document(found))

@@ -57,7 +57,7 @@ HOMES = {command: module for module, commands in GROUPS.items() for command in c
 
 
 class OnDemand(Mapping[str, Any]):
-    """The commands by name; the module of one is read when it is asked for, once."""
+    """The commands by name; a command's module is imported once, when it is first needed."""
 
     def __init__(self) -> None:
         self._read = cache(_module)
@@ -78,7 +78,7 @@ def _module(name: str) -> Mapping[str, Any]:
 
 
 class Commands(TyperGroup):
-    """All commands of fieldkit, of which a line wakes the one that it names."""
+    """All commands of fieldkit; only the module of the requested one is imported."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings | {"commands": OnDemand()})

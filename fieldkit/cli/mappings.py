@@ -1,4 +1,4 @@
-"""`fieldkit mappings`: the columns of tables that were named with `--map`."""
+"""`fieldkit mappings`: saved column mappings."""
 
 from typing import Annotated
 

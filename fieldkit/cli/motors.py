@@ -1,4 +1,4 @@
-"""`fieldkit motors`: finding a motor, knowing it, and adding one's own."""
+"""`fieldkit motors`: search motors, show their data, and add your own."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,7 +18,7 @@ app = typer.Typer()
 
 GUIDE = "With --fit"
 MAX_LISTED_MOTORS = 40
-"""Motors that a table lists. [1]"""
+"""Motors in a table. [1]"""
 MAX_CORRECTED_MOTORS = 3
 """Motors whose corrected figures are printed. [1]"""
 
@@ -211,7 +211,7 @@ def _about(json: bool) -> None:
 
 
 def _counted(what: str, value: object) -> str:
-    """One of several facts: names are counted, `[read, kept]` is kept of read."""
+    """A line about the catalog: dictionaries as counts, `[read, kept]` as a fraction."""
     if isinstance(value, list) and all(isinstance(item, int) for item in value):
         return f"{what} {' of '.join(map(str, reversed(value)))}"
     return f"{what} {len(value) if isinstance(value, list) else value}"

@@ -1,4 +1,4 @@
-"""Options that stand for columns of a flight, with and without their unit in the name."""
+"""Options for columns of a flight, with and without the unit in the name."""
 
 import inspect
 from collections.abc import Callable, Iterable
@@ -26,7 +26,7 @@ OPTION_HELP = {
     "tags": "Tags separated by ;, such as off_axis; weak_launch.",
     "notes": "Free text.",
 }
-"""What the texts of a flight are."""
+"""Help of the text columns of a flight."""
 COMPLETIONS = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
 """Completion function of each option."""
 
@@ -47,11 +47,11 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
 
 
 PLAN_TEXTS = ("motor", "config", "rocket", "site")
-"""Texts of a plan that are options of the commands that plan."""
+"""Text columns of a plan that are options of the planning commands."""
 PLAN = "The plan; a number may have a unit, as in 8mph"
-"""Over the options of a plan in a command's help."""
+"""Heading of the plan options in a command's help."""
 RECOVERY = "Descent; a number may have a unit, as in 500ft"
-"""Over the options of a recovery in a command's help."""
+"""Heading of the recovery options in a command's help."""
 FIELD = (
     ("motor_temperature", "Temperature of the motor when loaded; in °C."),
     ("waiver", "Ceiling above the pad: 500m. Default: saved with the site."),
@@ -62,7 +62,7 @@ FIELD = (
     ("bystanders", "Distance to people and property not involved in the launch: 500m. Default: saved with the site."),
     ("rules", "Rules that govern the launch: NAR,FAA or UKRA. Default: saved with the site."),
 )
-"""Options of a plan that are not columns of a flight; the safety lines use them."""
+"""Options of a plan that are not columns of a flight; the safety checks use them."""
 
 
 def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:

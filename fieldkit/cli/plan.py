@@ -1,4 +1,4 @@
-"""`fieldkit delay`, `ballast`: what is decided between flights."""
+"""`fieldkit delay`, `ballast`: decisions between flights."""
 
 from typing import Annotated
 
@@ -46,7 +46,7 @@ def delay(
 
 
 def _seconds(text: str) -> tuple[float, ...]:
-    """`2,4,6,8` or a step such as `1`, which is taken off up to ten times."""
+    """`2,4,6,8`, or a step such as `1`, applied up to ten times."""
     try:
         off = tuple(float(part) for part in text.split(","))
     except ValueError:

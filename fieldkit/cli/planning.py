@@ -1,4 +1,4 @@
-"""What the commands that plan share: how a plan begins, the field it flies at, and how safety is printed."""
+"""Shared by the planning commands: setting up a plan, its field, and printing the safety checks."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -31,7 +31,7 @@ Given = Mapping[str, str | None]
 
 @dataclass(frozen=True, slots=True)
 class PlanContext:
-    """A plan as it begins: the flight, what the ledger holds of its rocket, the motors known, site and thresholds."""
+    """A plan set up: the flight, its rocket in the ledger, the known motors, site and thresholds."""
 
     ledger: "Ledger"
     motors: "Catalogue"
@@ -40,10 +40,10 @@ class PlanContext:
     site: "Site"
     limits: "dict[str, Limit]"
     mount: float | None = None
-    """Of the kit, if one was named. [m]"""
+    """The kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
-        """The motor of the plan, that of the rocket's last flight if not said. Raises UnknownMotor."""
+        """The motor of the plan, by default that of the rocket's last flight. Raises UnknownMotor."""
         from fieldkit.errors import UnknownMotor
 
         last = self.ledger.latest(self.flight.rocket)
@@ -52,7 +52,7 @@ class PlanContext:
         return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
-        """Every safety line of a forecast."""
+        """Every safety check of a forecast."""
         from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
 
@@ -61,7 +61,7 @@ class PlanContext:
 
 @contextmanager
 def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
-    """A plan for a rocket that has flown, has a design, or of which the mass or a kit is given; its ledger is open.
+    """A plan for a rocket that has flown, has a design, or is given by its mass or a kit; its ledger is open.
 
     Raises NoFlights, BadValue.
     """
@@ -87,11 +87,11 @@ def planned_table(file: Path, check: MotorCheck) -> "list[Flight]":
 
 
 NEW_ROCKET = "new rocket"
-"""Of a plan that names no rocket and says what it weighs."""
+"""Name of the rocket of a plan that gives only its mass."""
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan; one that nobody has flown if its mass or its kit is given. Raises NoFlights."""
+    """The rocket of a plan; a new one if its mass or kit is given. Raises NoFlights."""
     from fieldkit.errors import NoFlights
     from fieldkit.services.forecasts import which_rocket
 
@@ -104,7 +104,7 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
 
 
 def _kit(given: Given) -> "Kit | None":
-    """The kit that is named. Raises BadValue."""
+    """The named kit. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.kits import FILE_NAME, kit_of
 
@@ -113,7 +113,7 @@ def _kit(given: Given) -> "Kit | None":
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
-    """The flight that options describe; rocket, configuration, mass, rail and site are the last flown if not said.
+    """The flight described by the options; rocket, configuration, mass, rail and site are by default as last flown.
 
     Raises BadValue.
     """
@@ -206,7 +206,7 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 
 def season_rule(year: int) -> "Season":
-    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
+    """The rule of a season, the user's own if there is one. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 
@@ -214,7 +214,7 @@ def season_rule(year: int) -> "Season":
 
 
 def own_limits() -> "dict[str, Limit]":
-    """The thresholds, with the flyer's own in their place."""
+    """The thresholds, with the user's own replacing the shipped ones."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.limits import limits
 
@@ -224,7 +224,7 @@ def own_limits() -> "dict[str, Limit]":
 def safety_of(
     ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
-    """Every safety line of each of some forecasts."""
+    """Every safety check of several forecasts."""
     from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.safety import safety_lines
     from fieldkit.services.forecasts import flown
@@ -237,7 +237,7 @@ def safety_of(
 
 
 def way_down(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]") -> list[dict[str, Any]]:
-    """What JSON adds to forecasts of the way down: duration and landing, by what each rocket's flights show."""
+    """The JSON of the descent of forecasts: duration and landing, fitted to each rocket's flights."""
     from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.landing import landing
     from fieldkit.services.forecasts import flown
@@ -251,7 +251,7 @@ def way_down(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]"
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
-    """What JSON adds to a forecast: its conditions, the air, the safety lines and who decides."""
+    """The JSON around a forecast: its conditions, the air, the safety checks and who decides."""
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
 
@@ -264,7 +264,7 @@ def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, 
 
 
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
-    """Print the air of a plan, what else of the day acts on it, and the design it starts from."""
+    """Print the conditions of a plan and the design it starts from."""
     from fieldkit.presentation.planning_text import conditions_in_words
 
     for text in conditions_in_words(plan, starts, system()):
@@ -272,18 +272,18 @@ def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
 
 
 def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
-    """Print what a plan comes to, and its conditions and safety lines below."""
+    """Print the result of a plan, with its conditions and safety checks below."""
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
     print_safety(plan, lines, starts)
 
 
 _WIDTH = 79
-"""Of a line that is printed as it is, its columns kept. [letters]"""
+"""Width of a line that is printed unwrapped. [character]"""
 
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
-    """Print the conditions of a plan and all safety lines, well or not, and who decides."""
+    """Print the conditions of a plan, all safety checks, and who decides."""
     from fieldkit.planning.check import safety_text
 
     print_conditions(plan, starts)

@@ -1,4 +1,4 @@
-"""`fieldkit capture --list`: the serial ports of this computer, and the units that there are protocols for."""
+"""`fieldkit capture --list`: the serial ports of this computer, and the supported devices."""
 
 from typing import TYPE_CHECKING
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def print_ports(json: bool) -> None:
-    """Print ports, devices, and devices that no program but their vendor's can read."""
+    """Print ports, supported devices, and devices that only their vendor's program can read."""
     from fieldkit.capture import known_devices, ports
     from fieldkit.capture.protocol import NOT_PUBLIC
 

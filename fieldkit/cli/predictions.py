@@ -74,7 +74,7 @@ def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
 
 
 def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
-    """The prediction that a flight is measured against, or None."""
+    """The prediction that a flight is compared with, or None."""
     if not ledger.predictions(flight.rocket):
         return None
     from fieldkit.services.saved_forecasts import of_flight

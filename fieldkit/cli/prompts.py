@@ -1,4 +1,4 @@
-"""The conversation of `fieldkit add`: a question at a time, forwards and back, nothing typed is lost."""
+"""The questions of `fieldkit add`: one at a time, forward and back; nothing typed is lost."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,7 +37,7 @@ class Conversation:
 
 
 def converse(conversation: Conversation) -> bool:
-    """Ask all that is not answered yet; False when the answers ended early."""
+    """Ask everything that is not answered yet; False if the input ends early."""
     place = _caught_up(conversation)
     while place < len(QUESTIONS):
         question = QUESTIONS[place]
@@ -56,7 +56,7 @@ def converse(conversation: Conversation) -> bool:
 
 
 def _caught_up(conversation: Conversation) -> int:
-    """Take the answers that a draft holds; the place of the first question that it leaves open."""
+    """Take over the answers of a draft; the position of the first question without one."""
     for place, question in enumerate(QUESTIONS):
         text = conversation.answers.get(question.name)
         if text is None:
@@ -71,7 +71,7 @@ def _caught_up(conversation: Conversation) -> int:
 
 
 def offer(conversation: Conversation, question: Question) -> str:
-    """What Enter takes: the answer given before, or the one of the last flight like this."""
+    """The default answer: the one given before, or that of the last similar flight."""
     if question.name in conversation.answers:
         return conversation.answers[question.name]
     plan = manual_entry.planned_answers(conversation.ledger)
@@ -134,7 +134,7 @@ def _take(conversation: Conversation, question: Question, text: str) -> None:
 
 
 def _with_unit(conversation: Conversation, question: Question, text: str) -> str:
-    """A number with the unit it was meant in, which is remembered for the next; another text as it is."""
+    """A number with its intended unit, which is remembered for the next one; other text unchanged."""
     column = question.column
     if column is None or text in ("", NOT_RECORDED):
         return text
@@ -159,7 +159,7 @@ def _several(motor: str) -> bool:
 
 
 def _explain(conversation: Conversation, question: Question) -> None:
-    """What a question is about, and what was answered to it so far."""
+    """Print the help of a question, and the answers so far."""
     complain(question.help)
     if question.name in ("rocket", "config", "motor", "site"):
         rocket = None if question.name in ("rocket", "site") else conversation.flight.rocket

@@ -95,7 +95,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
-    """The samples of a flight, None if they cannot be read again: the card is printed all the same."""
+    """The samples of a flight, None if they cannot be read again: the card is printed anyway."""
     from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recording_of
@@ -108,7 +108,7 @@ def _recording(ledger: "Ledger", id: str) -> "Recording | None":
 
 
 def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
-    """Whether a figure that was measured in a log is another today, beyond the millimetres it is rounded to."""
+    """Whether a figure from a log is measured differently by this version, beyond rounding."""
     from fieldkit.flight import BY_NAME
 
     figures = {name: figure.value for name, figure in recording.recorded.figures.items() if name in BY_NAME}
@@ -118,7 +118,7 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
 
 
 def _print_events(recording: "Recording") -> None:
-    """When what happened, on the clock of the log, and where each figure is from."""
+    """Print events on the log's clock, and the source of each figure."""
     from fieldkit.analysis.labels import TITLES, spoken
 
     recorded = recording.recorded

@@ -1,4 +1,4 @@
-"""`fieldkit remeasure`: the files of flights read again, with the parsers and the measuring of today."""
+"""`fieldkit remeasure`: read the files of flights again with the current parsers and analysis."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated

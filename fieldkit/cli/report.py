@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import progress, say
+from fieldkit.cli.screen import progress, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
 
@@ -32,6 +32,6 @@ def report(
     check_report(out)
     force = settled(out, force)
     with open_ledger(context) as ledger, progress("report") as on_progress:
-        made = book(ledger, known_motors(), what, part(on_progress, 0.0, 0.6))
+        made = book(ledger, known_motors(), what, part(on_progress, 0.0, 0.6), system())
         files = write_report(made, out, part(on_progress, 0.6, 0.4), force=force)
     say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

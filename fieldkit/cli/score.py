@@ -1,4 +1,4 @@
-"""`fieldkit score`: how good the forecasts are, on flights that came after what they rest on."""
+"""`fieldkit score`: the quality of the forecasts, on flights after those they are based on."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -59,7 +59,8 @@ def score(
 
 
 def _print_scores(found: "LedgerScores") -> None:
-    """Saved forecasts, later flights and first flights, each if there are some, and what the next rests on."""
+    """Print saved forecasts, later flights and first flights, each if there are any, and the next forecast's
+    weights."""
     from fieldkit.presentation.score_text import next_lines, titles
 
     for report, title in titles(found):
@@ -71,7 +72,8 @@ def _print_scores(found: "LedgerScores") -> None:
 
 
 def _print(found: "ScoreReport", *, placed: bool = True) -> None:
-    """Scores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
+    """Print the scores of each method, the differences from each rival, the verdicts, and the quantiles of the
+    flights."""
     from fieldkit.presentation.score_text import (
         DIFFERENCES,
         WAYS,

@@ -1,4 +1,4 @@
-"""What commands share on their way to the terminal: tables, JSON, and text that cannot harm it."""
+"""Shared by commands that print: tables, JSON, and sanitized text."""
 
 import json
 import sys
@@ -24,7 +24,7 @@ def say_lines(text: str) -> None:
 
 
 def say_wrapped(text: str, hanging: str = "") -> None:
-    """Print one line of a result on as many as the terminal needs, later ones below its first word and `hanging`."""
+    """Print one line of a result, wrapped to the terminal, later lines indented by `hanging`."""
     from shutil import get_terminal_size
     from textwrap import wrap
 
@@ -45,12 +45,12 @@ def say_report(lines: Iterable[str]) -> None:
 
 
 def complain(text: str) -> None:
-    """Print a message, a line or a few, on stderr, apart from results."""
+    """Print a message of one or a few lines on stderr, apart from results."""
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
 
 
 def print_json(document: Mapping[str, object]) -> None:
-    """Print one JSON document, in characters that every terminal and pipe takes."""
+    """Print one JSON document, in characters that every terminal and pipe accepts."""
     sys.stdout.write(json.dumps(document, indent=2, allow_nan=False) + "\n")
 
 

@@ -1,4 +1,4 @@
-"""What commands work on: the ledger that the options name, and the motors known on this computer."""
+"""The ledger that the options name, and the motors known on this computer."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 REMARKS = 5
-"""How many flights a command names that no fit uses; the others it counts. [1]"""
+"""Excluded flights that a command names; the others are counted. [1]"""
 
 
 @contextmanager
@@ -37,7 +37,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
 
 
 def known_motors() -> "Catalogue":
-    """The shipped motors and the flyer's own; one of those files that is damaged is complained about."""
+    """The shipped motors and the user's own; a damaged file among those is reported."""
     from fieldkit.cli.screen import complain
     from fieldkit.motors import own
     from fieldkit.paths import motor_folder
@@ -59,7 +59,7 @@ def split_settings(arguments: Sequence[str]) -> dict[str, str]:
 def read_settings(
     settings: Mapping[str, str], check_motor: "MotorCheck", flight: "Flight | None" = None
 ) -> dict[str, object]:
-    """Fields and values for columns and texts, of this flight if it is known. Raises BadValue."""
+    """Fields and values for columns and texts, of a flight if it is known. Raises BadValue."""
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
@@ -73,7 +73,7 @@ def read_settings(
 
 
 class MotorCheck:
-    """Says what is wrong with a motor's name; the catalog is read when the first name comes."""
+    """Checks the names of motors; the catalog is read when the first name comes."""
 
     def __init__(self) -> None:
         self._catalogue: Catalogue | None = None
@@ -85,5 +85,5 @@ class MotorCheck:
         return self._catalogue
 
     def __call__(self, name: str) -> str | None:
-        """A complaint in one line, or None if there is such a motor, or several."""
+        """The error in a name in one line, or None if it names a motor, or several."""
         return self.catalogue.complaint(name)

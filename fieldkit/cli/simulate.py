@@ -18,14 +18,14 @@ BODY = ("motor", "dry_mass", "diameter")
 
 
 class Physics(StrEnum):
-    """Which simulator flies."""
+    """The simulator to use."""
 
     paper = "paper"
     field = "field"
 
 
 def _number(value: float) -> float:
-    """As it is: what is no number passes every bound."""
+    """The number itself. Raises BadParameter for nan, which passes every bound."""
     if isnan(value):
         raise typer.BadParameter("found nan, expected a number")
     return value

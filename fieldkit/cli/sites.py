@@ -1,4 +1,4 @@
-"""`fieldkit sites`: the fields that are flown at."""
+"""`fieldkit sites`: launch sites."""
 
 from typing import Annotated
 

@@ -1,6 +1,5 @@
-"""Tables and JSON documents printed as they come, for lists of any length: the first rows stand before the last are
-read.
-"""
+"""Tables and JSON documents printed as they come, for lists of any length: the first rows are printed before the last
+ones are read."""
 
 import json
 import sys
@@ -45,7 +44,7 @@ def _widest(column: Sequence[str]) -> int:
 
 
 def _room() -> int:
-    """Cells of a line of the terminal, 80 if there is none."""
+    """Width of the terminal, 80 if there is none. [cell]"""
     from shutil import get_terminal_size
 
     return get_terminal_size().columns
@@ -68,7 +67,7 @@ def _lines(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Seque
 
 
 def _filled(column: Sequence[str], width: int, right: bool) -> Iterator[str]:
-    """The cells of a column, each as wide as the column."""
+    """The cells of a column, padded to its width."""
     if "".join(column).isascii() and max(map(len, column)) <= width:
         return map(str.rjust if right else str.ljust, column, repeat(width))
     return (_cell(text, width, right) for text in column)
@@ -89,7 +88,7 @@ def _cut(text: str, width: int) -> str:
 
 
 def cells(text: str) -> int:
-    """Cells that a text takes in a terminal. [1]"""
+    """Width of a text in a terminal. [cell]"""
     if text.isascii():
         return len(text)
     from rich.cells import cell_len

@@ -1,4 +1,4 @@
-"""The studies are in a checkout and in no wheel: whether they are here, and what to do if not."""
+"""The studies are in a checkout and not in the wheel: whether they are installed, and what to do if not."""
 
 from importlib.util import find_spec
 

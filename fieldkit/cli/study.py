@@ -1,4 +1,4 @@
-"""`fieldkit study`: what the flights show, as a page whose every figure is computed."""
+"""`fieldkit study`: pages in which every figure is computed."""
 
 from pathlib import Path
 from typing import Annotated

@@ -12,7 +12,7 @@ app = typer.Typer()
 
 
 class Recipe(StrEnum):
-    """What can be trained."""
+    """What to train."""
 
     paper = "paper"
     field = "field"

@@ -10,7 +10,7 @@ app = typer.Typer()
 
 
 def open_app(ledger: str | None) -> None:
-    """Open the app on a ledger and stay until the flyer leaves it. Raises FieldkitError without a terminal."""
+    """Open the app on a ledger until the user quits. Raises FieldkitError without a terminal."""
     import os
     import sys
 

@@ -1,6 +1,6 @@
 """From the bytes of a log or a table to flights.
 
-A parser tells whether it recognizes a log and reads it into `Reading`s: what the log states, nothing
+A parser recognizes a log and reads it into `Reading`s: what the log states, nothing
 derived. What is the same for every logger is done once, here: bounds, motor names, identities, duplicate
 flights, rockets that are described in another file.
 """

@@ -1,7 +1,7 @@
-"""The ledger: flights, logs, model versions and predictions, and a journal that can take each change back.
+"""The ledger: flights, logs, model versions and predictions, and a journal with which every change can be undone.
 
-SQLAlchemy Core rather than its ORM: records are frozen dataclasses with no identity to track, and Core
-alone spares every command about a tenth of a second of imports.
+SQLAlchemy Core rather than its ORM: records are frozen dataclasses with no identity to track, and Core alone saves
+every command about a tenth of a second of imports.
 """
 
 from fieldkit.importing.incoming import Arrival

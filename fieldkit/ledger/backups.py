@@ -23,25 +23,25 @@ from fieldkit.files import BACKUPS
 from fieldkit.ledger.soundness import damage_in, fault, opened
 
 MAX_BACKUPS = 10
-"""Number of copies kept. [1]"""
+"""Number of backups retained. [1]"""
 ROOM = 1 << 30
-"""Copies beyond the newest two go if all together are larger. [byte]"""
+"""Size of all backups above which those beyond the newest two are deleted. [byte]"""
 CHANGES_PER_BACKUP = 50
-"""Changes since the last copy that call for another one on the same day. [1]"""
+"""Changes since the last backup that trigger another one on the same day. [1]"""
 ABANDONED_COPY_AGE = 3600.0
-"""Age from which a half-written copy counts as abandoned. [s]"""
+"""Age above which a half-written backup counts as abandoned. [s]"""
 AT_WORK = 60.0
-"""A half-made copy that grew within this time is somebody's. [s]"""
+"""A half-written backup that grew within this time is in progress. [s]"""
 
 _MAKING = ".new"
-"""Ends the name of a copy in the making, which begins with its number and claims it."""
+"""Suffix of a backup in progress, whose name begins with its reserved number."""
 _NAME = re.compile(r"(\d{6,})_(\d{8}T\d{6}Z)_(\d+)\.db")
 _STAMP = "%Y%m%dT%H%M%SZ"
 
 
 @dataclass(frozen=True, slots=True)
 class Backup:
-    """One copy; `number` counts up from 1 and `changes` is the length of the ledger's journal in it."""
+    """One backup; `number` counts up from 1 and `changes` is the length of the ledger's journal in it."""
 
     file: Path
     number: int
@@ -50,7 +50,7 @@ class Backup:
 
     @property
     def size(self) -> int:
-        """Of the file, 0 if another process has let it go. [byte]"""
+        """Size of the file, 0 if another process has deleted it. [byte]"""
         try:
             return self.file.stat().st_size
         except OSError:
@@ -58,7 +58,7 @@ class Backup:
 
     @property
     def flights(self) -> int | None:
-        """How many flights it holds, None if it is damaged itself. [1]"""
+        """Number of flights in it, None if it is damaged itself. [1]"""
         try:
             with opened(self.file) as copy:
                 return int(copy.execute("SELECT count(*) FROM flights").fetchone()[0])
@@ -67,12 +67,12 @@ class Backup:
 
 
 def folder_of(file: Path) -> Path:
-    """Where the copies of a ledger are, which may not be there."""
+    """The folder of a ledger's backups, which may not exist."""
     return file.with_name(f"{file.name}{BACKUPS}")
 
 
 def backups(file: Path) -> list[Backup]:
-    """The copies of a ledger, newest first."""
+    """The backups of a ledger, newest first."""
     folder = folder_of(file)
     found = [_backup(one, match) for one in _listed(folder) if (match := _NAME.fullmatch(one.name))]
     return sorted(found, key=lambda one: (one.number, one.at), reverse=True)
@@ -88,7 +88,7 @@ def _backup(file: Path, match: re.Match[str]) -> Backup:
 
 
 def is_due(file: Path, changes: int) -> bool:
-    """Whether to copy a ledger with so many changes before the next one: on a new day, or after many."""
+    """Whether to back up a ledger with a number of changes before the next one: on a new day, or after many."""
     newest = next(iter(backups(file)), None)
     if newest is None or not changes:
         return bool(changes)
@@ -96,13 +96,13 @@ def is_due(file: Path, changes: int) -> bool:
 
 
 def being_made(file: Path) -> bool:
-    """Whether another process is at a copy of a ledger just now, which is enough."""
+    """Whether another process is backing up a ledger now, which suffices."""
     folder = folder_of(file)
     return any(time.time() - since < AT_WORK for since in map(_touched, folder.glob(f"*{_MAKING}")))
 
 
 def _touched(file: Path) -> float:
-    """When a file was last written to, long ago if it is gone. [s since 1970]"""
+    """When a file was last written to, long ago if it no longer exists. [s since 1970]"""
     try:
         return file.stat().st_mtime
     except OSError:
@@ -110,9 +110,9 @@ def _touched(file: Path) -> float:
 
 
 def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
-    """Copy an open ledger, and let the oldest copies go.
+    """Back up an open ledger, and delete the oldest backups.
 
-    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error if no copy can be made.
+    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error if no backup can be made.
     """
     taken = _take(ledger, file, changes)
     if isinstance(taken, str):
@@ -122,7 +122,7 @@ def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
 
 
 def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup | str:
-    """A copy of an open ledger, or what is wrong with it. Raises OSError, sqlite3.Error."""
+    """A backup of an open ledger, or what is wrong with the ledger. Raises OSError, sqlite3.Error."""
     folder = folder_of(file)
     folder.mkdir(exist_ok=True)
     last, at = next(iter(backups(file)), None), datetime.now(UTC)
@@ -158,7 +158,7 @@ def _claimed(file: Path) -> Iterator[tuple[int, Path]]:
 
 
 def _claim(file: Path) -> tuple[int, Path]:
-    """The next number, claimed by a new file: of several processes that ask at once each gets its own."""
+    """The next number, reserved by a new file: processes that ask at the same time each get their own."""
     folder, number = folder_of(file), 0
     while True:
         number = max(number, _last(file)) + 1
@@ -190,7 +190,7 @@ def _rotate(file: Path) -> None:
 
 
 def offer(file: Path) -> str:
-    """What can be done about a damaged ledger, for the end of a message."""
+    """What to do about a damaged ledger, for the end of a message."""
     newest = next(iter(backups(file)), None)
     if newest is None:
         return "it has no backup; `sqlite3 FILE .recover` may recover some of it"

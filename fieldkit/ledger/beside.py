@@ -13,7 +13,7 @@ class BesideFlights(OpenLedger):
     """Saving model versions, forecasts, starting configurations and drafts."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
-        """Keep a model of a rocket, under the next number, and predict with it from now on."""
+        """Save a model of a rocket under the next number, and use it from now on."""
         with self._changing() as pen:
             version = models.keep_version(pen, rocket, payload, activate=activate)
             pen.sign("model", f"version {version.number} of {rocket}" + (", in use" if activate else ""))
@@ -25,11 +25,11 @@ class BesideFlights(OpenLedger):
             return models.versions(connection, rocket)
 
     def active_version(self, rocket: str) -> Version | None:
-        """The model that predictions for a rocket use; None for the one every rocket starts with."""
+        """The model in use for a rocket; None for the plain one."""
         return next((version for version in self.versions(rocket) if version.active), None)
 
     def activate(self, rocket: str, number: int | None) -> None:
-        """Predict with another saved model version of a rocket, or with None of them.
+        """Use another saved model version of a rocket, or with None the plain one.
 
         Raises LedgerError for a number that is not among its versions.
         """
@@ -40,15 +40,15 @@ class BesideFlights(OpenLedger):
     def keep_prediction(
         self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""
     ) -> StoredPrediction:
-        """Keep a prediction, once for the same digest, flight and payload.
+        """Save a prediction, once per digest, flight and payload.
 
-        It is a record of what was said and no change of the flyer's, so `undo` passes it by.
+        It is a record and not a change by the user, so `undo` skips it.
         """
         with opening.writing(self._engine) as connection:
             return models.keep_prediction(connection, payload, digest, rocket, flight_id)
 
     def keep_predictions(self, made: Sequence[NewPrediction]) -> None:
-        """Keep several predictions as `keep_prediction` does, all of them or none."""
+        """Save several predictions as `keep_prediction` does, all of them or none."""
         with opening.writing(self._engine) as connection:
             for one in made:
                 models.keep_prediction(connection, one.payload, one.digest, one.rocket, one.flight_id)
@@ -56,8 +56,7 @@ class BesideFlights(OpenLedger):
     def keep_plan(
         self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""
     ) -> StoredPrediction:
-        """Keep the prediction of a flight that the flyer has decided on; `what` names it in the history, and `undo`
-        undoes it."""
+        """Save the prediction of a planned flight; `what` names it in the history, and `undo` undoes it."""
         with self._changing() as pen:
             kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
             if pen.images:
@@ -65,12 +64,12 @@ class BesideFlights(OpenLedger):
         return kept
 
     def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:
-        """The predictions made, oldest first; of one rocket, or for one flight."""
+        """The saved predictions, oldest first; of one rocket, or for one flight."""
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
 
     def keep_start(self, start: Start) -> bool:
-        """Keep a starting configuration in place of an older one; False if it is a duplicate."""
+        """Save a starting configuration, replacing an older one; False if it is a duplicate."""
         with self._changing() as pen:
             if kept := starts.keep(pen, start):
                 pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
@@ -82,19 +81,19 @@ class BesideFlights(OpenLedger):
             return starts.starts(connection, rocket)
 
     def keep_draft(self, name: str, content: Mapping[str, Any]) -> None:
-        """Keep what was typed so far under a name, in place of what was there."""
+        """Save a draft under a name, replacing the earlier one."""
         with opening.writing(self._engine) as connection:
             drafts.keep(connection, name, content)
 
     def change_draft(self, name: str, content: Mapping[str, Any], command: str, what: str) -> bool:
-        """Keep what the flyer has settled under a name, which `undo` takes back; False if it is so already."""
+        """Save a document under a name as a change that `undo` undoes; False if it is unchanged."""
         with self._changing() as pen:
             if changed := drafts.change(pen, name, content):
                 pen.sign(command, what)
         return changed
 
     def change_drafts(self, contents: Mapping[str, Mapping[str, Any]], command: str, what: str) -> bool:
-        """The same of several names, as one change."""
+        """The same for several names, as one change."""
         with self._changing() as pen:
             changed = [drafts.change(pen, name, content) for name, content in contents.items()]
             if any(changed):
@@ -102,12 +101,12 @@ class BesideFlights(OpenLedger):
         return any(changed)
 
     def draft(self, name: str) -> dict[str, Any] | None:
-        """What was typed so far, or None."""
+        """The draft under a name, or None."""
         with self._reading() as connection:
             return drafts.draft(connection, name)
 
     def drop_draft(self, name: str) -> bool:
-        """Forget a draft, which `undo` brings back; False if there is none."""
+        """Delete a draft, which `undo` restores; False if there is none."""
         with self._changing() as pen:
             if dropped := drafts.put_away(pen, name):
                 pen.sign("drop", f"the draft of {name}")

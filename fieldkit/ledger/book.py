@@ -1,4 +1,4 @@
-"""Flights into the tables and out: taking in, replacing, renewing, removing."""
+"""Flights into and out of the tables: adding, replacing, renewing, removing."""
 
 from collections.abc import Sequence
 
@@ -31,11 +31,12 @@ class Known:
                 self.digests[id(held.entered)] = held.log_digest
 
     def note(self, flight: Flight) -> None:
-        """Know this flight from now on."""
+        """Register a flight."""
         self.now[flight.rocket, flight.flight_id] = flight
 
     def match(self, arrival: Arrival) -> Flight | None:
-        """The very same flight, as it is now or as it once came in; of the same bytes, whatever is read in them now."""
+        """The same flight, as it is now or as it was imported; for the same bytes, whatever a parser reads from them
+        now."""
         flight = arrival.flight
         identity = flight.rocket, flight.flight_id
         known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
@@ -52,13 +53,13 @@ class Known:
 
 
 def lacks_files(there: Flight, flight: Flight) -> bool:
-    """Whether a flight as it arrives is of more files than the one that is there."""
+    """Whether an arriving flight has more files than the stored one."""
     named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (there, flight)]
     return not named[1] <= named[0]
 
 
 def add(pen: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
-    """Take flights in; see `Ledger.add`."""
+    """Add flights; see `Ledger.add`."""
     known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
     entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
@@ -84,7 +85,7 @@ def add(pen: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
 
 
 def _objection(flight: Flight, there: Flight | None) -> str | None:
-    """Why a flight cannot be taken in, in one line."""
+    """Why a flight cannot be added, in one line."""
     if not flight.flight_id:
         return "found no flight_id, expected one that is unique within the rocket"
     if there and lacks_files(there, flight):
@@ -130,7 +131,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
 
 
 def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
-    """Put what a flight's files say now in its place, also in how it came in; False if nothing changed."""
+    """Replace a flight, and its imported state, with what its files say now; False if nothing changed."""
     for original in others:
         keep_log(pen.connection, original)
     before, after = row_of(held.flight), row_of(flight)
@@ -148,7 +149,7 @@ def _is_there(connection: Connection, identity: Identity) -> bool:
 
 
 def remove(pen: ChangeRecorder, held: Held) -> None:
-    """Take a flight out; its log's bytes stay."""
+    """Remove a flight; the bytes of its log remain."""
     pen.delete(tags, tags.c.entry == held.entry)
     pen.delete(flights, flights.c.entry == held.entry)
 

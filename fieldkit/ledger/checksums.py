@@ -15,14 +15,14 @@ from fieldkit.ledger.rows import DamagedRow, Row
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights, tags
 
 CHECKSUM = "checksum"
-"""Name of the column."""
+"""Name of the checksum column."""
 _AS_JSON = json.JSONEncoder(sort_keys=True).encode
 SEPARATE_COLUMN = "images"
-"""A long column that is often not read, with a checksum of its own in `images_checksum`."""
+"""A long column that is often not read, with its own checksum in `images_checksum`."""
 
 
 def checksum(row: Mapping[str, Any]) -> int:
-    """Of what a row says. [1]"""
+    """Checksum of a row. [1]"""
     return checksum_of(
         {name: row[name] for name in row if row[name] is not None and name not in (CHECKSUM, SEPARATE_COLUMN)}
     )
@@ -34,7 +34,7 @@ def checksum_of(document: Any) -> int:
 
 
 def checked(row: Row) -> Row:
-    """The row itself. Raises DamagedRow if it does not say what was written."""
+    """The row itself. Raises DamagedRow if it does not match its checksum."""
     try:
         sound = row[CHECKSUM] == checksum(row)
         if sound and row.get(SEPARATE_COLUMN) is not None:
@@ -48,7 +48,7 @@ def checked(row: Row) -> Row:
 
 
 def seal(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
-    """Give the rows at these primary keys, of those that are there, the checksum of what they say now."""
+    """Update the checksums of the rows at these primary keys, as far as they exist."""
     found = _rows_at(connection, table, keys)
     sums = [{f"at_{one.name}": row[one.name] for one in table.primary_key} | {"sum": checksum(row)} for row in found]
     if sums:
@@ -62,9 +62,9 @@ def check(
     keys: Collection[tuple[Any, ...]],
     columns: Sequence[Column[Any]] | None = None,
 ) -> None:
-    """Raises DamagedRow if one of the rows at these primary keys does not say what was written.
+    """Raises DamagedRow if one of the rows at these primary keys does not match its checksum.
 
-    `columns` are those that the table has, of an older schema not all.
+    `columns` are those that the table has; with an older schema not all.
     """
     for row in _rows_at(connection, table, keys, columns):
         checked(row)
@@ -114,6 +114,6 @@ def _with_tags(connection: Connection, query: Select[Any]) -> list[Row]:
 
 
 def _labels(entries: Collection[int]) -> Select[Any]:
-    """The tags of these flights, and of others if they are many."""
+    """The tags of these flights, and of others if there are many."""
     query = select(tags).order_by(tags.c.entry, tags.c.position)
     return query.where(tags.c.entry.in_(entries)) if len(entries) <= MAX_ROWS_BY_NAME else query

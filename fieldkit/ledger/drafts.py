@@ -13,14 +13,14 @@ from fieldkit.ledger.tables import drafts
 
 
 def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
-    """Keep a draft under a name, in place of what was there."""
+    """Save a draft under a name, replacing the earlier one."""
     drop(connection, name)
     connection.execute(insert(drafts).values(name=name, content=dict(content)))
     seal(connection, drafts, [(name,)])
 
 
 def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
-    """Keep a draft under a name as a change that can be taken back; False if it is so already."""
+    """Save a draft under a name as a change that can be undone; False if it is unchanged."""
     kept = json.loads(json.dumps(dict(content)))  # as it will be read
     if draft(pen.connection, name) == kept:
         return False
@@ -30,8 +30,7 @@ def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
 
 
 def put_away(pen: ChangeRecorder, name: str) -> bool:
-    """Forget a draft as a change that can be taken back, which leaves what was typed since as it is; False if there
-    is none."""
+    """Delete a draft as a change that can be undone, unless it was typed into since; False if there is none."""
     if draft(pen.connection, name) is None:
         return False
     pen.delete(drafts, drafts.c.name == name)
@@ -45,5 +44,5 @@ def draft(connection: Connection, name: str) -> dict[str, Any] | None:
 
 
 def drop(connection: Connection, name: str) -> None:
-    """Forget the draft under a name, if there is one."""
+    """Delete the draft under a name, if there is one."""
     connection.execute(delete(drafts).where(drafts.c.name == name))

@@ -1,4 +1,4 @@
-"""Flights as the tables hold them: reading them, and what they name."""
+"""Reading flights from the tables, and the names in them."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Identity = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A flight and where it stands; `entered` is how it came in, if it was edited since."""
+    """A flight and its entry; `entered` is its imported state, if it was edited since."""
 
     entry: int
     flight: Flight
@@ -29,7 +29,7 @@ _EARLIER_DATE = func.max(flights.c.date_time).over(
     partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0)
 )
 _FLIGHT_DATE = func.coalesce(flights.c.date_time, _EARLIER_DATE)
-"""When a flight counts as flown: by its date, and without one after those of its rocket that were entered before it."""
+"""The order of a flight: by its date, and without one after the flights of its rocket that were entered before it."""
 
 
 PAGE = 100
@@ -90,7 +90,7 @@ def load(
 
 
 def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
-    """The flights that bear one of these identities now, or bore it as they came in."""
+    """The flights that have one of these identities now, or had it when they were imported."""
     held: list[Held] = []
     for start in range(0, len(identities), MAX_ROWS_BY_NAME):
         some = identities[start : start + MAX_ROWS_BY_NAME]
@@ -112,7 +112,7 @@ def _held(row: Row) -> Held:
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
-    """What the flights name in one of their text fields, the last used first."""
+    """The values of one text field in the flights, most recent first."""
     column = flights.c[field]
     query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
     return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))

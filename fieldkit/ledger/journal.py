@@ -20,7 +20,7 @@ from fieldkit.ledger.tables import drafts, flights, journal, metadata, predictio
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One entry of the journal; `undone` says whether it is out of force now."""
+    """One entry of the journal; `undone` is whether it is undone now."""
 
     number: int
     at: datetime
@@ -31,19 +31,19 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """One row of one table, or its key and what changed, before and after; None if it was not there."""
+    """One row of one table, or its key and what changed, before and after; None if it did not exist."""
 
     table: str
     before: Row | None
     after: Row | None
 
     def swapped(self) -> "Image":
-        """The image of taking this change back."""
+        """The image of undoing this change."""
         return Image(self.table, self.after, self.before)
 
 
 class ChangeRecorder:
-    """Changes rows and remembers how they were; `sign` enters it all in the journal."""
+    """Changes rows and records their earlier state; `sign` enters all of it in the journal."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
@@ -56,14 +56,14 @@ class ChangeRecorder:
             self.images += [Image(table.name, None, row) for row in rows]
 
     def update(self, table: Table, key: Row, values: Row) -> None:
-        """Change some columns of the row at a primary key."""
+        """Change some columns of the row with a primary key."""
         changed = [table.c[name] for name in (*key, *values)]
         before = dict(self.connection.execute(select(*changed).where(_at(table, key))).mappings().one())
         self.connection.execute(update(table).where(_at(table, key)).values(**values))
         self.images.append(Image(table.name, before, key | values))
 
     def delete(self, table: Table, where: ColumnElement[bool]) -> None:
-        """Take rows out."""
+        """Delete rows."""
         gone = self.connection.execute(select(table).where(where)).mappings().all()
         self.connection.execute(delete(table).where(where))
         self.images += [Image(table.name, _without_checksum(dict(row)), None) for row in gone]
@@ -77,7 +77,7 @@ class ChangeRecorder:
 
 
 def undo(connection: Connection) -> Change:
-    """Take back the last change in force. Raises LedgerError when there is none."""
+    """Undo the last change that is not undone. Raises LedgerError if there is none."""
     done, _ = _standing(connection)
     if not done:
         raise LedgerError("nothing left to undo")
@@ -88,7 +88,7 @@ def undo(connection: Connection) -> Change:
 
 
 def redo(connection: Connection) -> Change:
-    """Do again what was undone last. Raises LedgerError when nothing was, or something changed since."""
+    """Redo the last change that was undone. Raises LedgerError if there is none, or something changed since."""
     _, undone = _standing(connection)
     if not undone:
         raise LedgerError("nothing left to redo")
@@ -107,17 +107,17 @@ def history(connection: Connection) -> list[Change]:
 
 
 def length(connection: Connection) -> int:
-    """How many entries there are; they are numbered from 1 on."""
+    """Number of entries; they are numbered from 1."""
     return connection.scalar(select(func.max(journal.c.number))) or 0
 
 
 def now() -> str:
-    """The moment of a change, as ISO 8601 text in UTC."""
+    """The time of a change, as ISO 8601 text in UTC."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def _standing(connection: Connection) -> tuple[list[int], list[int]]:
-    """Numbers of the changes in force, and of those a redo would bring back, the next one last."""
+    """Numbers of the changes in effect, and of those that a redo would restore, the next one last."""
     done: list[int] = []
     undone: list[int] = []
     for row in _entries(connection):

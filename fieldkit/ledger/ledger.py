@@ -57,15 +57,15 @@ class Ledger(FlightsOut, BesideFlights):
         return added
 
     def edit(self, id: str, **changes: object) -> Flight:
-        """Change fields of a flight and return it. Raises LedgerError when another has the new name."""
+        """Change fields of a flight and return it. Raises LedgerError if another flight has the new name."""
         what = f"{id} ({', '.join(changes)})"
         return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 
     def edit_all(
         self, ids: Sequence[str], what: str, beside: Mapping[str, Mapping[str, Any]] | None = None, /, **changes: object
     ) -> int:
-        """Change fields of several flights, and drafts `beside` them, as one command named by `what`; how many flights
-        it changed."""
+        """Change fields of several flights, and drafts `beside` them, as one change named `what`; the number of flights
+        changed."""
         with self._changing() as pen:
             held = naming.resolve_all(pen.connection, ids) if changes else []
             done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
@@ -75,7 +75,7 @@ class Ledger(FlightsOut, BesideFlights):
         return done
 
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
-        """Take over what the files of flights say now, as one command; how many flights it changed."""
+        """Update flights from their files, as one change; the number of flights changed."""
         with self._changing(keep=not dry_run) as pen:
             done = [one.id for one in renewals if _renew(pen, one)]
             if done:
@@ -83,7 +83,7 @@ class Ledger(FlightsOut, BesideFlights):
         return len(done)
 
     def tag(self, id: str, *tags: str) -> Flight:
-        """Put tags on a flight, each once."""
+        """Add tags to a flight, each once."""
 
         def tagged(flight: Flight) -> Flight:
             return flight.with_changes(tags=tuple(dict.fromkeys((*flight.tags, *tags))))
@@ -91,7 +91,7 @@ class Ledger(FlightsOut, BesideFlights):
         return self._alter(id, "tag", f"{id} {' '.join(tags)}", tagged)
 
     def untag(self, id: str, *tags: str) -> Flight:
-        """Take tags off a flight. Raises LedgerError for one that it does not bear."""
+        """Remove tags from a flight. Raises LedgerError for one that it does not have."""
 
         def untagged(flight: Flight) -> Flight:
             for tag in tags:
@@ -110,7 +110,7 @@ class Ledger(FlightsOut, BesideFlights):
         return flight
 
     def remove(self, *ids: str) -> list[Flight]:
-        """Take flights out and return them; `undo` brings them back."""
+        """Remove flights and return them; `undo` restores them."""
         with self._changing() as pen:
             gone = list({held.entry: held for held in naming.resolve_all(pen.connection, ids)}.values())
             for held in gone:
@@ -120,17 +120,17 @@ class Ledger(FlightsOut, BesideFlights):
         return [held.flight for held in gone]
 
     def undo(self) -> Change:
-        """Take back the last change in force and return it. Raises LedgerError when nothing is left."""
+        """Undo the last change and return it. Raises LedgerError if there is none."""
         with self._writing() as connection:
             return replace(journal.undo(connection), undone=True)
 
     def redo(self) -> Change:
-        """Do again what was undone last. Raises LedgerError when nothing was, or a change came between."""
+        """Redo the last change that was undone. Raises LedgerError if there is none, or a change came between."""
         with self._writing() as connection:
             return journal.redo(connection)
 
     def length(self) -> int:
-        """How many changes there were: another number than before says that somebody has made one."""
+        """Number of changes: if it differs from before, somebody has changed the ledger."""
         with self._reading() as connection:
             return journal.length(connection)
 
@@ -145,7 +145,7 @@ def _renew(pen: ChangeRecorder, one: Renewal) -> bool:
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:
-    """A flight with some fields changed; a readout that was typed has no uncertainty of a measurement."""
+    """A flight with some fields changed; a typed readout loses the uncertainty of its measurement."""
     edited = flight.with_changes(**changes)
     typed = [name for name, value in edited.readouts().items() if value != flight.number(name)]
     return edited.with_source(typed, "typed")

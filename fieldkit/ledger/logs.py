@@ -1,4 +1,4 @@
-"""The original bytes of logs, kept once each under their digest."""
+"""The original bytes of logs, stored once each under their digest."""
 
 import zlib
 from collections.abc import Iterable
@@ -13,14 +13,14 @@ from fieldkit.ledger.tables import logs
 
 
 def keep_log(connection: Connection, original: Original) -> None:
-    """Keep a log's bytes under their digest, once."""
+    """Store a log's bytes under their digest, once."""
     if connection.scalar(select(logs.c.digest).where(logs.c.digest == original.digest)) is None:
         row = {"digest": original.digest, "size": original.size, "content": original.packed}
         connection.execute(insert(logs).values(**row))
 
 
 def log_of(connection: Connection, held: Held) -> bytes | None:
-    """The original bytes of a held flight's log, None if it came without. Raises DamagedRow if they are gone."""
+    """The original bytes of a stored flight's log, None if it has none. Raises DamagedRow if they are missing."""
     content = _content(connection, held.log_digest)
     if held.log_digest and content is None:
         raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is missing")
@@ -34,7 +34,7 @@ def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
 
 
 def check_logs(connection: Connection, digests: Iterable[str]) -> None:
-    """Raises DamagedRow if the bytes under one of these digests are not those of it; zlib.error."""
+    """Raises DamagedRow if the bytes under one of these digests do not match it; zlib.error."""
     for digest in digests:
         _content(connection, digest)
 
@@ -50,7 +50,7 @@ def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
         raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise DamagedRow(f"found a log whose size differs from the {size} bytes on record")
+        raise DamagedRow(f"found a log whose size differs from the {size} bytes recorded for it")
     if digest_of(content) != digest:
         raise DamagedRow(f"the bytes of the log {digest} do not match their checksum")
     return content

@@ -1,4 +1,4 @@
-"""Model versions by rocket, the one in use, and the predictions made."""
+"""Model versions by rocket, the one in use, and the saved predictions."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -20,7 +20,7 @@ FIELDS = tuple(field.name for field in fields(StoredPrediction))
 
 
 def keep_version(pen: ChangeRecorder, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
-    """Keep a model of a rocket under its next number."""
+    """Save a model of a rocket under its next number."""
     last = pen.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
     at = now()
     pen.insert(kept, [{"rocket": rocket, "number": last + 1, "at": at, "payload": dict(payload)}])
@@ -60,7 +60,7 @@ def _use(pen: ChangeRecorder, rocket: str, number: int) -> None:
 def keep_prediction(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> StoredPrediction:
-    """Keep a prediction, or return the one that said the same from the same inputs."""
+    """Save a prediction, or return the existing one with the same content and inputs."""
     new, row = _numbered(connection, payload, digest, rocket, flight_id)
     if row:
         connection.execute(insert(made).values(row))
@@ -71,7 +71,7 @@ def keep_prediction(
 def keep_plan(
     pen: ChangeRecorder, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> StoredPrediction:
-    """As `keep_prediction`, of a flight that the flyer has decided on: a change."""
+    """As `keep_prediction`, for a planned flight: a change."""
     new, row = _numbered(pen.connection, payload, digest, rocket, flight_id)
     pen.insert(made, [row] if row else [])
     return new
@@ -92,7 +92,7 @@ def _numbered(
 def predictions(
     connection: Connection, rocket: str | None, flight_id: str | None, digest: str | None = None
 ) -> list[StoredPrediction]:
-    """The predictions made, oldest first."""
+    """The saved predictions, oldest first."""
     query = select(made).order_by(made.c.number)
     if rocket is not None:
         query = query.where(made.c.rocket == rocket)

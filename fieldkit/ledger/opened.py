@@ -1,4 +1,4 @@
-"""A ledger that is open: reading one state of it, and changing it as a whole or not at all."""
+"""An open ledger: reading one state of it, and changing it completely or not at all."""
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -15,13 +15,13 @@ Kind = TypeVar("Kind", bound="OpenLedger")
 
 
 class OpenLedger:
-    """What each part of a ledger stands on; use it in a `with`."""
+    """Base class of the parts of a ledger; use it in a `with`."""
 
     def __init__(self, engine: Engine, name: str) -> None:
         self._engine = engine
         self.name = name
         self.trouble = ""
-        """Why no backup could be made before a change, empty if one could; the change was made all the same."""
+        """Why no backup could be made before a change, empty if one was; the change was made anyway."""
         self.remarks: list[str] = []
         """Remarks on the ledger's flights for its user, a line each, in the order found."""
 
@@ -50,11 +50,11 @@ class OpenLedger:
         self.close()
 
     def remark(self, *lines: str) -> None:
-        """Have something said of the flights, once."""
+        """Add a remark on the flights, once."""
         self.remarks += [line for line in dict.fromkeys(lines) if line not in self.remarks]
 
     def close(self) -> None:
-        """Let go of the file or the server."""
+        """Close the file or the connection."""
         self._engine.dispose()
 
     def _reading(self) -> AbstractContextManager[Connection]:

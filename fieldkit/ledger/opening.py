@@ -63,14 +63,14 @@ def _begin_server(connection: Connection) -> None:
 
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
-    """A connection that sees one state of the ledger."""
+    """A connection that reads one state of the ledger."""
     with explained(engine), engine.connect() as connection:
         yield connection
 
 
 @contextmanager
 def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
-    """A connection whose changes are kept together at the end, or not at all; one writer at a time."""
+    """A connection whose changes are committed together, or not at all; one writer at a time."""
     with explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
         if keep:
@@ -78,7 +78,7 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
-    """Copy a ledger before it is changed, if that is due; why it could not be done, empty if it was not.
+    """Back up a ledger before it is changed, if that is due; the reason if it failed, otherwise empty.
 
     Raises LedgerError if the ledger turns out to be damaged.
     """
@@ -116,7 +116,7 @@ def bring_up_to_date(engine: Engine) -> None:
 
 
 def never_recreate(engine: Engine) -> None:
-    """From now on a file that is gone is named, where SQLite would make an empty one in its place."""
+    """Report a missing file from now on, for which SQLite would create an empty one."""
     file = file_of(engine.url)
     if file is None:
         return

@@ -1,4 +1,4 @@
-"""How the ledger stood before a flight came in: the journal read backwards in memory, nothing is changed."""
+"""The state of the ledger before a flight was added: the journal read backward in memory, nothing is changed."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -17,7 +17,8 @@ Rows = dict[str, dict[tuple[Any, ...], Row]]
 
 
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
-    """How each flight's rocket stood just before the flight came in; as it stands now for one that never did."""
+    """The state of each flight's rocket just before the flight was added; the current state for a flight that never
+    was."""
     changes = list(_changes(connection))
     came = _arrivals(changes)
     rows = _rows(connection)
@@ -51,7 +52,7 @@ def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
 
 
 def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
-    """The change by which each flight, named by its entry, came in last."""
+    """The change by which each flight, named by its entry, was last added."""
     return {
         image.after["entry"]: number
         for number, images in changes

@@ -24,7 +24,7 @@ class FlightSummary:
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
-    """A flight that was not taken in, and why, in one line."""
+    """A flight that was not added, and the reason, in one line."""
 
     arrival: Arrival
     error: str
@@ -32,7 +32,7 @@ class Conflict:
 
 @dataclass(frozen=True, slots=True)
 class Added:
-    """What became of flights given to a ledger; `new` are their ids."""
+    """The result of adding flights to a ledger; `new` are their ids."""
 
     new: tuple[str, ...] = ()
     duplicates: int = 0
@@ -85,7 +85,7 @@ class StoredPrediction:
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """A rocket's flights, in order, and the number of the model in use at some moment, 0 for the plain one."""
+    """A rocket's flights, in order, and the number of the model in use at a time, 0 for the plain one."""
 
     flights: tuple[Flight, ...]
     version: int

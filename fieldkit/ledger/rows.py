@@ -1,4 +1,4 @@
-"""Flights as rows and rows as flights; nothing above this package sees a row."""
+"""Flights as rows and rows as flights; no other package sees a row."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,11 +11,11 @@ from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES,
 from fieldkit.ledger.records import FlightSummary
 
 Row = dict[str, Any]
-"""Column name to a value that JSON can hold."""
+"""Column name to a JSON-compatible value."""
 
 
 class DamagedRow(ValueError):
-    """A row that no fieldkit wrote: what is on the disk has changed."""
+    """A row that fieldkit did not write: the file has changed."""
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
@@ -26,7 +26,7 @@ DIRECT_FIELDS = tuple(name for name in FIELDS if name not in (*READOUT_COLUMNS, 
 
 
 def row_of(flight: Flight) -> Row:
-    """A flight as one JSON-ready row, tags included. Raises BadValue for what a ledger cannot keep."""
+    """A flight as one JSON-compatible row, tags included. Raises BadValue for values that a ledger cannot store."""
     for name in TEXTS:
         _storable(name, getattr(flight, name))
     for text in (*flight.tags, *flight.extra, *flight.extra.values()):
@@ -58,7 +58,7 @@ def summary_of(name: str, row: Mapping[str, Any]) -> FlightSummary:
 
 
 def same(one: Flight, other: Flight) -> bool:
-    """Whether two records are of the same flight, up to the rounding of unit conversions."""
+    """Whether two records are of the same flight, up to rounding in unit conversions."""
     return all(_alike(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
 

@@ -1,6 +1,6 @@
-"""Which version of the schema a ledger's tables have, what they have lost of it, and bringing them to the newest.
+"""The version of a ledger's schema, tables or columns it has lost, and upgrading it.
 
-Alembic is imported only when a ledger is new or older than this program.
+Alembic is imported only if a ledger is new or older than this program.
 """
 
 import re
@@ -41,7 +41,8 @@ def version(connection: Connection) -> str | None:
 
 
 def missing(connection: Connection) -> str:
-    """A table or a column that a ledger of the newest step has lost, or why that cannot be determined; else empty."""
+    """A table or a column that a ledger of the newest version has lost, or why that cannot be determined; else
+    empty."""
     try:
         there = inspect(connection)
         for name, table in metadata.tables.items():
@@ -55,7 +56,7 @@ def missing(connection: Connection) -> str:
 
 
 def upgrade(connection: Connection, step: str = "head") -> None:
-    """Make the tables of the newest step, or of an older one, from whatever is there."""
+    """Create or upgrade the tables to the newest version, or to an older one."""
     from alembic import command
     from alembic.config import Config
 

@@ -1,4 +1,4 @@
-"""Flights as they come out of a ledger: listed, named, with their logs, and as they once were."""
+"""Flights read from a ledger: listed, named, with their logs, and in earlier states."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,7 +10,7 @@ from fieldkit.ledger.rows import Row, flight_of, summary_of
 
 
 class FlightsOut(OpenLedger):
-    """Asking a ledger for flights."""
+    """Reading a ledger."""
 
     def flights(
         self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
@@ -49,7 +49,7 @@ class FlightsOut(OpenLedger):
             return naming.resolve(connection, id).flight
 
     def entered(self, id: str) -> Flight | None:
-        """A flight as it came in, None if it was not edited since."""
+        """A flight as it was imported, None if it was not edited since."""
         with self._reading() as connection:
             return naming.resolve(connection, id).entered
 
@@ -71,12 +71,12 @@ class FlightsOut(OpenLedger):
             return logs.other_logs_of(connection, naming.resolve(connection, id))
 
     def names(self, field: str, rocket: str | None = None) -> list[str]:
-        """Every `rocket`, `config`, `motor` or `site` that flights name, the last used first."""
+        """Every `rocket`, `config`, `motor` or `site` named in the flights, most recent first."""
         with self._reading() as connection:
             return finding.names(connection, field, rocket)
 
     def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
-        """The flight entered last, whose set-up the next one is likely to share."""
+        """The flight entered last, whose setup the next one is likely to share."""
         with self._reading() as connection:
             return finding.latest(connection, rocket, config)
 
@@ -86,7 +86,7 @@ class FlightsOut(OpenLedger):
             return finding.next_flight_id(connection, rocket)
 
     def before(self, flights: Sequence[Flight]) -> list[Past]:
-        """How the rocket of each of these flights stood just before the flight came in."""
+        """The state of the rocket of each of these flights just before the flight was added."""
         if not flights:
             return []
         with self._reading() as connection:

@@ -24,7 +24,7 @@ from fieldkit.ledger.schema import STEPS, missing, version
 from fieldkit.ledger.tables import flights, logs, metadata, tags
 
 PATIENCE = 15.0
-"""How long a command or a copy waits for a process that is writing. [s]"""
+"""How long a command or a backup waits for a process that is writing. [s]"""
 Keys = Collection[tuple[Any, ...]]
 """Primary keys of rows."""
 
@@ -38,7 +38,7 @@ def opened(file: Path) -> closing[sqlite3.Connection]:
 
 
 def fault(file: Path, *, since: Path | None = None) -> str:
-    """What is wrong with a ledger's file, in a line; empty for a sound one. Raises sqlite3.Error.
+    """What is wrong with a ledger's file, in one line; empty if nothing. Raises sqlite3.Error.
 
     `since` is a sound copy of it.
     """
@@ -78,7 +78,7 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
 
 
 def damage_in(error: sqlite3.DatabaseError) -> str:
-    """What SQLite says of damage, in a line; any other trouble is raised again."""
+    """SQLite's report of damage, in one line; any other error is raised again."""
     said = " ".join(str(error).split())
     if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or said.startswith("Could not decode"):
         return said

@@ -13,7 +13,7 @@ FIELDS = tuple(field.name for field in fields(Start))
 
 
 def keep(pen: ChangeRecorder, start: Start) -> bool:
-    """Save a starting configuration in place of the old one; False if it is a duplicate."""
+    """Save a starting configuration, replacing the old one; False if it is a duplicate."""
     there = starts(pen.connection, start.rocket)
     if start in there:
         return False

@@ -30,7 +30,7 @@ _SQLITE = {
 }
 
 _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
-"""How SQLite says, without a code of its own, that a text is not what was written."""
+"""SQLite's messages, which have no code of their own, about invalid text."""
 
 
 @contextmanager
@@ -54,7 +54,7 @@ def explained(engine: Engine) -> Iterator[None]:
 
 
 def _reason(error: DBAPIError) -> str | None:
-    """What the flyer can fix, or None if the fault is ours or the file's."""
+    """An error that the user can fix, or None if it is a bug or damage of the file."""
     code = getattr(error.orig, "sqlite_errorname", "")
     for start, why in _SQLITE.items():
         if code.startswith(start):
@@ -82,7 +82,7 @@ def _missing(engine: Engine) -> str:
 
 
 def _offered(engine: Engine, why: str) -> str:
-    """How to get a damaged ledger back, empty for another trouble."""
+    """How to restore a damaged ledger, empty for other errors."""
     file = file_of(engine.url)
     hurt = why.startswith("the file is damaged") or (why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file))
     return f"; {backups.offer(file)}" if hurt and file else ""

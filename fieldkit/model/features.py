@@ -1,4 +1,4 @@
-"""What an ensemble is shown of a flight: one function each, used in training and in the field."""
+"""The features of a flight for an ensemble: one function each, used in training and in the field."""
 
 from typing import Any
 

@@ -66,7 +66,7 @@ def _log(ratio: Array) -> Array:
 
 
 def features(observed: Observed) -> Float[Array, "flight feature"]:
-    """What the ensemble is shown, a column for each of `FEATURES`; nothing in it is nan."""
+    """The features for the ensemble, a column for each of `FEATURES`; nothing in it is nan."""
     columns = _columns(observed)
     return np.nan_to_num(np.stack([columns[name] for name in FEATURES], axis=-1), nan=0.0)
 
@@ -160,7 +160,7 @@ def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Ar
 def _circumstances(
     observed: Observed, motor: dict[str, Array], nominal: dict[str, Array], bounds: tuple[Array, Array], density: Array
 ) -> dict[str, Array]:
-    """What the flight was: rocket, motor, air, rail; not what came of it."""
+    """The circumstances of the flight: rocket, motor, air, rail; no outcomes."""
     dry_mass = observed.given("dry_mass")
     mass = dry_mass + motor["casing"] + motor["propellant"]
     mean = motor["total_impulse"] / motor["burn_time"]

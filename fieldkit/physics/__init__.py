@@ -1,1 +1,1 @@
-"""The flight simulator: pure functions of arrays, one entry a draw, SI units throughout."""
+"""The flight simulator: pure functions of arrays, one entry per draw, SI units throughout."""

@@ -19,9 +19,9 @@ from fieldkit.physics.standard_atmosphere import GRAVITY as GRAVITY
 from fieldkit.shapes import Array, Float
 
 WIND_EXPONENT = 1 / 7
-"""Of the power law of the wind over open ground. [1]"""
+"""Exponent of the power law of the wind over open ground. [1]"""
 WIND_HEIGHT = 2.0
-"""At which a flyer holds an anemometer. [m]"""
+"""Height at which a flyer holds an anemometer. [m]"""
 VAPOUR_RATIO = 0.62198
 """Molar mass of water over that of dry air. [1]"""
 

@@ -15,12 +15,12 @@ MAX_DRAG_FRACTION = 0.5
 SHORT_PATH = 1.0
 """Longest path of a step by which a rocket turns into the wind. [m]"""
 BIGGEST_GAIN = 0.4
-"""Largest share by which thrust may change the speed of a free planar flight in a step. [1]"""
+"""Largest fraction by which thrust may change the speed of a free planar flight in a step. [1]"""
 MOST_PARTS = 64
-"""Into which a step is cut. [1]"""
+"""Largest number of parts of a step. [1]"""
 
 PARALLEL_DRAWS = 0.75
-"""Fraction of the draws that must need another part of a step for all of them to be taken through it. [1]"""
+"""Fraction of the draws that must need another part of a step for all draws to be computed in it. [1]"""
 
 NEWTON = 8
 """Rounds of Newton's method for the moment at which the rail ends. [1]"""
@@ -31,10 +31,10 @@ Stages = list[Array]
 
 @dataclass(slots=True)
 class AscentState:
-    """Where all draws are at one moment of the ascent, and the highlights so far. SI units.
+    """The state of all draws at one moment of the ascent, and the highlights so far. SI units.
 
-    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from
-    ignition, `flying` from lift-off.
+    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from ignition,
+    `flying` from lift-off.
     """
 
     time: Array
@@ -68,7 +68,7 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
 
 
 def _highlight(track: AscentState, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
-    """Keep top speed and its moment, from the cubic through speed and its slope at both ends of a step."""
+    """Update top speed and its time, from the cubic through speed and its slope at both ends of a step."""
     (speed0, slope0), (speed1, slope1) = before, after
     turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
     ends_higher = speed1 > track.top_speed
@@ -262,7 +262,7 @@ def _step(
 
 
 def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> None:
-    """Keep the top of a flight that turns down under power, upward speed taken as linear in a step."""
+    """Update the apogee of a flight that turns over under power, upward speed taken as linear in a step."""
     turns = (upward > 0) & (track.velocity[0] <= 0)
     left = upward * dt / np.where(turns, upward - track.velocity[0], 1.0)
     top = height + 0.5 * upward * left
@@ -272,7 +272,7 @@ def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> N
 
 
 def _leave_rail(track: AscentState, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
-    """Keep the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
+    """Update the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
     before, after = _speed(position), _speed(track.position)
     leaves = (after >= setup.rail_length) & (before < setup.rail_length)
     if not leaves.any():

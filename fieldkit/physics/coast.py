@@ -20,7 +20,7 @@ from fieldkit.shapes import Array, Float
 LAYER = 50.0
 """Thickest layer of even density in the closed form. [m]"""
 LEAST_DRAG = 1e-12
-"""Drag per mass and speed squared that stands for none, so that one formula serves. [1/m]"""
+"""Drag per mass and speed squared that counts as zero drag, so that one formula serves. [1/m]"""
 SPEED_STEP = 12.0
 """Longest step of upward speed otherwise. [m/s]"""
 
@@ -122,7 +122,8 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
 
 
 def _count(wanted: Array) -> Array:
-    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbors."""
+    """Between two and four hundred layers or steps, for each draw separately, so that draws do not influence each
+    other."""
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 

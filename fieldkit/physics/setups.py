@@ -21,9 +21,9 @@ from fieldkit.physics.thrust_steps import STEPS, Burns, burns
 from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
-"""Of a rod if none was recorded. [m]"""
+"""Length of a rod if none was recorded. [m]"""
 DESCENT_SPEED = 5.0
-"""Under a parachute if none was recorded. [m/s]"""
+"""Descent speed under a parachute if none was recorded. [m/s]"""
 STABILITY = "stability_cal"
 """The column of a rocket's static margin, as a design program states it. [body diameters]"""
 USUAL_STABILITY = 2.0
@@ -113,7 +113,7 @@ def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence
 
 
 def _standard_density(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Of the standard air at a height above sea level. [kg/m^3]"""
+    """Density of the standard air at a height above sea level. [kg/m^3]"""
     unknown = np.full((), np.nan)
     return pad_air(elevation, unknown, unknown, unknown).density
 

@@ -13,15 +13,15 @@ GAS_CONSTANT = 287.05287
 LAPSE = 0.0065
 """Temperature lost per meter of height. [K/m]"""
 STANDARD_TEMPERATURE = 288.15
-"""At sea level. [K]"""
+"""Temperature at sea level. [K]"""
 STANDARD_PRESSURE = 101325.0
-"""At sea level. [Pa]"""
+"""Pressure at sea level. [Pa]"""
 GRAVITY = STANDARD_GRAVITY
 """Acceleration of free fall. [m/s^2]"""
 HYDROSTATIC = GRAVITY / (GAS_CONSTANT * LAPSE)
 """Exponent of the pressure law of the troposphere. [1]"""
 TROPOPAUSE = 11_000.0
-"""Above it the temperature stays what it is. [m]"""
+"""Height above which the temperature is constant. [m]"""
 _STRATOSPHERE_TEMPERATURE = STANDARD_TEMPERATURE - LAPSE * TROPOPAUSE
 _TOP = STANDARD_PRESSURE * (_STRATOSPHERE_TEMPERATURE / STANDARD_TEMPERATURE) ** HYDROSTATIC
 _SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY

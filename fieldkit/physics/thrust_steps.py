@@ -14,20 +14,20 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 STEPS = 14
-"""No step is longer than the burn over this."""
+"""Number by which the burn time is divided for the longest step. [1]"""
 
 
 @runtime_checkable
 class Curve(Protocol):
-    """What the simulator needs to know of a motor."""
+    """The motor data that the simulator needs."""
 
     @property
     def time(self) -> Array:
-        """Knots. [s]"""
+        """Times of the knots. [s]"""
 
     @property
     def thrust(self) -> Array:
-        """At the knots. [N]"""
+        """Thrust at the knots. [N]"""
 
     @property
     def burnout(self) -> float:
@@ -35,11 +35,11 @@ class Curve(Protocol):
 
     @property
     def propellant_mass(self) -> float:
-        """Burnt in flight. [kg]"""
+        """Propellant mass. [kg]"""
 
     @property
     def casing_mass(self) -> float:
-        """What stays of the motor. [kg]"""
+        """Mass of the motor after burnout. [kg]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
-"""Forecasts averaged over hypotheses: of each flight left out, and of each from the flights before it.
+"""Forecasts averaged over hypotheses: of each flight left out, and of each flight from the earlier ones.
 
-A hypothesis says of a flight what its fit without that flight does, and has the probability that the other flights give
-it. So there is no choice that would have to be made again without each flight; which hypotheses there are was found
-with all of them.
+A hypothesis forecasts a flight by its fit without that flight, and has its probability given the other flights. So
+there is no choice that would have to be repeated without each flight; the set of hypotheses itself was found with all
+flights.
 """
 
 from collections.abc import Sequence
@@ -24,17 +24,19 @@ from fieldkit.shapes import Array, Flags, Float
 NEGLIGIBLE_PROBABILITY = 0.01
 """Probability without a flight below which a hypothesis is not fitted again. [1]"""
 TAIL_PARTS = 4
-"""Normals that stand for a Student t. [1]"""
+"""Normal components that approximate a Student t. [1]"""
 MIN_EARLIER_FLIGHTS = 4
-"""Earlier clean flights from which on flights are forecast forward in time. [1]"""
+"""Minimum number of earlier clean flights for a forecast forward in time. [1]"""
 MAX_FORWARD = 24
-"""Hypotheses that are followed forward in time. [1]"""
+"""Hypotheses used forward in time. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """Every flight forecast without it. `refits` counts the fits that were made again of all `folds`;
-    `probability` is that of each set without each flight."""
+    """Forecasts of every flight without it.
+
+    `refits` counts the fits repeated among all `folds`; `probability` is that of each set without each flight.
+    """
 
     forecasts: Forecasts
     probability: dict[Members, Float[Array, "flight"]]
@@ -68,9 +70,9 @@ class _Said:
 
 
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
-    """Every flight forecast by the hypotheses that were checked, fitted and weighed without it.
+    """Forecasts of every flight by the hypotheses, fitted and weighted without it.
 
-    By importance sampling; if the weights of that cannot be relied on the fit is made again without the flight.
+    By importance sampling; if its weights are unreliable, the fit is repeated without the flight.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     said = [_sampled(one) for one in some]
@@ -101,7 +103,7 @@ def _sampled(one: Hypothesis) -> _Said:
 
 
 def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
-    """What a hypothesis says of some flights when it is fitted again without each of them."""
+    """Forecasts of some flights by a hypothesis, fitted again without each of them."""
     assert one.sampled is not None
     scales = one.sampled.scales
     columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
@@ -123,7 +125,7 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
 
 
 def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
-    """The mixture of what all hypotheses say, a flight's own scatter a Student t."""
+    """The mixture of the forecasts of all hypotheses, the scatter of single flights a Student t."""
     from scipy.special import gammaincinv
 
     precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
@@ -160,7 +162,7 @@ def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead
 
 
 def _followed(posterior: SetPosterior) -> list[Hypothesis]:
-    """The plain model, the best place of every set of one, and the most probable others."""
+    """The plain model, the best place of every set of one effect, and the most probable others."""
     order = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
     first: dict[Members, Hypothesis] = {}
     for one in order:
@@ -171,7 +173,7 @@ def _followed(posterior: SetPosterior) -> list[Hypothesis]:
 
 
 def _grown(one: Hypothesis) -> _Said:
-    """What a hypothesis said of every flight before it flew; before there are many, scales may be anywhere."""
+    """Forecast of every flight by a hypothesis from the earlier flights, on the whole grid of scales."""
     near, model = one.fit.tangent, one.fit.model
     model = replace(model, hyperprior=model.hyperprior.everywhere())
     whole = solve(model, one.fit.data, near, one.fit.flight_weight)

@@ -1,4 +1,4 @@
-"""What could be missing from a rocket's model: every effect, everywhere or in one group of flights."""
+"""Candidates for missing effects: every effect, everywhere or in one group of flights."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from fieldkit.physics.setups import delays, recorded
 from fieldkit.shapes import Array, Flags, Float
 
 EACH_GROUP = "each"
-"""The level of an effect that has a strength of its own in every group."""
+"""The place of an effect that has a strength of its own in every group."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class Candidate:
 
 
 SINCE_SHARE = 0.4
-"""Fraction of an effect's prior odds for beginning at some flight rather than at the first. [1]"""
+"""Fraction of an effect's prior odds for starting at some later flight. [1]"""
 
 
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
@@ -77,7 +77,7 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
 
 
 def background_terms(model: Model) -> list[Term]:
-    """What every rocket has of the effects, on all its flights."""
+    """The effects that are part of every rocket's model, on all its flights."""
     every = np.ones(len(model.flights))
     usual = {name: (effect, effect.background) for name, effect in effects().items()}
     return [
@@ -119,7 +119,7 @@ def _can_act(effect: Effect, model: Model) -> bool:
 
 
 def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
-    """Groups of flights an effect may be confined to."""
+    """Groups of flights to which an effect may be confined."""
     if not effect.from_first:
         return
     if effect.everywhere:
@@ -134,7 +134,7 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
 
 
 def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> Iterator[Place]:
-    """Flights of each group at which an effect may begin, with a flight used in the fit on either side."""
+    """Flights of each group at which an effect may start, with a flight used in the fit on either side."""
     if not effect.starts_anywhere:
         return
     group = groups(model.flights, model.found, effect.per) if effect.per else [""] * len(model.flights)

@@ -17,7 +17,7 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 FITTED = ("cd", "alpha")
-"""Figures that are fitted to the readouts of a flight, as forecasts and documents call them."""
+"""Names of figures fitted to the readouts of a flight, as in forecasts and documents."""
 LENGTHS = {"m": 1.0, "ft": 0.3048}
 """Last words of headers of lengths, with their meters."""
 SAME_RATIO = 0.25
@@ -31,7 +31,7 @@ MIN_FLIGHTS = 4
 
 
 def known_before(name: str, flights: Sequence[Flight]) -> bool:
-    """Whether a column of the flyer's own says what was so before lift-off, as far as its header and values show."""
+    """Whether a column of the user's table was known before lift-off, judging by its header and values."""
     words = _words(name)
     if any(said <= words for said in _outcomes()):
         return False
@@ -44,12 +44,12 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
 
 
 def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """A column of the flyer's own, nan if it is no number."""
+    """A column of the user's table, nan for cells that are not numbers."""
     return np.array([_number(flight.extra.get(name, "")) for flight in flights])
 
 
 def _outcomes() -> Iterator[frozenset[str]]:
-    """The words that together name an outcome."""
+    """Words that together name an outcome."""
     for column in MEASURED:
         yield _words(column.name)
         yield _words(column.title)

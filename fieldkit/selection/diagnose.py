@@ -1,6 +1,6 @@
-"""Find what a rocket's model lacks: try effects alone and together, weigh what was tried, and average over it.
+"""Search for what a rocket's model lacks: effects alone and together, weighted by evidence and averaged.
 
-The errors reported are of flights left out, each forecast by fits without it, weighed without it.
+The reported errors are of flights left out, each forecast by fits and weights without it.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ from fieldkit.selection.verdict import Verdict, given_verdict, verdict
 from fieldkit.shapes import Array, Flags, Float
 
 MIN_AVERAGED = 0.02
-"""Posterior probability from which on a hypothesis has a part in forecasts. [1]"""
+"""Posterior probability above which a hypothesis is part of the average. [1]"""
 MAX_AVERAGED = 8
-"""Hypotheses that have a part in forecasts. [1]"""
+"""Hypotheses in the average. [1]"""
 _NOT_YET = "; held-out flights do not show it yet: check again after more flights"
 
 
@@ -48,13 +48,13 @@ class Ranked:
 
     @property
     def best(self) -> Trial:
-        """The place in which it is most at home."""
+        """The most probable place of the effect."""
         return self.trials[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """The plain model's fit and what it says of each flight left out."""
+    """The plain model's fit and its forecast of each flight left out."""
 
     fit: Fit
     left_out: LeaveOneOut
@@ -87,7 +87,7 @@ class Diagnosis:
 
     @property
     def confidence(self) -> float:
-        """Posterior probability that the verdict is so."""
+        """Posterior probability that the verdict is right."""
         return self.verdict.confidence
 
     @property
@@ -103,12 +103,12 @@ class Diagnosis:
 
     @property
     def accepted(self) -> tuple[Trial, ...]:
-        """The effects named, each in its place."""
+        """The named effects, each in its place."""
         return self.verdict.accepted
 
     @property
     def pattern(self) -> tuple[Place, ...]:
-        """The pattern that the most probable hypothesis has, if the verdict is unexplained."""
+        """The pattern of the most probable hypothesis, if the verdict is unexplained."""
         places = self.posterior.best().places if self.effect == UNEXPLAINED else ()
         return tuple(place for place in places if not place.effect)
 
@@ -156,7 +156,7 @@ def diagnose(
 
 
 def averaged(posterior: SetPosterior) -> Averaged:
-    """The hypotheses that have a part in forecasts, the most probable first."""
+    """The hypotheses in the average, most probable first."""
     pairs = zip(posterior.probability.tolist(), posterior.hypotheses, strict=True)
     order = sorted(pairs, key=lambda pair: -pair[0])
     kept = [pair for pair in order if pair[0] > MIN_AVERAGED][:MAX_AVERAGED] or order[:1]
@@ -165,7 +165,7 @@ def averaged(posterior: SetPosterior) -> Averaged:
 
 
 def _check(names: Sequence[str], families: Families) -> None:
-    """Raise UnknownEffect for a name that is no effect here, or said twice."""
+    """Raise UnknownEffect for an unknown name, or one given twice."""
     for number, name in enumerate(names):
         if not name or name not in families or name in names[:number]:
             could = ", ".join(sorted(name for name in families if name))
@@ -175,7 +175,7 @@ def _check(names: Sequence[str], families: Families) -> None:
 def _ranking(
     posterior: SetPosterior, families: Families, truth: Float[Array, "flight"], seen: Flags
 ) -> tuple[Ranked, ...]:
-    """Every effect by the evidence for it alone, the strongest first."""
+    """Every effect by its evidence alone, strongest first."""
     found = []
     for effect in families:
         name = effect or UNEXPLAINED

@@ -51,7 +51,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
 
 
 def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
-    """What the altimeter shows of every flight with the effect as fitted, and without it, all else being equal."""
+    """The readouts of every flight with the effect as fitted and without it, all else equal."""
     model = trial.fit.model
     mean, _ = trial.fit.moments()
     own = {term.name for term in trial.candidate.terms}
@@ -60,13 +60,13 @@ def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
 
 
 def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:
-    """What the effect does to each readout of each flight, as the fit compares them."""
+    """The shift of each readout of each flight by the effect, as the fit compares them."""
     both = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     return np.asarray(np.nan_to_num(both[0] - both[1]))
 
 
 def _misses(plain: Fit) -> Float[Array, "flight readout"]:
-    """Readouts less what the plain model's prior expects."""
+    """Readouts minus the prior expectation of the plain model."""
     near = plain.tangent
     prior = np.array([term.mean for term in plain.model.terms])
     usable = plain.data.seen & np.isfinite(near.values)
@@ -74,7 +74,7 @@ def _misses(plain: Fit) -> Float[Array, "flight readout"]:
 
 
 def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
-    """What the plain model cannot follow of a shift, in expected standard deviations of each readout."""
+    """The part of a shift that the plain model cannot absorb, in expected standard deviations of each readout."""
     best = int(np.argmax(plain.log_weight))
     usable = plain.data.seen & np.isfinite(plain.tangent.values)
     slope, noise = plain.told.slope, plain.told.noise[best]
@@ -115,7 +115,7 @@ def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *
 def _others(
     diagnosis: Diagnosis, readings: dict[str, Float[Array, "2 flight"]], along: Float[Array, "flight"]
 ) -> dict[str, FingerprintMark]:
-    """The readouts that the fit leaves aside, beside flights with and without the effect."""
+    """The readouts that the fit does not use, on flights with and without the effect."""
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
     rows = {}

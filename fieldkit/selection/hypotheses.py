@@ -1,4 +1,4 @@
-"""Hypotheses of what a model lacks, each a set of effects in their places, and their posterior probabilities."""
+"""Hypotheses about what a model lacks, each a set of effects in their places, with posterior probabilities."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from fieldkit.selection.trial import Trial
 from fieldkit.shapes import Array, Float
 
 Members = frozenset[str]
-"""Names of effects, and `UNEXPLAINED`, as verdicts speak of them."""
+"""Names of effects, and `UNEXPLAINED`, as in verdicts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,17 +33,17 @@ class Hypothesis:
 
     @property
     def members(self) -> Members:
-        """What it has that the plain model has not."""
+        """Its terms beyond those of the plain model."""
         return members_of(self.candidates)
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where each of them acts."""
+        """The place of each effect."""
         return tuple(candidate.place for candidate in self.candidates)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """Each of them with the fit of all."""
+        """Each effect with the joint fit."""
         return tuple(Trial(candidate, self.fit) for candidate in self.candidates)
 
     @property
@@ -97,11 +97,11 @@ class SetPosterior:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def any_of(self, names: Collection[str]) -> float:
-        """Posterior probability that at least one of these is there."""
+        """Posterior probability that at least one of these effects is present."""
         return sum(chance for members, chance in self.sets.items() if members & set(names))
 
     def all_of(self, names: Collection[str]) -> float:
-        """Posterior probability that all of these are there, alone or with others."""
+        """Posterior probability that all of these effects are present, alone or with others."""
         return sum(chance for members, chance in self.sets.items() if set(names) <= members)
 
     @property
@@ -123,5 +123,5 @@ class SetPosterior:
         return float(np.logaddexp.reduce(alone)) - log_prior_odds([name]) - plain.log_weight
 
     def without(self, names: Collection[str]) -> "SetPosterior":
-        """The posterior given that none of these is there."""
+        """The posterior given that none of these effects is present."""
         return replace(self, hypotheses=tuple(one for one in self.hypotheses if not one.members & set(names)))

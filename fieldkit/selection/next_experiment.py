@@ -25,15 +25,15 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
 Normal = tuple[Float[Array, "readout"], Float[Array, "readout readout"]]
-"""Mean and covariance of readouts as they are compared."""
+"""Mean and covariance of readouts in the units of the fit."""
 Planned = tuple[str, Flight, Found]
-"""How a flight would be asked for, the flight, and its motor."""
+"""Description of a flight, the flight, and its motor."""
 BALLAST = 1.2
-"""Of a ballasted flight, in dry masses of the configuration. [1]"""
+"""Dry mass of a ballasted flight, as a multiple of the configuration's. [1]"""
 DELAY_INCREMENT = 2.0
 """Difference between a delay and the next longer one. [s]"""
 BREEZE = 6.0
-"""A windy day for a model rocket. [m/s]"""
+"""Wind of a windy day for a model rocket. [m/s]"""
 ENOUGH_EVIDENCE_FRACTION = 0.9
 """Fraction of the evidence of all readouts from which on a subset is enough. [1]"""
 
@@ -78,7 +78,7 @@ def _odds(nats: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Effects in their places, fitted to the flights there are."""
+    """Effects in their places, fitted to the flights so far."""
 
     places: tuple[Place, ...]
     fit: Fit
@@ -127,7 +127,7 @@ def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
 
 
 def _measurements(side: Explanation) -> Iterator[Advice]:
-    """What could be measured on the ground, if an effect knows how well its strength can be."""
+    """Possible measurements on the ground, for effects with a known measurement error."""
     mean, sd = side.fit.moments()
     for place in side.places:
         effect = effects()[place.effect]

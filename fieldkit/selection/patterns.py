@@ -20,13 +20,13 @@ Weigh = Callable[[Sequence[Flight]], Array]
 """How strongly a pattern acts on each of a rocket's flights, in the order flown, planned ones after them; of a pattern
 with several components a column for each."""
 Kind = Mapping[str, Weigh]
-"""Patterns of one kind by what they are called."""
+"""Patterns of one kind by name."""
 ODD_DRAG = 0.15
 """Prior standard deviation of the log drag of a pattern. [1]"""
 SMOOTH_LENGTH = 1.0
 """Length over which a smooth pattern changes, in standard deviations of the number that it goes with. [1]"""
 NEGLIGIBLE_VARIANCE = 0.03
-"""Part of its variance below which a component of a smooth pattern is left out. [1]"""
+"""Fraction of its variance below which a component of a smooth pattern is left out. [1]"""
 MAX_COMPONENTS = 4
 """Components of a smooth pattern. [1]"""
 MOST_VALUES = 6
@@ -34,7 +34,7 @@ MOST_VALUES = 6
 
 
 def pattern_candidates(model: Model) -> list[Candidate]:
-    """Patterns in thrust, drag and mass that no effect stands for, each kind of pattern with the same odds."""
+    """Patterns in thrust, drag and mass that no effect accounts for, each kind with the same odds."""
     kinds = known_patterns(model.flights)
     return [
         Candidate(Place("", where), _odd(where, weigh(model.flights)), log_share=float(-np.log(len(kind) * len(kinds))))
@@ -84,7 +84,7 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
 
 
 def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
-    """Patterns that go with what was written down of the flights."""
+    """Patterns that correlate with recorded conditions and columns."""
     sites = _shared([flight.site for flight in flights])
     yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}
     numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
@@ -106,7 +106,7 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
 
 
 def _shared(labels: Sequence[str]) -> list[str]:
-    """Labels that at least two flights bear and two do not."""
+    """Labels that at least two flights have and two do not."""
     return [label for label in dict.fromkeys(labels) if label and 2 <= labels.count(label) <= len(labels) - 2]
 
 
@@ -123,7 +123,7 @@ def _every(n: int, first: int) -> Weigh:
 
 
 def _standard(read: Weigh, mean: float, sd: float) -> Weigh:
-    """A column about its mean, nothing if it was not written down."""
+    """A column minus its mean, nothing if it was not recorded."""
     return lambda some: np.nan_to_num((read(some) - mean) / sd)
 
 

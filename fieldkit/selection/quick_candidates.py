@@ -1,4 +1,4 @@
-"""What a quick look weighs: every effect in every place it may act in, and patterns in drag or in mass."""
+"""Candidates of a quick look: every effect in every place, and patterns in drag or in mass."""
 
 from collections.abc import Sequence
 

@@ -70,7 +70,7 @@ class QuickLook:
 
     @property
     def after(self) -> Score:
-        """Errors of flights left out with the verdict's likeliest effect, else those before."""
+        """Errors of flights left out with the verdict's most probable effect, else those before."""
         first = self.effect.split("+")[0]
         return next((one.after for one in self.candidates if one.effect == first), self.before)
 
@@ -81,7 +81,7 @@ def quick_look(
     used_in_fit: Sequence[bool],
     ensemble: "Ensemble | None" = None,
 ) -> QuickLook:
-    """What the network makes of the flights of a rocket, in the order flown."""
+    """The network's answer for the flights of a rocket, in the order flown."""
     network = ensemble or load_history()
     last, motor = flown[-1]
     history = History(
@@ -136,7 +136,7 @@ def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
 
 
 def _candidates(said: QuickAnswer) -> tuple[QuickCandidate, ...]:
-    """Every effect that may act, the likeliest first."""
+    """Every effect that may act, most probable first."""
     trials = said.summary.trials
     found = [_candidate(said, name, rows) for name, rows in families(trials).items() if name and name in said.inclusion]
     return tuple(sorted(found, key=lambda one: -one.probability))

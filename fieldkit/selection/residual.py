@@ -51,7 +51,7 @@ class ResidualDistribution:
 
 
 SHUFFLES = 2000
-"""Orders of the flights that an autocorrelation is compared with."""
+"""Random orders of the flights that an autocorrelation is compared with. [1]"""
 
 
 def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:

@@ -1,4 +1,4 @@
-"""The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
+"""The app: its pages, its colors, its notices, and undo from anywhere."""
 
 import asyncio
 import time
@@ -27,10 +27,10 @@ from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
 
 PAUSE = 0.05
-"""Between two pages that are opened out of sight, for keys. [s]"""
+"""Pause between two pages that are opened off screen, so that keys are handled. [s]"""
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
-"""How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
+"""How often within a time the app is reopened after an error before it gives up. [1], [s]"""
 
 
 class FieldkitApp(Surviving):
@@ -93,23 +93,23 @@ class FieldkitApp(Surviving):
             self.set_interval(CHECK_INTERVAL, partial(self._leave_if_gone, held))
 
     def _leave_if_gone(self, held: int) -> None:
-        """Leave if the terminal was closed: whatever was typed is kept already."""
+        """Quit if the terminal was closed: everything typed is already saved."""
         if gone(held):
             self.exit()
 
     def _page(self, name: str) -> PageScreen:
-        """A page, made ready before or new."""
+        """A page, prepared or new."""
         if name not in self._opened:
             self._opened[name] = pages()[name].screen()
         return self._opened[name]
 
     def switch_mode(self, mode: str) -> AwaitMount:
-        """Bring a page to the front: at once if it was drawn before, for Textual would hide any for a while."""
+        """Show a page: at once if it was drawn before, because Textual would hide it for a moment."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
 
     def delay_update(self, delay: float = 0.05) -> None:
-        """Hide what changes until it is laid out, if there is something to hide."""
+        """Hide changes until the layout is done, if there is something to hide."""
         if self._hides:
             super().delay_update(delay)
 
@@ -151,25 +151,25 @@ class FieldkitApp(Surviving):
                 self.unseen = False
 
     def on_unmount(self) -> None:
-        """Let go of the ledger, once the last keys are kept: after an error of ours pages are not unmounted first."""
+        """Close the ledger after the last keys are saved: after an error pages are not unmounted first."""
         for page in self._opened.values():
             page.finish()
         self.resources.close()
 
     def action_command_palette(self) -> None:
-        """Find anything by its name."""
+        """Find anything by name."""
         if not isinstance(self.screen, CommandPalette):
             self.push_screen(Palette(id="--command-palette"))
 
     def changed(self) -> None:
-        """The ledger has changed: pages fill themselves again."""
+        """The ledger has changed: reload the pages."""
         self.revision += 1
         self._length = None
         self._refresh_page()
         self.look_round()
 
     def look_round(self) -> None:
-        """Fill pages again if another program has changed the ledger: a second app, a command."""
+        """Reload pages if another program has changed the ledger: a second app, a command."""
         if isinstance(self.screen, PageScreen):
             self.screen.ask(lambda: self.resources.ledger.length(), self._seen_round, "others")
 
@@ -180,11 +180,11 @@ class FieldkitApp(Surviving):
             self._refresh_page()
 
     def on_app_focus(self) -> None:
-        """The flyer is back from another window."""
+        """The terminal has the focus again."""
         self.look_round()
 
     async def action_page(self, name: str) -> None:
-        """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
+        """Show a page; keys typed ahead wait until it is ready for them."""
         await self.switch_mode(name)
         await self.heard()
         if isinstance(self.screen, PageScreen):
@@ -198,17 +198,17 @@ class FieldkitApp(Surviving):
                 await self.action_page(name)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Digits lead to pages, but not while something is typed or asked."""
+        """Digits open pages, but not while something is typed or asked."""
         if action == "page_number":
             return isinstance(self.screen, PageScreen) and not isinstance(self.screen.focused, Input)
         return super().check_action(action, parameters)
 
     def action_press(self, key: str) -> None:
-        """What a click on a key of the key bar does."""
+        """The action of a click on a key in the key bar."""
         self.simulate_key(key)
 
     def action_help_quit(self) -> None:
-        """What ^C does if nothing can be copied: it says how to leave."""
+        """The action of ^C if nothing can be copied: show how to quit."""
         self.show_notice("q quits; so does ^Q, even in a field")
 
     def action_undo(self) -> None:
@@ -235,7 +235,7 @@ class FieldkitApp(Surviving):
             page.open_flight(id)
 
     async def show_flights(self, words: str) -> None:
-        """The flights that hold all of some words."""
+        """The flights that match all of some words."""
         await self.action_page("flights")
         if isinstance(page := self.screen, FlightsScreen):
             page.show_only(words)
@@ -245,11 +245,11 @@ class FieldkitApp(Surviving):
         return "Esc" if binding.key == "escape" else super().get_key_display(binding)
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
-        """What lies over a page while a question is open, in themes that do not say."""
+        """The background under an open dialog, in themes without one."""
         return {"backdrop": "black 60%"}
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
-        """What the palette finds: pages, colours, units, and what the page in front can do."""
+        """Commands of the palette: pages, colors, units, and the actions of the current page."""
         for name, page in pages().items():
             yield SystemCommand(page.title, f"Go to {page.title} ({page.number})", partial(self.action_page, name))
         for theme in THEMES:
@@ -264,9 +264,9 @@ class FieldkitApp(Surviving):
 
 
 def run(where: str | None) -> None:
-    """Open the app on a ledger and stay until the flyer leaves; after an error of our own, where the flyer was.
+    """Open the app on a ledger until the user quits; after a bug, reopen it in the same place.
 
-    Raises FieldkitError if one error follows the other.
+    Raises FieldkitError if errors repeat.
     """
     began: list[float] = []
     place: Whereabouts | None = None

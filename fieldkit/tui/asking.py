@@ -1,4 +1,4 @@
-"""A screen that asks questions of the engine: off the keys, in order, and dropped if nobody waits any more."""
+"""A screen that queries the engine: in workers, in order, and canceled if no longer needed."""
 
 import asyncio
 from collections import defaultdict
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 WAIT = 0.005
-"""How often it is asked whether something is there that keys wait for. [s]"""
+"""Interval of checks for something that keys wait for. [s]"""
 
 
 class Dropped(Exception):
-    """Nobody waits for an answer any more."""
+    """The answer is no longer needed."""
 
 
 def go_on() -> None:
-    """Called within a question's work. Raises Dropped if nobody waits for its answer any more."""
+    """Called within a worker. Raises Dropped if its answer is no longer needed."""
     if get_current_worker().is_cancelled:
         raise Dropped
 
 
 class AskingScreen(Screen[None]):
-    """A screen whose work blocks no key, over the resources of the app that shows it."""
+    """A screen whose work blocks no key, with the resources of its app."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -100,18 +100,18 @@ class AskingScreen(Screen[None]):
         return await asyncio.shield(running)
 
     async def settled(self, *groups: str) -> None:
-        """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
+        """Wait until the queries of some groups are answered: keys typed ahead depend on the answers."""
         while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
             await asyncio.sleep(WAIT)
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
-        """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
+        """Change the ledger in a worker; changes are made in the order of the keys."""
         self.ask(question, answer, "change", in_turn=True)
 
     def show_notice(self, text: str) -> None:
-        """Say something good."""
+        """Show a notice of success."""
         self.field_app.show_notice(text)
 
     def complain(self, text: str) -> None:
-        """Say something that has to be read."""
+        """Show a notice that must be dismissed."""
         self.field_app.show_notice(text, error=True)

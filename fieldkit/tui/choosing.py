@@ -1,4 +1,4 @@
-"""What the app says and what a flyer chooses in it: notices, units, colors, the target."""
+"""Notices, units, colors and the target."""
 
 from dataclasses import asdict
 from typing import Any
@@ -15,7 +15,7 @@ from fieldkit.tui.widgets.bars import Notice, NoticeBar
 from fieldkit.tui.widgets.dialogs import AskText
 
 LOOKS = {"units", "theme", "target"}
-"""Settings that change how things are shown and nothing that is worked out."""
+"""Settings that only change how things are displayed."""
 
 
 class Choosing(InOrder):
@@ -28,7 +28,7 @@ class Choosing(InOrder):
         self.revision = self.look = 0
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Say something; what went wrong waits until it is read, what went right makes room for the next."""
+        """Show a notice; errors wait until they are dismissed, successes give way to the next notice."""
         self.notices = [notice for notice in self.notices if notice.error]
         notice = Notice(text, error)
         if not error:
@@ -43,12 +43,12 @@ class Choosing(InOrder):
         self._show_notices()
 
     def action_read(self) -> None:
-        """The notice in front was read."""
+        """Dismiss the current notice."""
         self.notices = self.notices[1:]
         self._show_notices()
 
     def action_whole_notice(self) -> None:
-        """All of the notice in front, files by their whole paths."""
+        """Show the full current notice, with full file paths."""
         self._show_notices(whole=True)
 
     def _show_notices(self, whole: bool = False) -> None:
@@ -60,7 +60,7 @@ class Choosing(InOrder):
             self.screen.refresh_if_changed()
 
     def action_next_theme(self) -> None:
-        """The next colours."""
+        """The next colors."""
         names = list(THEMES)
         self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
 
@@ -69,7 +69,7 @@ class Choosing(InOrder):
         self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
     def choose(self, said: str = "", **changes: Any) -> None:
-        """Change settings, show what they change, and keep them."""
+        """Change settings, apply them, and save them."""
         before = self.resources.settings
         try:
             self.resources.choose(**changes)
@@ -86,13 +86,13 @@ class Choosing(InOrder):
         self._refresh_page()
 
     def ask_target(self) -> None:
-        """The height to hit, that motors are compared against."""
+        """The target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
         self.push_screen(AskText("Target", now, about), self._targeted)
 
     def action_ask_target(self) -> None:
-        """Type the height to hit."""
+        """Ask for the target apogee."""
         self.ask_target()
 
     def _targeted(self, text: str | None) -> None:

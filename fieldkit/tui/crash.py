@@ -19,26 +19,26 @@ from fieldkit.files import replace
 from fieldkit.paths import crash_folder
 
 MAX_CRASH_FILES = 20
-"""The newest are kept. [1]"""
+"""Number of crash files retained. [1]"""
 MAX_FRAMES = 60
-"""Calls of one error that are written down, the innermost. [1]"""
+"""Innermost calls of one error that are logged. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Crash:
-    """An error that nobody foresaw: where it was raised, and the file that says more, None if none could be kept."""
+    """An unexpected error: where it was raised, and its crash file, None if none could be saved."""
 
     where: str
     file: Path | None
 
     def line(self) -> str:
-        """What a flyer reads."""
+        """The message for the user."""
         kept = f"details are in {self.file}, without your flights" if self.file else "no report could be saved"
         return f"an error in fieldkit itself, {self.where}; your flights and drafts are safe; {kept}"
 
 
 def record(error: BaseException) -> Crash:
-    """Write down what failed, in the folder of crashes."""
+    """Log an error in the folder of crashes."""
     where = place_of(error)
     file = crash_folder() / f"{datetime.now(UTC):%Y%m%dT%H%M%S%f}.txt"
     try:
@@ -57,7 +57,7 @@ def place_of(error: BaseException) -> str:
 
 
 def _lines(error: BaseException) -> Iterator[str]:
-    """The versions, and every error of the chain, the first cause first."""
+    """The versions, and every error of the chain, the root cause first."""
     yield f"fieldkit {fieldkit.__version__}, Textual {version('textual')}, Python {platform.python_version()}"
     yield f"{platform.system()} {platform.machine()}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
     for one in _chain(error):
@@ -68,7 +68,7 @@ def _lines(error: BaseException) -> Iterator[str]:
 
 
 def _chain(error: BaseException) -> list[BaseException]:
-    """An error and what caused it, the first cause first."""
+    """An error and its causes, the root cause first."""
     chain: list[BaseException] = []
     now: BaseException | None = error
     while now is not None and now not in chain:
@@ -84,7 +84,7 @@ def _frames(error: BaseException) -> list[tuple[str, int, str, str]]:
 
 
 def shortened(file: str) -> str:
-    """A file of the program as everybody has it, any other one from the home folder on."""
+    """A file of the program by its path in the package, any other from the home folder on."""
     path = Path(file)
     for root in (Path(fieldkit.__file__).parents[1], *map(Path, sys.path), Path(sys.base_prefix)):
         if root.is_absolute() and root != Path(root.anchor) and root != Path.home() and path.is_relative_to(root):

@@ -1,4 +1,4 @@
-"""What the palette finds besides keys: flights, rockets, motors, settings, help, and commands to type in a shell."""
+"""The command palette beyond keys: flights, rockets, motors, settings, help, and shell commands."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 MAX_HITS = 40
-"""Hits of one kind that are listed."""
+"""Results of one kind that are listed. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Something that can be found: its name, what it is, and what choosing it does."""
+    """A result: its name, its description, and its action."""
 
     text: str
     about: str
@@ -32,14 +32,14 @@ class Entry:
 
 
 class Finder(Provider):
-    """Everything by its name, the best match first."""
+    """Everything by name, the best match first."""
 
     @property
     def _host(self) -> Host:
         return cast(Host, self.app)
 
     async def startup(self) -> None:
-        """Read what can be found."""
+        """Load the searchable items."""
         try:
             kept = await asyncio.to_thread(self._read)
         except FieldkitError:
@@ -47,7 +47,7 @@ class Finder(Provider):
         self._entries = [*self._settings(), *kept, *self._help()]
 
     async def search(self, query: str) -> AsyncIterator[Hit]:
-        """What matches, the best first."""
+        """The matches, best first."""
         matcher = self.matcher(query)
         found = [(score, entry) for entry in self._entries if (score := matcher.match(entry.text)) > 0]
         for score, entry in sorted(found, key=lambda hit: -hit[0])[:MAX_HITS]:
@@ -87,7 +87,7 @@ class Finder(Provider):
         yield Entry("Setting: theme", "Colors: field, sun, night, terminal; the next one", host.action_next_theme)
 
     def _help(self) -> Iterator[Entry]:
-        """Every field that a page explains, and every command that does the same."""
+        """Every field explained on a page, and every equivalent command."""
         commands: set[str] = set()
         for page in pages().values():
             for name, text in page.screen.ABOUT.fields:

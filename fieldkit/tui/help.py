@@ -1,11 +1,11 @@
-"""What `?` says of a screen."""
+"""The help of a screen."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Help:
-    """What `?` says of a screen: what it is for, each field in plain words, and the commands that do the same."""
+    """The help of a screen: its purpose, each field in plain words, and the equivalent commands."""
 
     about: str
     fields: tuple[tuple[str, str], ...] = ()
@@ -18,4 +18,4 @@ NO_FLIGHTS = """No flights yet.
 2 Add     type in what the altimeter shows
 3 Import  read a log or a table of flights
 7 Capture read a logger over its cable"""
-"""What a page says before anything has flown."""
+"""The text of a page before anything has flown."""

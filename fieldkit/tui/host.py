@@ -1,4 +1,4 @@
-"""What pages and the palette ask of the app that shows them."""
+"""The interface of the app for its pages and its palette."""
 
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 class Host(Protocol):
-    """What pages ask of the app that shows them."""
+    """The interface of the app for its pages."""
 
     resources: "Resources"
     notices: "list[Notice]"
@@ -20,10 +20,10 @@ class Host(Protocol):
         """The flights have been read."""
 
     def changed(self) -> None:
-        """The ledger has changed: pages are to fill themselves again."""
+        """The ledger has changed: pages must be reloaded."""
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Say something."""
+        """Show a notice."""
 
     def withdraw(self, text: str) -> None:
         """Remove a notice that no longer holds."""
@@ -32,10 +32,10 @@ class Host(Protocol):
         """Log an unexpected error, and show a notice."""
 
     def choose(self, said: str = "", **changes: Any) -> None:
-        """Change settings, show what they change, and keep them."""
+        """Change settings, apply them, and save them."""
 
     def ask_target(self) -> None:
-        """Ask for the height to hit."""
+        """Ask for the target apogee."""
 
     def action_next_units(self) -> None:
         """The next system of units."""
@@ -47,10 +47,10 @@ class Host(Protocol):
         """Open a flight over the page Flights."""
 
     async def show_flights(self, words: str) -> None:
-        """The flights that hold all of some words."""
+        """The flights that match all of some words."""
 
     def action_read(self) -> None:
-        """The notice in front was read."""
+        """Dismiss the current notice."""
 
     async def action_page(self, name: str) -> None:
-        """Bring a page to the front."""
+        """Show a page."""

@@ -98,7 +98,7 @@ class PageScreen(AskingScreen):
         """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
 
     def redraw(self) -> None:
-        """Show the same in other units, colours or against another target, at once if nothing has to be read."""
+        """Show the same in other units, colors or against another target, at once if nothing has to be read."""
         self.reload()
 
     def came(self) -> None:

@@ -37,7 +37,11 @@ def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
 
         check_report(path)
         check_target(path, force=force)
-        return write_report(book(page.resources.ledger, page.resources.motors, what, no_op), path, force=force)
+        return write_report(
+            book(page.resources.ledger, page.resources.motors, what, no_op, page.resources.settings.units),
+            path,
+            force=force,
+        )
 
     page.show_notice("writing the report ...")
     page.ask(work, lambda files: page.show_notice(f"report written: {path if path in files else files[0]}"), "report")

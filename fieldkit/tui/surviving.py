@@ -42,7 +42,7 @@ class Surviving(Choosing):
             self.survive(error)
 
     def survive(self, error: Exception) -> None:
-        """Write down an error that nobody foresaw, once for each place that it comes from, and say so."""
+        """Log an unexpected error, once for each place that it comes from, and show a notice."""
         self.errors.append(error)
         self.show_notice(self._crash(error).line(), error=True)
 

@@ -1,4 +1,4 @@
-"""Colours of the app: one for any room, one for bright sun, one for the dark, one that is the terminal's own.
+"""Colors of the app: one for any room, one for bright sun, one for the dark, one that is the terminal's own.
 
 No information is in color alone, so each may use as few colors as it likes.
 """
@@ -15,7 +15,7 @@ PAPERS = """block-cursor-foreground block-cursor-blurred-foreground input-cursor
 scrollbar-background-hover scrollbar-background-active footer-background footer-key-background boost surface-active
 footer-description-background screen-selection-foreground input-selection-foreground block-hover-background
 link-background scrollbar-corner-color button-color-foreground"""
-"""Variables of Textual that are ink, and those that are paper, in a scheme of two colours."""
+"""Variables of Textual that are ink, and those that are paper, in a scheme of two colors."""
 
 
 def _flat(ink: str, paper: str, line: str) -> dict[str, str]:

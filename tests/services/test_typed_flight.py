@@ -39,7 +39,7 @@ def figures(found: TypedEstimate) -> list[float]:
         ({"dry_mass": None}, ("mass",)),
         ({"diameter": None, "dry_mass": None}, ("mass", "diameter")),
         ({"motor": ""}, ("motor",)),
-        ({"motor": "Z999"}, ("a motor of the catalogue",)),
+        ({"motor": "Z999"}, ("a motor in the catalog",)),
         ({"rocket": "Other"}, ("a readout",)),
         ({"rocket": "Other", "dry_mass": None}, ("mass", "a readout")),
     ],

@@ -13,9 +13,9 @@ from fieldkit.inference.laplace.damped_steps import DampedSteps
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
-from fieldkit.model.hyperprior import Scale
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import OPENING, Model
+from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array, Float, Int, Integers
 
 ROUNDS = 5

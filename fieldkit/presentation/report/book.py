@@ -1,10 +1,11 @@
 """What a report is of: one flight, every flight of a rocket, or those of a day, with the loop's findings."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, left_out, totals
 from fieldkit.progress import ReportProgress, part
+from fieldkit.quantities import ShownUnits
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
@@ -31,56 +33,59 @@ class FlightReport:
     cards: tuple[Card, ...]
     loops: tuple[Findings, ...] = ()
     summary: bool = False
+    system: str = "SI"
 
     @property
     def figures(self) -> tuple[tuple[str, str], ...]:
-        """Figures of the whole: value and what it is."""
+        """Summary figures: value and title."""
+        shown = ShownUnits(self.system)
         apogees = [one.flight.apogee for one in self.cards if one.flight.apogee is not None]
         predicted, miss, inside = totals(self.cards)
         rows = [(str(len(self.cards)), "flights")]
         if apogees:
-            rows.append((f"{max(apogees):.0f} m", "highest apogee"))
+            rows.append((shown.length(max(apogees)), "highest apogee"))
         rows.append((str(predicted), "predicted"))
         if predicted:
-            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
+            rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
         return tuple(rows)
 
     @property
     def findings(self) -> tuple[str, ...]:
         """What the loop found of each rocket, a sentence or two."""
-        return tuple(line for found in self.loops for line in loop_words(found))
+        return tuple(line for found in self.loops for line in loop_words(found, self.system))
 
 
-def loop_words(found: Findings) -> list[str]:
-    """The verdict on a rocket, and what it does to errors of flights that the fit did not see."""
-    diagnosis, left = found.diagnosis, found.left_out
+def loop_words(found: Findings, system: str = "SI") -> list[str]:
+    """The verdict on a rocket, and the errors of held-out flights, in the units of a system."""
+    diagnosis, left, shown = found.diagnosis, found.left_out, ShownUnits(system)
     lines = [f"{found.rocket}: {diagnosis.effect}: {diagnosis.why}."]
     before, after = left.before.score, left.after.score
-    error = f"Mean leave-one-out error {before.mae:.1f} m"
-    lines.append(error + (f", {after.mae:.1f} m with it." if diagnosis.effect != "none" else "."))
+    error = f"Mean leave-one-out error {shown.length(before.mae, 1)}"
+    lines.append(error + (f", {shown.length(after.mae, 1)} with it." if diagnosis.effect != "none" else "."))
     if diagnosis.also:
         lines.append(f"These flights cannot distinguish it from {', '.join(diagnosis.also)}.")
     return lines
 
 
-def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgress) -> FlightReport:
-    """The report of what a text means: a day as 2026-05-01, a flight's id, or a rocket's name, in that order.
+def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgress, system: str = "SI") -> FlightReport:
+    """The report on a day such as 2026-05-01, a flight id, or a rocket, tried in that order, in the units of a system.
 
     Raises LedgerError for one that means nothing, with near names.
     """
     if re.fullmatch(r"\d{4}-\d{2}-\d{2}", what) and (flights := _of_day(ledger, what)):
         rockets = list(dict.fromkeys(one.rocket for one in flights))
         sites = ", ".join(dict.fromkeys(one.site for one in flights if one.site))
-        return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress)
+        return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress, system)
     try:
         flight = ledger.flight(what)
     except LedgerError:
         if what not in ledger.names("rocket"):
             raise
         flights = ledger.flights(what)
-        return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress)
-    (card,) = cards(ledger, motors, [flight], on_progress)
-    return FlightReport(f"Flight {card.id}", " ".join((flight.rocket, flight.config)).strip(), (card,))
+        return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress, system)
+    (card,) = cards(ledger, motors, [flight], on_progress, system)
+    subtitle = " ".join((flight.rocket, flight.config)).strip()
+    return FlightReport(f"Flight {card.id}", subtitle, (card,), system=system)
 
 
 def _of_several(
@@ -91,15 +96,18 @@ def _of_several(
     flights: Sequence[Flight],
     rockets: Sequence[str],
     on_progress: ReportProgress,
+    system: str,
 ) -> FlightReport:
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(on_progress, 0.0, 0.6), place / len(rockets), 1 / len(rockets))
         with suppress(NoFlights):  # too few flights to close it
             loops.append(look(ledger, motors, rocket, own))
-    known = {} if len(flights) <= MAX_FITS else {key: one for found in loops for key, one in left_out(found).items()}
-    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), known)
-    return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True)
+    known = {}
+    if len(flights) > MAX_FITS:
+        known = {key: one for found in loops for key, one in left_out(found, system).items()}
+    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), system, known)
+    return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True, system=system)
 
 
 def _of_day(ledger: Ledger, what: str) -> list[Flight]:
@@ -117,7 +125,10 @@ def _span(flights: Sequence[Flight]) -> str:
 
 def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The flights of a report as a table: headers, and a row for each."""
-    headers = ("flight", "rocket", "motor", "mass g", "wind m/s", "predicted m", "flown m", "miss m", "")
+    shown = ShownUnits(found.system)
+    mass, height = shown.mass(0.0).split()[1], shown.length_unit
+    heights = (f"predicted {height}", f"flown {height}", f"miss {height}")
+    headers = ("flight", "rocket", "motor", f"mass {mass}", f"wind {shown.speed_unit}", *heights, "")
     rows: list[tuple[str, ...]] = []
     for card in found.cards:
         flight, said = card.flight, card.forecast
@@ -129,16 +140,17 @@ def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
                 card.id,
                 " ".join((flight.rocket, flight.config)).strip(),
                 flight.motor,
-                _number(flight.dry_mass, 1e3, ".0f"),
-                _number(flight.wind, 1.0, ".1f"),
-                f"{said.interval[1]:.0f}" if said and said.kept else "",
-                _number(flight.apogee, 1.0, ".1f"),
-                _number(card.miss, 1.0, "+.1f") if said and said.kept else "",
+                _figure(flight.dry_mass, shown.mass),
+                _figure(flight.wind, shown.speed),
+                _figure(said.interval[1], shown.length) if said and said.kept else "",
+                _figure(flight.apogee, partial(shown.length, digits=1)),
+                _figure(card.miss, shown.difference) if said and said.kept else "",
                 mark,
             )
         )
     return headers, rows
 
 
-def _number(value: float | None, scale: float, form: str) -> str:
-    return "" if value is None or not np.isfinite(value) else format(value * scale, form)
+def _figure(value: float | None, shown: Callable[[float], str]) -> str:
+    """A value [SI] as `shown` formats it, without its unit; empty for none."""
+    return "" if value is None or not np.isfinite(value) else shown(value).split()[0]

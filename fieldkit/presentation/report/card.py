@@ -1,4 +1,4 @@
-"""What a flight card holds: figures in both units, the prediction and the flight, the log, the rocket's record."""
+"""The contents of a flight card: figures in the user's units, forecast and flown, the log, the rocket's record."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
-from fieldkit.quantities import measure
+from fieldkit.quantities import ShownUnits, measure
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
@@ -20,8 +20,8 @@ from fieldkit.shapes import Array, Flags, Float
 
 CARD_DRAWS = 2000
 """Draws of a forecast that is known as a mixture. [1]"""
-Rows = tuple[tuple[str, str, str], ...]
-"""What, in SI, and in the other units."""
+Rows = tuple[tuple[str, str], ...]
+"""Title and value."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +60,7 @@ class Card:
     record: Float[Array, "flight"]
     clean: Flags
     place: int
+    system: str = "SI"
 
     @property
     def miss(self) -> float | None:
@@ -74,10 +75,11 @@ def cards(
     motors: Catalogue,
     flights: Sequence[Flight],
     on_progress: ReportProgress,
+    system: str = "SI",
     known: Mapping[tuple[str, str], CardForecast] = MappingProxyType({}),
 ) -> list[Card]:
-    """A card for each of these flights of the ledger; `known` are forecasts by rocket and flight_id, which are shown of
-    flights without a saved one."""
+    """A card for each of some flights of the ledger, in the units of a system; `known` are forecasts by rocket and
+    flight_id, shown for flights without a saved one."""
     said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
@@ -89,63 +91,64 @@ def cards(
             words = f"predicted {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
-            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight)
-        found.append(_card(ledger, motors, id, flight, forecast))
+            forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)
+        found.append(_card(ledger, motors, id, flight, forecast, system))
     return found
 
 
-def left_out(found: Findings) -> dict[tuple[str, str], CardForecast]:
-    """What the loop forecasts each flight of a rocket to reach with the flight left out, by rocket and flight_id."""
+def left_out(found: Findings, system: str) -> dict[tuple[str, str], CardForecast]:
+    """The loop's forecast of each flight of a rocket from its other flights, by rocket and flight_id, in the units of a
+    system."""
     diagnosis = found.diagnosis
     forecasts, rng = diagnosis.forecasts_after, np.random.default_rng(0)
-    by = "no saved prediction; with it left out of the fit, the loop forecasts {:.0f} m"
+    by = "no saved prediction; from its other flights the loop forecasts "
     known = {}
     for number, flight in enumerate(diagnosis.model.flights):
         weight = np.maximum(forecasts.weight[:, number], 0.0)
         part = rng.choice(len(weight), CARD_DRAWS, p=weight / weight.sum())
         draws = np.exp(rng.normal(forecasts.mean[part, number], forecasts.sd[part, number]))
         low, middle, high = (float(one) for one in np.quantile(draws, (0.05, 0.5, 0.95)))
-        known[flight.rocket, flight.flight_id] = CardForecast(draws, (low, middle, high), False, by.format(middle))
+        shown = ShownUnits(system).length(middle)
+        known[flight.rocket, flight.flight_id] = CardForecast(draws, (low, middle, high), False, by + shown)
     return known
 
 
-def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:
-    """What the other flights say this one should have shown, if none was said before it."""
+def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) -> CardForecast | None:
+    """The forecast of a flight from the other flights, if none was saved before it."""
     try:
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
-    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
+    shown = ShownUnits(system).length(middle)
+    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {shown}"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
-def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None) -> Card:
+def _card(
+    ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None, system: str
+) -> Card:
     own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
     names = [one.flight_id for one in own]
     return Card(
         id=id,
         flight=flight,
-        readouts=_rows(flight, READOUTS),
-        circumstances=_rows(flight, (*SETUP, *CONDITIONS)),
+        readouts=_rows(flight, READOUTS, system),
+        circumstances=_rows(flight, (*SETUP, *CONDITIONS), system),
         learned=_learned(ledger, flight, motors),
         forecast=forecast,
         trace=_trace(ledger, id),
         record=np.array([one.apogee or np.nan for one in own], float),
         clean=np.array([one.clean for one in own], bool),
         place=names.index(flight.flight_id) if flight.flight_id in names else -1,
+        system=system,
     )
 
 
-def _rows(flight: Flight, columns: Sequence[Column]) -> Rows:
-    """The numbers that were recorded, in SI and, if those differ, in US units."""
-    rows = []
-    for column in columns:
-        value = flight.number(column.name)
-        if value is not None:
-            metric, other = (measure(column, value, system) for system in ("SI", "US"))
-            rows.append((column.title, metric, other if other != metric else ""))
-    return tuple(rows)
+def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
+    """The recorded numbers, in the units of a system."""
+    values = ((column, flight.number(column.name)) for column in columns)
+    return tuple((column.title, measure(column, value, system)) for column, value in values if value is not None)
 
 
 def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
@@ -158,8 +161,8 @@ def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
         return ()
     rows = []
     if np.isfinite(one.cd):
-        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}", ""))
-    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
+        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}"))
+    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}"))
     return tuple(rows)
 
 

@@ -10,6 +10,7 @@ from fieldkit.presentation.report.card import Card, Rows
 from fieldkit.presentation.report.loop.pictures import PICTURES
 from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log
 from fieldkit.presentation.report.style import A4, FAINT_COLOR, GRID_COLOR, INK_COLOR, shortened
+from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
 
@@ -85,16 +86,17 @@ def heading(card: Card) -> tuple[str, str]:
 
 def headline(card: Card) -> tuple[tuple[str, str], ...]:
     """The figures that a card leads with: value and what it is."""
+    shown = ShownUnits(card.system)
     rows = [(shortened(card.flight.motor, 16) or "?", "motor")]
     if card.flight.apogee is not None:
-        rows.append((f"{card.flight.apogee:.1f} m", f"apogee, {card.flight.apogee / 0.3048:.0f} ft"))
+        rows.append((shown.length(card.flight.apogee, 1), "apogee"))
     if card.forecast is not None:
         low, middle, high = card.forecast.interval
         what = "predicted" if card.forecast.kept else "afterwards"
-        rows.append((f"{middle:.0f} m", f"{what}, {low:.0f} to {high:.0f}"))
+        rows.append((shown.length(middle), f"{what}, {shown.lengths(low, high)}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high
-            rows.append((f"{card.miss:+.1f} m", f"miss, {'inside' if inside else 'outside'} 90 %"))
+            rows.append((shown.difference(card.miss), f"miss, {'inside' if inside else 'outside'} 90 %"))
     return tuple(rows)
 
 
@@ -105,7 +107,7 @@ def remarks(card: Card) -> list[str]:
         lines.append(card.forecast.by[:1].upper() + card.forecast.by[1:] + ".")
         lines += [f"The prediction was stale: {'; '.join(card.forecast.changes)}."] if card.forecast.changes else []
     if card.learned:
-        lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value, _ in card.learned) + ".")
+        lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value in card.learned) + ".")
     if card.flight.tags:
         teaches = "" if card.flight.clean else " Not used in the model."
         lines.append(f"Tags: {', '.join(card.flight.tags)}.{teaches}")
@@ -131,11 +133,10 @@ def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
         left = LEFT_EDGE + place * (half + 0.02)
         right = left + half - 0.02
         part.text(left, 0.96, title, fontsize=10, weight="bold", va="center")
-        for number, (name, metric, other) in enumerate(rows, start=1):
+        for number, (name, value) in enumerate(rows, start=1):
             height = 0.96 - number * step
             part.text(left, height, name, fontsize=9, va="center")
-            part.text(right - 0.115, height, metric, fontsize=9, va="center", ha="right")
-            part.text(right, height, other, fontsize=9, va="center", ha="right", color=FAINT_COLOR)
+            part.text(right, height, value, fontsize=9, va="center", ha="right")
 
 
 def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
@@ -188,5 +189,5 @@ def _loop(book: FlightReport, found: Findings) -> "Figure":
     sizes = [PICTURES[name][1][1] for name in ON_THE_LOOPS_PAGE]
     page, parts = _page(f"What the loop finds: {shortened(found.rocket, 20)}", book.title, [s / 12.5 for s in sizes])
     for part, name in zip(parts, ON_THE_LOOPS_PAGE, strict=True):
-        PICTURES[name][0](part, found)
+        PICTURES[name][0](part, found, ShownUnits(book.system))
     return page

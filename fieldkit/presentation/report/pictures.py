@@ -1,7 +1,7 @@
 """The pictures of flight cards and of a day, each drawn into the figure that it is given."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from fieldkit.presentation.report.style import (
     shortened,
     styled,
 )
-from fieldkit.units import FOOT
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,37 +28,27 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
     """The density of the forecast apogee with its 90 % interval, and the flown apogee."""
     panel = figure.subplots()
     panel.set_title("Predicted and flown")
-    panel.set_xlabel("apogee [m]")
+    shown = ShownUnits(card.system)
+    panel.set_xlabel(f"apogee [{shown.length_unit}]")
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
     panel.grid(axis="y", visible=False)
     if card.forecast is not None:
-        _hill(panel, card.forecast)
+        _hill(panel, card.forecast, shown)
     if card.flight.apogee is not None:
-        panel.axvline(card.flight.apogee, color=BEFORE_COLOR, linewidth=2.2)
-        label = f"flown {card.flight.apogee:.1f} m"
+        flown = card.flight.apogee / shown.length_factor
+        panel.axvline(flown, color=BEFORE_COLOR, linewidth=2.2)
         panel.annotate(
-            label, (card.flight.apogee, 1.0), (5, -2), xycoords=("data", "axes fraction"), va="top",
-            textcoords="offset points", color=BEFORE_COLOR, weight="bold", fontsize=9,
+            f"flown {shown.length(card.flight.apogee, 1)}", (flown, 1.0), (5, -2),
+            xycoords=("data", "axes fraction"), va="top", textcoords="offset points", color=BEFORE_COLOR,
+            weight="bold", fontsize=9,
         )  # fmt: skip
     panel.margins(x=0.14)
-    feet = panel.secondary_xaxis("top", functions=(_feet, _metres))
-    feet.tick_params(labelsize=7, colors=FAINT_COLOR)
-    feet.spines["top"].set_visible(False)
-    feet.set_xlabel("ft", fontsize=7, color=FAINT_COLOR, loc="right", labelpad=2)
 
 
-def _feet(height: Any) -> Any:
-    return np.asarray(height) / FOOT
-
-
-def _metres(height: Any) -> Any:
-    return np.asarray(height) * FOOT
-
-
-def _hill(panel: "Axes", said: CardForecast) -> None:
+def _hill(panel: "Axes", said: CardForecast, shown: ShownUnits) -> None:
     """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
-    draws = said.draws[said.draws > 0]
+    draws = said.draws[said.draws > 0] / shown.length_factor
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
     logs = np.log(draws)
@@ -66,14 +56,14 @@ def _hill(panel: "Axes", said: CardForecast) -> None:
     grid = np.linspace(logs.min() - 2 * width, logs.max() + 2 * width, 240)
     density = np.exp(-0.5 * ((grid[:, None] - logs) / width) ** 2).sum(axis=1) / np.exp(grid)
     height, place = density / density.max(), np.exp(grid)
-    low, middle, high = said.interval
+    low, middle, high = (end / shown.length_factor for end in said.interval)
     panel.plot(place, height, color=AFTER_COLOR, linewidth=1.6)
     inside = (place >= low) & (place <= high)
     panel.fill_between(place[inside], height[inside], color=AFTER_COLOR, alpha=0.22, linewidth=0)
     panel.plot([middle, middle], [0, np.interp(middle, place, height)], color=AFTER_COLOR, linewidth=1.4)
     for end, side in ((low, "right"), (high, "left")):
         panel.annotate(
-            f"{end:.0f} m", (end, np.interp(end, place, height)), (-4 if side == "right" else 4, 5),
+            f"{end:.0f} {shown.length_unit}", (end, np.interp(end, place, height)), (-4 if side == "right" else 4, 5),
             textcoords="offset points", ha=side, fontsize=8, color=AFTER_COLOR,
         )  # fmt: skip
     panel.set_ylim(0, 1.25)
@@ -88,13 +78,14 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
     tall, low = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1)) if trace.speed is not None else (
         figure.subplots(), None,
     )  # fmt: skip
-    tall.plot(trace.time, trace.height, color=AFTER_COLOR, linewidth=1.4)
-    tall.set_ylabel("height [m]")
+    shown = ShownUnits(card.system)
+    tall.plot(trace.time, trace.height / shown.length_factor, color=AFTER_COLOR, linewidth=1.4)
+    tall.set_ylabel(f"height [{shown.length_unit}]")
     tall.set_title(f"The log: {shortened(trace.device, 40)}")
     if low is not None and trace.speed is not None:
-        low.plot(trace.time, trace.speed, color=INK_COLOR, linewidth=1.1)
+        low.plot(trace.time, trace.speed / shown.speed_factor, color=INK_COLOR, linewidth=1.1)
         low.axhline(0, color=FAINT_COLOR, linewidth=0.8)
-        low.set_ylabel("speed [m/s]")
+        low.set_ylabel(f"speed [{shown.speed_unit}]")
     bottom = tall if low is None else low
     bottom.set_xlabel("time [s]")
     step, last = 0, -np.inf
@@ -115,22 +106,17 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
 def record(figure: "Figure | SubFigure", card: Card) -> None:
     """Every apogee of the rocket in the order flown, this flight filled in."""
     panel = figure.subplots()
-    place = np.arange(1, len(card.record) + 1)
-    panel.plot(
-        place[card.clean], card.record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="clean"
-    )
+    shown = ShownUnits(card.system)
+    place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
+    panel.plot(place[card.clean], record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="clean")
     odd = ~card.clean
     if odd.any():
-        panel.plot(
-            place[odd], card.record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: not used in the model"
-        )
+        panel.plot(place[odd], record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: not used in the model")
     if card.place >= 0:
-        panel.plot(
-            place[card.place], card.record[card.place], "o", color=BEFORE_COLOR, markersize=8, label="this flight"
-        )
+        panel.plot(place[card.place], record[card.place], "o", color=BEFORE_COLOR, markersize=8, label="this flight")
     panel.set_title("Flights of this rocket so far")
     panel.set_xlabel("flight, in the order flown")
-    panel.set_ylabel("apogee [m]")
+    panel.set_ylabel(f"apogee [{shown.length_unit}]")
     panel.margins(x=0.05, y=0.25)
     panel.locator_params(axis="x", integer=True)
     panel.legend(loc="best", ncols=3, fontsize=8)
@@ -138,21 +124,22 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
 
 def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
     """The forecast interval of each flight and its apogee; hollow if there was no forecast before the flight."""
-    panel = figure.subplots()
+    panel, shown = figure.subplots(), ShownUnits(cards[0].system if cards else "SI")
     names = []
     for row, card in enumerate(cards):
         names.append(shortened(f"{card.id}  {card.flight.motor}", 30))
         if card.forecast is not None:
-            low, middle, high = card.forecast.interval
+            low, middle, high = (end / shown.length_factor for end in card.forecast.interval)
             bar = "-" if card.forecast.kept else (0, (2, 1.2))
             panel.plot([low, high], [row, row], color=AFTER_COLOR, linewidth=4, alpha=0.45, linestyle=bar)
             panel.plot(middle, row, "|", color=AFTER_COLOR, markersize=11, mew=2)
         if card.flight.apogee is not None:
             face = BEFORE_COLOR if card.flight.clean else "white"
-            panel.plot(card.flight.apogee, row, "o", color=BEFORE_COLOR, mfc=face, markersize=6)
+            panel.plot(card.flight.apogee / shown.length_factor, row, "o", color=BEFORE_COLOR, mfc=face, markersize=6)
     panel.set_yticks(range(len(cards)), names)
     panel.set_ylim(len(cards) - 0.4, -0.6)
-    panel.set_xlabel("apogee [m]: bars are 90 % intervals (dashed: computed afterwards), dots are flown apogees")
+    unit = shown.length_unit
+    panel.set_xlabel(f"apogee [{unit}]: bars are 90 % intervals (dashed: computed afterwards), dots are flown apogees")
     panel.grid(axis="y", visible=False)
     panel.margins(x=0.06)
 

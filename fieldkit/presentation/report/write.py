@@ -81,7 +81,7 @@ def content(book: FlightReport, on_progress: ReportProgress = no_op) -> dict[str
         "numbers": NUMBERS,
         "findings": book.findings,
         "loops": [
-            {"rocket": one.rocket, "pictures": [embedded(svg(name, one)) for name in ON_THE_LOOPS_PAGE]}
+            {"rocket": one.rocket, "pictures": [embedded(svg(name, one, book.system)) for name in ON_THE_LOOPS_PAGE]}
             for one in book.loops
         ],
         "cards": [_card(card) for card in _told(book.cards, on_progress)],
@@ -135,7 +135,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)):
             if figures:
-                lines += [*_grid((name, "SI", "US"), figures), ""]
+                lines += [*_grid((name, ""), figures), ""]
         lines += [piece for one in remarks(card) for piece in (as_markdown(one), "")]
     yield path, ("\n".join([*lines, FOOT_LINE]) + "\n").encode()
 

@@ -1,1 +1,1 @@
-"""The missing force: what a measured climb says of thrust and drag that the model does not."""
+"""The missing force: thrust and drag in a measured climb that the model lacks."""

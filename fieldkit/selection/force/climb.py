@@ -14,7 +14,7 @@ from fieldkit.physics.atmosphere import GRAVITY, Air
 from fieldkit.shapes import Array, Flags, Float
 
 STEP = 0.001
-"""Of the thrust curve as it is compared. [s]"""
+"""Time step of the thrust curve in the comparison. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ class ClimbTrack:
     window: float = 0.0
 
     def part(self, rows: Flags) -> "ClimbTrack":
-        """Some of its samples."""
+        """A subset of its samples."""
         return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED_FIELDS})
 
 
@@ -43,13 +43,13 @@ SAMPLED_FIELDS = tuple(name for name in ClimbTrack.__dataclass_fields__ if name 
 
 
 def track_of(measured: Forces) -> ClimbTrack:
-    """The climb of which forces were measured."""
+    """The climb whose forces were measured."""
     return ClimbTrack(**{name: getattr(measured, name) for name in SAMPLED_FIELDS}, window=measured.window or 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RocketInputs:
-    """What the model flies: motor, mass without it [kg], Cd times area [m^2], the air, the rail [m]."""
+    """The simulated rocket: motor, mass without it [kg], Cd times area [m^2], the air, the rail [m]."""
 
     motor: Motor
     dry_mass: float
@@ -77,7 +77,7 @@ class Missing:
 
 
 def beside_model(track: ClimbTrack, rocket: RocketInputs) -> Missing:
-    """Every sample beside the model's thrust and drag there."""
+    """Missing force and modeled thrust and drag at every sample."""
     thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
     density = rocket.air.density * rocket.air.density_ratio(track.height)
     drag = 0.5 * density * rocket.drag_area * track.speed * np.abs(track.speed) / mass

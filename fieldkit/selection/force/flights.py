@@ -1,4 +1,4 @@
-"""The missing force of each flight whose log shows it, and why the other logs do not."""
+"""The missing force of each flight whose log shows it, and the reason for the others."""
 
 from dataclasses import dataclass
 
@@ -21,9 +21,9 @@ FREE_TERMS = ("drag",)
 """Terms that every flight has for itself: how much drag there is on the whole is the plain model's own unknown, which
 readouts that lack something have pulled from its place."""
 FEWEST_SAMPLES = 30
-"""Of a climb, below which its missing force is not looked for."""
+"""Duration of a climb below which its missing force is not computed. [s]"""
 BOOST_POINTS, COAST_POINTS = 4, 8
-"""Points that sum up a climb in either phase."""
+"""Points that summarize a climb in either phase. [1]"""
 TOO_SHORT = "too few samples between lift-off and apogee to separate thrust from drag"
 
 
@@ -54,7 +54,7 @@ class FlightForce:
 
 
 def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
-    """A flight as the model has it: motor as certified, mass as weighed, the air of the day; area in m^2."""
+    """A flight in the model: certified motor, weighed mass, the air of the day; area in m^2."""
     conditions = ("site_elevation", "temperature", "pressure", "humidity")
     air = pad_air(*(np.asarray(recorded([flight], name)[0]) for name in conditions))
     assert flight.dry_mass is not None
@@ -63,7 +63,7 @@ def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
 
 
 def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> FlightForce | str:
-    """The missing force of one flight, or why its log does not show it."""
+    """The missing force of one flight, or the reason why its log does not show it."""
     if said.forces is None:
         return "; ".join(said.notes) or TOO_SHORT
     track = _told(said.forces)
@@ -93,7 +93,7 @@ def _told(forces: Forces) -> ClimbTrack:
 
 
 def _points(missing: Missing, worth: float) -> tuple[Point, ...]:
-    """A climb summed up: means over equal numbers of samples in either phase."""
+    """A climb summarized by means over equal numbers of samples in either phase."""
     track, share = missing.track, worth / len(missing.force)
 
     def phase(which: Flags, most: int) -> list[Point]:

@@ -1,4 +1,4 @@
-"""Evidence of the logs, beside the verdict from the readouts: it decides nothing, and may agree or not."""
+"""The evidence of the logs, reported beside the verdict from the readouts, which it does not change."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class LogEvidence:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the effects that the law speaks for."""
+        """Names of the effects that the law supports."""
         return tuple(dict.fromkeys(found.term.effect for found in self.law if found.term.effect))
 
 
@@ -60,7 +60,7 @@ def compare_with_logs(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) 
 
 
 def _says(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
-    """How a law stands to a verdict."""
+    """How a law compares with a verdict."""
     if flights < MIN_CLIMBS:
         return ""
     wanted = set(verdict.split("+")) - {"none", "unexplained"}

@@ -1,4 +1,4 @@
-"""What the missing force of one climb is made of, in as few physical terms as will do."""
+"""The missing force of one climb as the sum of a few physical terms."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from fieldkit.selection.force.regression import forward, price, regression
 from fieldkit.selection.force.terms import ForceTerm, library
 
 SHIFTS = tuple(sorted(np.linspace(-0.15, 0.15, 13).tolist(), key=abs))
-"""Of the clock that are tried, the smallest first. [s]"""
+"""Clock shifts that are tried, the smallest first. [s]"""
 MIN_SPEED = 5.0
 """Speed below which a climb is over and its direction unknown. [m/s]"""
 
@@ -42,7 +42,7 @@ class Law:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the effects that it asks for."""
+        """Names of the effects that it points to."""
         return tuple(found.term.effect for found in self.terms if found.term.effect)
 
 
@@ -74,7 +74,7 @@ def _on_time(track: ClimbTrack, rocket: RocketInputs) -> ClimbTrack:
 
 
 def law(missing: Missing, free: Collection[str] = ()) -> Law:
-    """The fewest terms that the missing force is made of; `free` as in `regression`."""
+    """The fewest terms that explain the missing force; `free` as in `regression`."""
     known = {term.name: term for term in library()}
     whole = regression(missing, list(known.values()), free)
 

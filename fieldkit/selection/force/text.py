@@ -1,4 +1,4 @@
-"""What logs of the climb say, in one or two sentences."""
+"""The evidence of logs of the climb, in one or two sentences."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ COMPARISON_TEXTS = {
 
 
 def climbs_in_words(said: LogEvidence) -> Iterator[str]:
-    """Nothing if no flight has a log; else what the climbs lack, and how that stands to the verdict."""
+    """Nothing if no flight has a log; otherwise the missing force, and how it compares with the verdict."""
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:

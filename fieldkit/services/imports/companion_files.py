@@ -4,7 +4,7 @@ A logger may write a flight into several files: low rate, high rate, a summary. 
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
 lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
 logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
-high too. If neither is certain, a note says so much and the user decides.
+high too. If neither is certain, a note leaves it to the user.
 """
 
 import zlib

@@ -1,1 +1,1 @@
-"""Typing in a flight on a screen."""
+"""Entering a flight on a screen."""

@@ -1,4 +1,4 @@
-"""The form of the page Add without its widgets: what is offered, what was answered, what is odd, and how it is kept."""
+"""The form of the page Add without its widgets: default answers, answers, implausible values, and saving."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
-"""Asked above the readouts, and offered from the last flight."""
+"""Asked above the readouts, with the last flight's values as defaults."""
 DATE = Question("date_time", "Date", "When it flew: today, yesterday, 2026-05-01 or 2026-05-01T10:30.", offered=True)
 BY_NAME = {question.name: question for question in (DATE, *QUESTIONS)}
 READ = tuple(column.name for column in READOUTS)
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
 TODAY = "today"
 OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
-"""The system in which a figure is repeated beside it."""
+"""The system of units in which a value is repeated beside it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answers as a flight, what was wrong with those that cannot be read, by question, and the `usual` readouts of
-    the same rocket on the same motor. [SI]"""
+    """The answers as a flight, the errors of those that cannot be read, by question, and the `usual` readouts of the
+    same rocket on the same motor. [SI]"""
 
     flight: Flight
     wrong: Mapping[str, str]
@@ -39,7 +39,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class FormStart:
-    """What the form starts with: what was typed so far, the units typed last, what the last flight suggests."""
+    """The initial state of the form: the draft, the units typed last, the last flight's values."""
 
     draft: Mapping[str, str]
     units: Mapping[str, str]
@@ -73,7 +73,7 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
 
 
 def beside(question: Question, said: Answered, unit: str, system: str) -> str:
-    """What is next to an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
+    """The note next to an answer: why it cannot be read, what is implausible, or its unit and its value in another."""
     if question.name in said.wrong:
         return f"✗ {said.wrong[question.name]}"
     if odd := implausible_answers(said.flight, question.name, said.usual, system):
@@ -88,7 +88,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
 
 
 def together(flight: Flight, system: str) -> Iterable[str]:
-    """What the figures say of each other: speed, acceleration and burn time, and ejection against apogee."""
+    """Consistency of the readouts: speed, acceleration and burn time, and ejection against apogee."""
     ratio = identity(flight)
     if ratio is not None:
         fits = IDENTITY[0] <= ratio <= IDENTITY[1]
@@ -101,7 +101,7 @@ def together(flight: Flight, system: str) -> Iterable[str]:
 
 
 def summary(flight: Flight) -> str:
-    """The flight in a line: `Astra A on F24-4W: 10 of 10 readouts`."""
+    """The flight in one line: `Astra A on F24-4W: 10 of 10 readouts`."""
     build = " ".join(part for part in (flight.rocket or "rocket not named", flight.config) if part)
     motor = f" on {flight.motor}" if flight.motor else ""
     return f"{build}{motor}: {len(flight.readouts())} of {len(READ)} readouts"
@@ -113,10 +113,10 @@ def lacks(flight: Flight) -> str:
 
 
 class Draft:
-    """The flight being typed, as the ledger keeps it and takes it in the end.
+    """The flight being entered, as a draft in the ledger and finally saved.
 
-    Keys are kept by a worker while others are typed: a draft that comes after its flight was saved or forgotten is
-    dropped. All methods may be called from any thread.
+    A worker saves drafts while keys are typed: a draft that comes after its flight was saved or discarded is dropped.
+    All methods may be called from any thread.
     """
 
     def __init__(self, resources: "Resources") -> None:
@@ -124,12 +124,12 @@ class Draft:
         self._lock = Lock()
         self._units: Mapping[str, str] = {}
         self.flight = 0
-        """Counts the flights that were typed."""
+        """Counts the flights that were entered."""
         self.shown = False
-        """Whether what the ledger held when the form was opened stands in it; until then it is kept as well."""
+        """Whether the draft in the ledger has been filled into the form; until then it is not overwritten."""
 
     def begin(self) -> FormStart:
-        """Take up what was typed halfway."""
+        """Load the draft."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
         ledger = self._resources.ledger
@@ -141,7 +141,7 @@ class Draft:
         return self._resources.names()
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
-        """What the flight that was planned, or the last one, suggests, given what was answered."""
+        """The default answers from the planned flight, or from the last one, given the answers so far."""
         from fieldkit.services.manual_entry import offer, planned_answers
 
         plan = planned_answers(self._resources.ledger)
@@ -163,7 +163,7 @@ class Draft:
         return usual(self._resources.ledger, flight)
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
-        """Keep what was typed of the `flight`-th flight."""
+        """Save the draft of the `flight`-th flight."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
         self._resources.import_engine()
@@ -178,7 +178,7 @@ class Draft:
                 self._units = units
 
     def forget(self) -> bool:
-        """Drop what was typed, which undo brings back; False if nothing was."""
+        """Discard the draft, which undo restores; False if there is none."""
         from fieldkit.services.manual_entry import DRAFT
 
         with self._lock:
@@ -207,7 +207,7 @@ class Draft:
         return Saved(added.new[0] if added.new else "", flight, lacks=lacks(said.flight), trouble="; ".join(odd))
 
     def _question(self, flight: Flight) -> str:
-        """What is asked of a name that may be a slip or an apogee that can hardly be right; empty if all is well."""
+        """The question about a name that may be misspelled or an implausible apogee; empty if there is none."""
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
 
@@ -221,7 +221,7 @@ class Draft:
         return "\n".join(doubts)
 
     def motor_trouble(self, name: str) -> str:
-        """Why a motor is not known, empty if it is or none is named."""
+        """Why a motor is unknown, empty if it is known or none is named."""
         from fieldkit.motors import is_cluster
 
         trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)

@@ -1,4 +1,4 @@
-"""The current field of the page Add: its number in large digits, what it means, what the figures say together."""
+"""The current field of the page Add: its number in large digits, its meaning, and the consistency of the readouts."""
 
 from collections.abc import Iterable
 
@@ -25,7 +25,7 @@ class Hand(Horizontal):
     """
 
     def compose(self) -> Iterable[Widget]:
-        """The digits and the words."""
+        """The digits and the text."""
         yield Big(id="big")
         yield Static("", id="says")
 
@@ -35,7 +35,7 @@ class Hand(Horizontal):
         self._say(_meaning(field.question, field.answer, said, system), said, system)
 
     def rest(self, said: Answered, system: str) -> None:
-        """No field: the flight in a line, and what Enter does with it."""
+        """No field: the flight in one line, and what Enter does with it."""
         self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")
@@ -58,7 +58,7 @@ class Hand(Horizontal):
 
 
 def _meaning(question: Question, answer: str, said: Answered, system: str) -> str:
-    """Why an answer cannot be read, what is odd about it, else what the question means."""
+    """Why an answer cannot be read, what is implausible about it, or the meaning of the question."""
     trouble = said.wrong.get(question.name)
     odd = implausible_answers(said.flight, question.name, said.usual, system)
     return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help

@@ -1,4 +1,4 @@
-"""What the page Add explains."""
+"""The help of the page Add."""
 
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.tui.help import Help

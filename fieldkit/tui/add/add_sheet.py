@@ -31,11 +31,11 @@ FORM_CSS = """
     AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
     AddScreen.-tall Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
 """
-"""How the parts of the form are laid out on the page, by its width and height."""
+"""Layout of the form on the page, by its width and height."""
 
 
 class Sheet:
-    """The lines on a page; `touched` names the questions that the flyer has answered there."""
+    """The fields on a page; `touched` names the questions that the user has answered there."""
 
     def __init__(self, page: PageScreen) -> None:
         self._page = page
@@ -70,11 +70,11 @@ class Sheet:
 
     @property
     def button(self) -> Button:
-        """The one that saves."""
+        """The button that saves."""
         return self._page.query_one(SaveButton)
 
     def answers(self) -> dict[str, str]:
-        """What stands in each line, by question."""
+        """The text of each field, by question."""
         return {name: self.field(name).answer for name in BY_NAME}
 
     def fill(self, texts: Mapping[str, str], system: str = "") -> None:
@@ -93,13 +93,13 @@ class Sheet:
                 self.field(name).fill("")
 
     def first_empty(self) -> Input:
-        """The first line that is asked and empty: rocket and motor, else the first readout not typed."""
+        """The first empty field to ask about: rocket and motor, else the first readout without a value."""
         named = [name for name in ("rocket", "motor") if not self.field(name).line.value]
         unread = [name for name in READ if not self.field(name).line.value]
         return self.field((named or unread or READ)[0]).line
 
     def take_in_hand(self, widget: Widget | None) -> Field | None:
-        """Set off the field that a line belongs to, and no other."""
+        """Highlight the field that a line belongs to, and no other."""
         left, self._held = self._held, field_of(widget)
         for one in (left, self._held):
             if one is not None:
@@ -108,7 +108,7 @@ class Sheet:
 
 
 def in_units(question: Question, text: str, system: str) -> str:
-    """An offered answer as a flyer reads it: `8.0 mph` for `3.57632 m/s`."""
+    """A default answer as the user reads it: `8.0 mph` for `3.57632 m/s`."""
     value = read_answer(question.name, text) if question.column is not None else None
     return measure(question.column, value, system) if question.column and isinstance(value, float) else text
 

@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 Draw = Callable[[Any, Any], None]
 MAX_EARLIER = 24
-"""Earlier forecasts that are drawn, the newest. [1]"""
+"""Number of earlier forecasts drawn. [1]"""
 WORKING = "comparing with the forecast ..."
 NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight has no Cd."
 
 
 @dataclass(frozen=True, slots=True)
 class AfterFlight:
-    """How a flight did, what to do next, and the forecasts of its rocket that have flown, oldest first."""
+    """A flight compared with its forecast, what to do next, and the earlier forecasts of its rocket that have flown."""
 
     outcome: "Outcome"
     next: "Suggestion"
@@ -41,7 +41,7 @@ class AfterFlight:
 
 
 def after_flight(resources: "Resources", flight: Flight) -> AfterFlight | None:
-    """All that is shown of a flight that was saved; None if it can be compared with nothing."""
+    """All contents of the card of a saved flight; None if there is nothing to compare it with."""
     from fieldkit.services.after_flight import outcome
     from fieldkit.services.next_suggestion import suggestion
     from fieldkit.services.saved_forecasts import list_forecasts
@@ -56,7 +56,7 @@ def after_flight(resources: "Resources", flight: Flight) -> AfterFlight | None:
 
 
 class AfterCard(VerticalScroll, can_focus=True):
-    """In place of the form until Enter asks for the next flight; `text` is what it says, to be copied."""
+    """Replaces the form until Enter starts the next flight; `text` is the card as text, to be copied."""
 
     DEFAULT_CSS = """
     AfterCard { height: 1fr; border: round $border; padding: 0 1; display: none; }
@@ -75,7 +75,7 @@ class AfterCard(VerticalScroll, can_focus=True):
     text = ""
 
     def compose(self) -> ComposeResult:
-        """From the figure to the suggestion, and below it the next flight and earlier ones."""
+        """From the comparison to the suggestion, and below it the next flight and earlier ones."""
         from fieldkit.tui.widgets.plots import Plot
 
         yield Static("", classes="heading")
@@ -108,7 +108,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.scroll_home(animate=False, immediate=True)
 
     def show(self, found: AfterFlight | None, system: str) -> None:
-        """How it did, once that is known."""
+        """The comparison, once it is computed."""
         from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
         from fieldkit.tui.widgets.plots import draw_density
 
@@ -144,7 +144,7 @@ class AfterCard(VerticalScroll, can_focus=True):
 
 
 def _rows(earlier: Sequence["SavedForecast"]) -> list[Interval]:
-    """The newest first."""
+    """Newest first."""
     return [
         Interval(
             f"{one.flight.flight_id if one.flight else ''} {one.made.payload.get('motor', '')}",

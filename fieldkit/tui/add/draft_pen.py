@@ -1,4 +1,4 @@
-"""What writes the keys of the page Add down: at once, in order, whatever other workers are busy with."""
+"""Saves what is typed on the page Add: at once, in order, whatever other workers are doing."""
 
 from asyncio import wrap_future
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from fieldkit.tui.page import PageScreen
 
 
 class DraftPen:
-    """One thread that keeps a draft; a page hears once why keys cannot be kept, if they cannot."""
+    """One thread that saves a draft; the page is notified once if it cannot be saved."""
 
     def __init__(self, page: PageScreen) -> None:
         self._page = page
@@ -19,7 +19,7 @@ class DraftPen:
         self._unkept = ""
 
     def keep(self, draft: Draft, answers: Mapping[str, str], units: Mapping[str, str]) -> Future[None]:
-        """Keep what was typed; a draft that still waits to be written makes room for it."""
+        """Save a draft; it replaces one that is still waiting to be written."""
         kept = self._writer.submit(draft.keep, draft.flight, answers, units)
         self._page.run_worker(partial(self._report_unsaved, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
         return kept

@@ -1,4 +1,4 @@
-"""The line of the page Add that moves while a flight is typed: Cd, alpha and the next apogee by the network."""
+"""The live estimate on the page Add: Cd, alpha and the next apogee by the network."""
 
 import asyncio
 from functools import partial
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fieldkit.services.typed_flight import TypedEstimate, TypedFlight
 
 PAUSE = 0.15
-"""Time without a key after which the estimate is worked out: longer than between two digits. [s]"""
+"""Time without a key after which the estimate is computed: longer than between two digits. [s]"""
 
 
 class EstimateLine(Static):
@@ -36,11 +36,11 @@ class EstimateLine(Static):
         return cast(PageScreen, self.screen)
 
     def forget(self) -> None:
-        """The ledger has changed: read its flights again."""
+        """Read the flights of the ledger again, because it has changed."""
         self._beside = self._last = None
 
     def follow(self, typed: Flight) -> None:
-        """Show what a flight says as far as it is typed, once no key follows."""
+        """Show the estimate from the values so far, once typing pauses."""
         if typed == self._last:
             return
         self._last = typed

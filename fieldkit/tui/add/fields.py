@@ -1,4 +1,4 @@
-"""A question with a line to type its answer in, and a note on the answer."""
+"""A question with an input line and a note on the answer."""
 
 import asyncio
 from collections.abc import Callable, Iterable
@@ -58,22 +58,22 @@ class Field(Horizontal):
 
     @property
     def answer(self) -> str:
-        """What was typed, or what was filled in as it was meant: a line shows no escapes, and numbers rounded."""
+        """The text as typed, or as filled in: a line shows sanitized text and rounded numbers."""
         text = self.line.value.strip()
         return self._meant if text == self._filled.strip() else text
 
     @property
     def typed(self) -> bool:
-        """Whether the line holds anything else than what was filled in."""
+        """Whether the text differs from what was filled in."""
         return self.line.value != self._filled
 
     def fill(self, text: str, shown: str = "") -> None:
-        """Put an answer in the line, as it is `shown` to the flyer."""
+        """Set the answer of the line, displayed as `shown`."""
         self._meant, self._filled = text, printable(shown or text)
         self.line.value = self._filled
 
     def note(self, text: str) -> None:
-        """Say something about the answer, in the line there is for it."""
+        """Show a note on the answer."""
         if text != self._noted:
             self._noted = text
             self.query_one(".note", Static).update(Content(printable(text)), layout=False)
@@ -171,7 +171,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         return value, f"? {doubt}" if doubt else spelled(unit)
 
     def action_go_on(self) -> None:
-        """To the next line; on the last one it takes the form. An answer that was chosen is taken first."""
+        """To the next line, or save on the last one. A chosen answer is accepted first."""
         self._picker.take()
         field = self.focused.parent if self.focused is not None else None
         if isinstance(field, Field) and field.question == self._questions[-1]:
@@ -189,14 +189,14 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.focus_previous()
 
     def action_leave(self) -> None:
-        """Close the list, else leave everything as it was."""
+        """Close the list, or cancel the form."""
         if self._picker.open:
             self._picker.close()
         else:
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Hand the answers over, if all can be read; one that may be a slip is questioned."""
+        """Submit the answers if all can be read; one that may be misspelled is questioned first."""
         values: dict[str, object] = {}
         doubts: dict[Field, str] = {}
         self._picker.close()

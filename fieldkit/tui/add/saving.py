@@ -1,4 +1,4 @@
-"""Saving the flight that is typed on the page Add: questioned if it may be a slip, and what came of it shown."""
+"""Saving the flight on the page Add: it is questioned if it may be wrong, and the result is shown."""
 
 from functools import partial
 
@@ -12,7 +12,7 @@ DUPLICATE = "Duplicate: it is already in the ledger."
 
 
 class Saving:
-    """From the answers to the ledger, and the card that is shown in place of the form afterwards."""
+    """From the answers to the ledger, and the card that then replaces the form."""
 
     def __init__(self, page: PageScreen, sheet: Sheet, draft: Draft) -> None:
         self._page, self._sheet, self._draft = page, sheet, draft
@@ -20,20 +20,20 @@ class Saving:
 
     @property
     def card(self) -> AfterCard:
-        """What is shown of a flight that was saved."""
+        """The message about a saved flight."""
         return self._page.query_one(AfterCard)
 
     def object_to(self, trouble: str) -> None:
-        """Say what is wrong with an answer until the flight is saved."""
+        """Ask about a doubtful answer until the flight is saved."""
         self._objections.append(trouble)
         self._page.complain(trouble)
 
     def save(self, said: Answered, *, confirmed: bool = False) -> None:
-        """Put the flight in the ledger."""
+        """Save the flight in the ledger."""
         self._page.ask(partial(self._draft.save, said, confirmed=confirmed), partial(self._saved, said), "save")
 
     def leave_card(self) -> None:
-        """Back to the form."""
+        """Return to the form."""
         self._front(card=False)
 
     def _saved(self, said: Answered, saved: Saved) -> None:
@@ -61,14 +61,14 @@ class Saving:
         self._page.field_app.changed()
 
     def _confirmed(self, said: Answered, yes: bool | None) -> None:
-        """Save what was questioned, or go back to it."""
+        """Save the flight anyway, or return to it."""
         if yes:
             self.save(said, confirmed=True)
         else:
             self._page.set_focus(self._sheet.field(READ[0]).line)
 
     def _compare(self, id: str, flight: Flight) -> None:
-        """Forecast against flown, and the next one, as soon as they are known."""
+        """Forecast and flown, and the next forecast, as soon as they are computed."""
         resources = self._page.resources
         self.card.saved(id, flight, resources.settings.units)
         self._front(card=True)

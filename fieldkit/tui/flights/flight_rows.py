@@ -57,7 +57,7 @@ def _date(form: str) -> Callable[[Row, str], str]:
 
 
 def columns(width: int) -> list[Shown]:
-    """All ten columns in any width: narrow ones shorten the date and the tags."""
+    """All ten columns at any width: narrow screens shorten the date and the tags."""
     wide, tight = width >= 108, width < 76
     motor = 14 if wide else 6 if tight else 8
     return [
@@ -105,7 +105,7 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
 
 
 def haystack(row: Row) -> str:
-    """What a filter looks in."""
+    """The text that a filter searches."""
     flight = row.flight
     when = flight.date_time.isoformat(" ") if flight.date_time else ""
     texts = (row.id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)

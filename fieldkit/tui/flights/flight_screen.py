@@ -1,4 +1,4 @@
-"""One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
+"""One flight: its readouts, the drag and thrust inferred from them, its log, and its forecast."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
 PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
-"""What stands in each place until more is known of a flight."""
+"""Placeholders until the flight is read."""
 
 
 class FlightScreen(PageScreen):
@@ -102,7 +102,7 @@ class FlightScreen(PageScreen):
         self._text: list[str] = []
 
     def turn_to(self, id: str) -> None:
-        """Show another flight: what was shown before goes, what is known of this one comes as it is read."""
+        """Show another flight: the old contents are cleared, the new ones come as they are read."""
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
@@ -118,7 +118,7 @@ class FlightScreen(PageScreen):
             scrolled.scroll_home(animate=False, immediate=True)
 
     def body(self) -> Iterable[Widget]:
-        """One page that scrolls: figures on the left, pictures on the right."""
+        """One scrolling page: figures on the left, plots on the right."""
         from fieldkit.tui.widgets.plots import Plot
 
         yield Static(id="heading")
@@ -138,11 +138,11 @@ class FlightScreen(PageScreen):
                         yield Plot(id=f"log-{name}")
 
     def action_report(self) -> None:
-        """Write the card of this flight."""
+        """Write the report of this flight."""
         ask_report(self, self._flight_id)
 
     def action_remove(self) -> None:
-        """Take this flight out, and show those that are left."""
+        """Remove this flight, and show the remaining ones."""
         remove(self, self._flight_id, self.dismiss)
 
     def on_mount(self) -> None:
@@ -150,7 +150,7 @@ class FlightScreen(PageScreen):
         self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:
-        """Read the flight; what follows from it comes when it is worked out."""
+        """Read the flight; inferred values come when they are computed."""
         self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
@@ -253,7 +253,7 @@ class FlightScreen(PageScreen):
             self.app.push_screen(LogView([look], self.resources.settings.units))
 
     def action_edit(self) -> None:
-        """Change what is known of the flight."""
+        """Edit the flight."""
         from fieldkit.tui.flights.edit_form import ask_changes
 
         if self._flight is not None:

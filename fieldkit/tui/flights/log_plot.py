@@ -1,4 +1,4 @@
-"""The log of a flight as it is drawn: its channels against time, with a line at each event."""
+"""The log of a flight as plots: its channels against time, with a line at each event."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ChannelTrace:
-    """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
+    """One channel of a log, thinned to the resolution of a screen, in the displayed units."""
 
     title: str
     time: list[float]
@@ -54,13 +54,13 @@ class Drawn:
 DRAWN_MARGIN = 1.0
 """Time that is drawn before liftoff and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
-"""What is drawn of a log, from top to bottom."""
+"""Channels that are drawn, from top to bottom."""
 POINTS = 400
-"""Samples that are drawn of a channel: more than the widest screen has dots."""
+"""Samples of a channel that are drawn: more than the widest screen has dots. [1]"""
 
 
 def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
-    """The log of a flight as traces, or in words why there is none to draw."""
+    """The log of a flight as traces, or the reason why there is nothing to draw."""
     import numpy as np
 
     from fieldkit import units

@@ -31,7 +31,7 @@ CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_acce
 STEPS = 120
 """Steps of the cursor from one end to the other. [1]"""
 STEPS_TO_EVENT = 0.6
-"""An event so many steps from the cursor is named beside it. [1]"""
+"""Steps of the cursor within which an event is named beside it. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +58,7 @@ def looks_at(file: "FileView", system: str) -> list[LogLook]:
 
 
 def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
-    """A look at the log of a flight of the ledger, or in words why there is none."""
+    """A view of the log of a flight in the ledger, or the reason why there is none."""
     from fieldkit.services.imports.view import flight_view
     from fieldkit.services.replay import recording_of
 
@@ -70,7 +70,7 @@ def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
 
 
 def _file_facts(file: "FileView") -> list[Hanging]:
-    """Why a file was read as it was, what its columns are, and what would be stored."""
+    """Why a file was read in this format, its columns, and what would be stored."""
     columns = [
         (
             f"{one.name} [{spelled(one.unit)}]" if one.unit else one.name,
@@ -92,7 +92,7 @@ def _file_facts(file: "FileView") -> list[Hanging]:
 
 
 def _readouts(one: "FlightView", system: str) -> Hanging:
-    """The readouts beside what the device states, each with the sensor that it rests on."""
+    """The readouts with the device's own values, each with its sensor."""
     rows = []
     for column in MEASURED:
         found = one.readouts.get(column.name)
@@ -181,7 +181,7 @@ class LogView(ModalScreen[None]):
         self._draw()
 
     def _draw(self) -> None:
-        """Draw the curves with the cursor, and say what they are there."""
+        """Draw the curves with the cursor, and show the values there."""
         curve = self._look.curve
         if curve is None:
             self.query_one("#cursor", Static).update("no samples in this file")
@@ -211,7 +211,7 @@ class LogView(ModalScreen[None]):
             self._draw()
 
     def action_event(self, by: int) -> None:
-        """Put the cursor on the event before or the next one."""
+        """Move the cursor to the previous or next event."""
         curve = self._look.curve
         if curve is None:
             return
@@ -222,12 +222,12 @@ class LogView(ModalScreen[None]):
             self._draw()
 
     def action_flight(self, by: int) -> None:
-        """The flight before or the next one of the file."""
+        """Show the previous or next flight of the file."""
         self._place = (self._place + by) % len(self._looks)
         self._show()
 
     def action_facts(self) -> None:
-        """Give the plots or the facts the room."""
+        """Enlarge the plots or the facts."""
         if self._look.curve is not None:
             self.toggle_class("-facts")
 

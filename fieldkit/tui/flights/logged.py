@@ -1,4 +1,4 @@
-"""What a log brought beside the readouts, in the words of a flyer: how sure a readout is, what the device stated."""
+"""Details from a log beside the readouts, as text: uncertainties, and the device's own values."""
 
 from collections.abc import Mapping
 
@@ -40,7 +40,7 @@ def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
 
 
 def _stated(column: Column, text: str, system: str) -> str:
-    """What a device stated, in the flyer's units."""
+    """The device's own values, in the user's units."""
     try:
         return measure(column, column.parse(text), system)
     except BadValue:
@@ -48,7 +48,7 @@ def _stated(column: Column, text: str, system: str) -> str:
 
 
 def _worded(name: str, text: str) -> tuple[str, str]:
-    """A column's name as words; a unit it ends in goes behind the figure."""
+    """A column's name as words, its unit after the value."""
     suffix = next((one for one in SUFFIXES if name.endswith(one) and _figure(text) is not None), "")
     words = name.removesuffix(suffix).replace("_", " ").strip()
     return words[:1].upper() + words[1:], f"{text} {SUFFIXES[suffix]}" if suffix else text

@@ -1,4 +1,4 @@
-"""Taking a flight out of the ledger from a page; undo brings it back."""
+"""Removing a flight from the ledger on a page; undo restores it."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Beside the tags of a flight: what the one under the cursor means and does, and what the tags do to the forecast."""
+"""Beside the tags of a flight: the meaning of the current one, and the effect of the tags on the forecast."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
 
 OWN_TAG_ROW = "another ..."
-"""The row for a tag of one's own."""
+"""The row for a tag of your own."""
 MAX_NAMED_FLIGHTS = 12
-"""Tagged flights that are named one by one."""
+"""Tagged flights that are named individually. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +60,12 @@ class TagCard(VerticalScroll):
     """
 
     def compose(self) -> Iterable[Widget]:
-        """Words and lines; a plot comes to stand below."""
+        """Text and lines; a plot is added below."""
         for name in ("tag", "drag", "apogee"):
             yield Static(id=f"card-{name}")
 
     def show_tag(self, tag: str, there: bool, bearers: Sequence[str]) -> None:
-        """What a tag means, whether the flight has it, and which flights of the rocket do."""
+        """The meaning of a tag, whether the flight has it, and which flights of the rocket have it."""
         more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
             ("means", meaning(tag)),
@@ -76,7 +76,7 @@ class TagCard(VerticalScroll):
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 
     def show_shift(self, before: Shift, now: Shift, system: str) -> None:
-        """Cd and the next apogee before this list was opened, and now."""
+        """Cd and the next apogee when this list was opened, and now."""
         from fieldkit.tui.widgets.plots import Plot, draw_density
 
         same = before.forecast is now.forecast
@@ -100,6 +100,6 @@ class TagCard(VerticalScroll):
 
 
 def meaning(tag: str) -> str:
-    """What a tag means, in words."""
+    """The meaning of a tag."""
     own = "type a tag of your own, such as windy" if tag == OWN_TAG_ROW else "your own tag"
     return KNOWN_TAGS.get(tag, own)

@@ -1,4 +1,4 @@
-"""Tags of a flight: a list that explains each, and what they do to Cd and the next forecast as soon as one changes."""
+"""Tags of a flight: a list that explains each, and their effect on Cd and the next forecast."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -22,7 +22,7 @@ from fieldkit.tui.widgets.table import Head, Table
 
 
 class TagScreen(PageScreen):
-    """A row a tag; Enter or the space bar puts it on or takes it off, at once and undoable."""
+    """One row per tag; Enter or the space bar adds or removes it, at once and undoable."""
 
     NAME = "flights"
     TITLE = "Tags"
@@ -72,11 +72,11 @@ class TagScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the flight and what the model makes of the tags."""
+        """Read the flight and the forecasts with its tags."""
         self.ask(self._read, self._have)
 
     def _read(self) -> tuple[Flight, dict[str, list[str]]]:
-        """The flight, and the flights of its rocket by the tags that they bear."""
+        """The flight, and the flights of its rocket by tag."""
         flight = self.resources.ledger.flight(self._flight_id)
         bearers: dict[str, list[str]] = {}
         for one in self.resources.ledger.flights(flight.rocket):
@@ -133,14 +133,14 @@ class TagScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """What the tag under the cursor means."""
+        """The meaning of the current tag."""
         tag = self.query_one(Table).current
         self.query_one("#means", Static).update(Content(printable(f"{tag}: {meaning(tag)}")))
         self.query_one(TagCard).show_tag(tag, tag in self._flight.tags, self._bearers.get(tag, []))
 
     @on(Table.Chosen)
     def action_toggle_tag(self) -> None:
-        """Put the tag under the cursor on the flight, or take it off."""
+        """Add the current tag to the flight, or remove it."""
         tag = self.query_one(Table).current
         if tag == OWN_TAG_ROW:
             self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
@@ -152,7 +152,7 @@ class TagScreen(PageScreen):
             self._change(text.strip())
 
     def _change(self, tag: str) -> None:
-        """Put a tag on, or take it off if it is; one after the other, however fast keys come."""
+        """Add a tag, or remove it if present; one after the other, however fast keys come."""
 
         def work() -> None:
             ledger = self.resources.ledger
@@ -162,5 +162,5 @@ class TagScreen(PageScreen):
         self.change(work, lambda _: self.field_app.changed())
 
     def copied(self) -> str:
-        """The tag under the cursor and what it means."""
+        """The current tag and its meaning."""
         return self.query_one(Table).current_text()

@@ -1,1 +1,1 @@
-"""What the page Home shows and asks."""
+"""Contents of the page Home."""

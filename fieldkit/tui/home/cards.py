@@ -1,4 +1,4 @@
-"""The two cards of the page Home: the forecast that waits for its flight, and the last flight beside its forecast."""
+"""The two cards of the page Home: the open forecast, and the last flight with its forecast."""
 
 from collections.abc import Iterable, Sequence
 from datetime import date
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class HomeCard(Vertical):
-    """A heading, a large number with words beside it, an interval, a last line."""
+    """A heading, a large number with text beside it, an interval, a last line."""
 
     DEFAULT_CSS = """
     HomeCard { width: 1fr; height: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1;
@@ -45,14 +45,14 @@ class HomeCard(Vertical):
         yield Static("", classes="last")
 
     def say(self, heading: str, last: str = "") -> None:
-        """Words alone: no number is known."""
+        """Text only: no number is known."""
         self.add_class("-plain")
         self.interval = None
         self._put(".heading", heading)
         self._put(".last", last)
 
     def figure(self, heading: str, value: str, words: Iterable[str], interval: Interval | None, last: str) -> None:
-        """A number, the words beside it, and the interval it belongs to."""
+        """A number, the text beside it, and its interval."""
         self.remove_class("-plain")
         self._put(".heading", heading)
         self.query_one(Big).show(value)
@@ -73,7 +73,7 @@ class HomeCard(Vertical):
 
 
 class NextCard(HomeCard):
-    """What flies next."""
+    """The next flight."""
 
     def on_mount(self) -> None:
         """The title."""
@@ -101,14 +101,14 @@ class NextCard(HomeCard):
 
 
 class LastCard(HomeCard):
-    """What was flown last."""
+    """The last flight."""
 
     def on_mount(self) -> None:
         """The title."""
         self.border_title = "Last flight"
 
     def show(self, view: "Overview | None", system: str, today: date) -> None:
-        """The last flight beside its forecast, and the flights of the day in a line."""
+        """The last flight with its forecast, and the flights of the day in one line."""
         from fieldkit.presentation import home_text
 
         last = view.last if view is not None else None

@@ -1,4 +1,4 @@
-"""The three things that a flyer does at the field, large enough to hit with a finger."""
+"""The three actions of a launch day, large enough to hit with a finger."""
 
 from collections.abc import Iterable
 
@@ -12,9 +12,9 @@ CHOICES = (
     ("a", "Add", "add a flight"),
     ("p", "Plan", "rocket and weather"),
 )
-"""Key, name, and what it leads to."""
+"""Key, name, and description."""
 LONG_CHOICE_WIDTH = 34
-"""Width from which a choice says what it leads to. [cell]"""
+"""Width above which a choice shows its description. [cell]"""
 
 
 class Choice(Static):
@@ -35,7 +35,7 @@ class Choice(Static):
         return Content.assemble(*parts, f"  {self._about}" if self.size.width > LONG_CHOICE_WIDTH else "")
 
     async def on_click(self) -> None:
-        """As the key does."""
+        """Do what the key does."""
         await self.run_action(f"app.press({self._key!r})")
 
 

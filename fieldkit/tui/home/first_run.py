@@ -1,4 +1,5 @@
-"""The first steps with an empty ledger: a rocket in four fields, the demo rocket, files, or a flight typed in."""
+"""The first steps with an empty ledger: a rocket in four fields, the demo rocket, files, or a flight entered by
+hand."""
 
 from collections.abc import Sequence
 from enum import Enum
@@ -34,7 +35,7 @@ QUESTIONS = (
     Question("diameter", "Diameter", "The widest tube of the body: 66mm or 2.6 in."),
     Question("motor", "Motor", "As printed on it: F24-4W, C6-5."),
 )
-"""What a first forecast needs."""
+"""The fields of a first forecast."""
 EXAMPLES = {"rocket": "a name such as Astra", "dry_mass": "a mass such as 330g", "motor": "a motor such as F24-4W"}
 """The message about a missing answer; without a diameter a usual one is assumed."""
 

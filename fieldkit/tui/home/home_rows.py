@@ -1,4 +1,4 @@
-"""The latest flights on the page Home: a flight a row, with its profile and its forecast if there is room."""
+"""The latest flights on the page Home: one row per flight, with its profile and its forecast if there is room."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
 """Widths of the sparkline and of the motor of a flight. [cell]"""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
-"""Widths from which a table has room for profiles, and for the interval of each forecast. [cell]"""
+"""Widths above which a table has room for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
 
 

@@ -10,7 +10,7 @@ from fieldkit.tui.page import PageScreen
 
 
 def ask_weather(page: PageScreen, now: Flight) -> None:
-    """Ask for the weather of today; what comes of it is kept."""
+    """Ask for today's weather and save it."""
     from fieldkit.services.day_weather import WEATHER
 
     system = page.resources.settings.units

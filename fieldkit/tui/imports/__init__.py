@@ -1,1 +1,1 @@
-"""What an import shows before and after it."""
+"""Dialogs and text before and after an import."""

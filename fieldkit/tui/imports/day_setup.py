@@ -1,4 +1,4 @@
-"""What a log leaves open, as the flyer planned it: rocket, motor, mass and site of the saved forecast, and today."""
+"""Values that a log lacks, from the saved forecast: rocket, motor, mass and site, and today."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def setup_of_day(resources: "Resources") -> dict[str, str]:
-    """The set-up of the saved forecast that waits for its flight, else of the last flight, by question."""
+    """The setup of the open forecast, else of the last flight, by question."""
     from fieldkit.tui.add.add_form import Draft
 
     offers = Draft(resources).offers({})
@@ -32,7 +32,7 @@ def is_open(flights: tuple[Flight, ...]) -> bool:
 
 
 def ask_setup(page: "PageScreen", known: Mapping[str, str], store: Callable[[dict[str, object]], None]) -> None:
-    """Ask for what a log leaves open, with what is `known` filled in; `store` gets it as fields of a flight."""
+    """Ask for values that a log lacks, with what is `known` filled in; `store` gets them as fields of a flight."""
     from fieldkit.errors import BadValue
     from fieldkit.importing.manual_entry import read_changes
 

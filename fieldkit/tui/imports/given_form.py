@@ -1,4 +1,4 @@
-"""The form of what a file leaves open: rocket, motor, site, date and mass, for every flight that it brings."""
+"""The form of values that a file lacks: rocket, motor, site, date and mass, for every flight in it."""
 
 from collections.abc import Callable, Mapping
 
@@ -18,7 +18,7 @@ QUESTIONS = (
 
 
 def ask_given(page: PageScreen, given: Mapping[str, str], answer: Callable[[dict[str, str]], None]) -> None:
-    """Ask what a file leaves open; what was given for other columns stays as it is."""
+    """Ask for values that a file lacks; values given for other columns are unchanged."""
     units = {name: unit_of(BY_NAME[name], page.resources.settings.units) for name in NUMBERS}
     texts = {question.name: given.get(question.name, "") for question in QUESTIONS}
 

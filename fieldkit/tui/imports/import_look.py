@@ -1,4 +1,4 @@
-"""Files on the page Import: a folder's files, what one would bring, and storing it."""
+"""Files on the page Import: the files of a folder, the preview of one, and storing it."""
 
 import re
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Parts = list[str | tuple[str, str]]
 MAX_LISTED, MAX_NOTES = 200, 6
-"""Number of flights or rejected rows, and of notes, that are listed. [1]"""
+"""Flights or rejected rows, and notes, that are listed. [1]"""
 NAME_WIDTH = 44
 """Cells for the names of flights, before their apogees."""
 UP = Path("..")
@@ -58,20 +58,20 @@ class ReadOptions:
     given: Mapping[str, str] = field(default_factory=dict)
     columns: tuple[str, ...] = ()
     marked: tuple[Path, ...] = ()
-    """Files that are read together: several logs of one flight."""
+    """Files to read together: several logs of one flight."""
 
     def together(self, path: Path) -> tuple[Path, ...]:
-        """The files that are read together with the current one."""
+        """The files to read together with the current one."""
         return self.marked if path in self.marked else (path,)
 
     def defaults(self) -> dict[str, object]:
-        """What files leave open, as fields of a flight. Raises BadValue."""
+        """Values that files lack, as fields of a flight. Raises BadValue."""
         from fieldkit.importing.manual_entry import read_changes
 
         return read_changes(Flight(), self.given)
 
     def named(self) -> "list[ColumnChoice]":
-        """The columns as they are named here. Raises BadValue."""
+        """The column mapping as typed. Raises BadValue."""
         from fieldkit.importing.tables.mapping import read_choice
 
         return [read_choice(self.columns)] if self.columns else []
@@ -92,7 +92,7 @@ def listed(folder: Path) -> list[Path]:
 
 
 def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
-    """What a file would bring; nothing is stored."""
+    """The preview of a file; nothing is stored."""
     try:
         if path.suffix.lower() == SUFFIX:
             start, words = design_at(path, reading.given, resources.settings.units)
@@ -116,7 +116,7 @@ def _by_key(options: re.Match[str]) -> str:
 
 
 def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt":
-    """Put what a file brings into the ledger, and remember how its columns were named."""
+    """Store a file in the ledger, and save its column mapping."""
     from fieldkit.importing.tables.mapping import remember
 
     receipt, _ = _bring_in(resources, path, reading, dry_run=False)
@@ -129,7 +129,7 @@ def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt"
 def _bring_in(
     resources: "Resources", path: Path, reading: ReadOptions, *, dry_run: bool
 ) -> "tuple[Receipt, tuple[Flight, ...]]":
-    """What became of a file, and the flights in it."""
+    """The result of importing a file, and its flights."""
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports import gather, take_in
 
@@ -168,7 +168,7 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
 
 
 def what_it_holds(look: Look, system: str) -> Hanging:
-    """The flights of a file: all that is known of one, a line for each of several."""
+    """The flights of a file: all data of a single one, one line for each of several."""
     if len(look.flights) == 1:
         flight = look.flights[0]
         figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
@@ -181,7 +181,7 @@ def what_it_holds(look: Look, system: str) -> Hanging:
 
 
 def left_out(look: Look) -> Hanging:
-    """Each row that would be left out: where it is, and why."""
+    """Each row that would be rejected: its position and the reason."""
     rejected = look.receipt.rejected if look.receipt else ()
     lines = [Content.assemble(("Rejected, and why", "b $primary"))] if rejected else []
     for one in rejected[:MAX_LISTED]:
@@ -193,7 +193,7 @@ def left_out(look: Look) -> Hanging:
 
 
 def in_a_line(given: Mapping[str, str]) -> str:
-    """What was given, in a line: `rocket=Astra; config=A`."""
+    """The given values in one line: `rocket=Astra; config=A`."""
     return "; ".join(f"{name}={value}" for name, value in given.items())
 
 

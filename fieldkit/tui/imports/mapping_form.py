@@ -1,4 +1,4 @@
-"""The form that says which column of a table is what, and the list of those that are remembered."""
+"""The form that maps the columns of a table, and the list of saved mappings."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, ClassVar
@@ -82,7 +82,7 @@ def _about(name: str) -> str:
 
 
 class MappingList(ModalScreen[None]):
-    """The columns that were named once, by the headings of their tables: changed or forgotten here."""
+    """The saved mappings, by the headings of their tables: edited or deleted here."""
 
     DEFAULT_CSS = """
     MappingList { align: center middle; background: $backdrop; }
@@ -107,7 +107,7 @@ class MappingList(ModalScreen[None]):
             yield KeyBar()
 
     def on_mount(self) -> None:
-        """Read them."""
+        """Load them."""
         self._show()
         self.set_focus(self.query_one(Table))
 
@@ -126,7 +126,7 @@ class MappingList(ModalScreen[None]):
         self.action_edit()
 
     def action_edit(self) -> None:
-        """Type other columns for the same headings."""
+        """Change the columns of a mapping."""
         number = self.query_one(Table).current
         if number is None:
             return
@@ -139,7 +139,7 @@ class MappingList(ModalScreen[None]):
         self.app.push_screen(AskText("Columns", in_words(self._known[number - 1])[2], about), typed)
 
     def action_forget(self) -> None:
-        """Forget the one under the cursor."""
+        """Delete the mapping under the cursor."""
         number = self.query_one(Table).current
         if number is not None:
             self._try(lambda: forget(number))

@@ -1,4 +1,4 @@
-"""Plots in the colours of the app, by textual-plotext."""
+"""Plots in the colors of the app, by textual-plotext."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ MIN_DENSITY_FRACTION = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its size in cells."""
+    """Colors of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its size in cells."""
 
     width: int
     height: int
@@ -30,7 +30,7 @@ class Ink:
 
 
 class Plot(PlotextPlot):
-    """A plot that is drawn again, by what `show` was given last, whenever its size or its colours change."""
+    """A plot that is drawn again, by what `show` was given last, whenever its size or its colors change."""
 
     DEFAULT_CSS = """
     Plot { height: 1fr; background: $surface; }
@@ -41,7 +41,7 @@ class Plot(PlotextPlot):
         self._draw: Callable[[Any, Ink], None] | None = None
 
     def show(self, draw: Callable[[Any, Ink], None] | None) -> None:
-        """Draw this from now on, with plotext and its colours; None for nothing."""
+        """Draw this from now on, with plotext and its colors; None for nothing."""
         self._draw = draw
         self.refresh()
 

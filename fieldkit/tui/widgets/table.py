@@ -33,7 +33,7 @@ Cells = Callable[[Any], Sequence[str]]
 """The cells of the row that stands for something, as text, which may come from files."""
 
 MARK, NO_MARK = "▸", " "
-"""Before the row of the cursor and before the others, for eyes and terminals without colours."""
+"""Before the row of the cursor and before the others, for eyes and terminals without colors."""
 
 
 class Table(ScrollView, can_focus=True, inherit_bindings=False):

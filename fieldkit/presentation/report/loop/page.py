@@ -1,5 +1,7 @@
 """The report as one HTML document, nothing outside it: what files said is escaped, and no script would run."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from fieldkit.physics.effect import effects
 from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
+from fieldkit.quantities import ShownUnits
 from fieldkit.scoring.bootstrap import Interval
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.text import climbs_in_words
@@ -28,53 +31,55 @@ def check_page(path: Path) -> None:
         raise BadValue(f"--report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_page(found: Findings, path: Path, *, force: bool = False) -> None:
-    """Write the report to a file, as HTML or PNG by its name; with `force` in the place of another one."""
+def write_page(found: Findings, path: Path, *, force: bool = False, system: str = "SI") -> None:
+    """Write the report to a file, as HTML or PNG by its name, in the units of a system; `force` replaces a file."""
     check_page(path)
-    content = png(found) if path.suffix.lower() == ".png" else page(found).encode()
+    content = png(found, system) if path.suffix.lower() == ".png" else page(found, system).encode()
     write(path, content, force=force)
 
 
-def page(found: Findings) -> str:
-    """The report as an HTML document."""
-    return rendered("loop/page.html", content(found))
+def page(found: Findings, system: str = "SI") -> str:
+    """The report as an HTML document, in the units of a system."""
+    return rendered("loop/page.html", content(found, system))
 
 
-def content(found: Findings) -> dict[str, Any]:
-    """Everything that the page shows, as text."""
+def content(found: Findings, system: str = "SI") -> dict[str, Any]:
+    """Everything that the page shows, as text, in the units of a system."""
+    shown = ShownUnits(system)
     diagnosis = found.diagnosis
     dates = [flight.date_time for flight in diagnosis.model.flights if flight.date_time]
     return {
         "rocket": found.rocket or "this rocket",
         "count": found.left_out.before.flights,
         "span": f"{min(dates):%Y-%m-%d} to {max(dates):%Y-%m-%d}" if dates else "",
-        "verdict": _verdict(found),
-        "figures": _figures(found),
-        "tests": [test.in_words for test in found.tests],
+        "verdict": _verdict(found, system),
+        "figures": _figures(found, shown),
+        "tests": [test.words(system) for test in found.tests],
         "patterns": [
             f"{'Misses' if row.readout == 'apogee' else f'Misses in {BY_NAME[row.readout].title.lower()}'} "
             f"follow {row.against} (p {row.p:.2g} after correction)."
             for row in (*found.patterns, *found.readout_patterns)
             if row.p < 0.1
         ],
-        "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
+        "pictures": {name: embedded(svg(name, found, system)) for name in pictures(found)},
         "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.testimony)],
         "implausible": [f"{_capitalized(line)}." for line in found.implausible],
         "errors": [
             row
             for title, compared in (("left out", found.left_out), ("forward in time", found.forward))
-            for row in _errors(title, compared)
+            for row in _errors(title, compared, shown)
         ],
         "how": {"left_out": found.left_out.how, "forward": found.forward.how},
         "parameters": _parameters(diagnosis),
         "digest": version_payload(diagnosis)["digest"],
         "spreads": _spreads(found),
-        "flights": _flights(diagnosis),
+        "flights": _flights(diagnosis, shown),
         "version": __version__,
+        "unit": shown.length_unit,
     }
 
 
-def _verdict(found: Findings) -> dict[str, Any]:
+def _verdict(found: Findings, system: str) -> dict[str, Any]:
     diagnosis = found.diagnosis
     titles = {"none": "No missing effect found", "unexplained": "Unexplained residual"}
     named = [effects()[name].title for name in diagnosis.effect.split("+") if name in effects()]
@@ -83,7 +88,7 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
         "why": _capitalized(diagnosis.why),
         "also": ", ".join(diagnosis.also),
-        "next_flight": _capitalized(in_next_flight(found.next_flight)),
+        "next_flight": _capitalized(in_next_flight(found.next_flight, system)),
         "accepting": [_capitalized(line) for line in what_accepting_changes(found)],
         "how_sure": _capitalized(how_sure(found)),
         "goes_with": _capitalized(found.unexplained.in_words) if found.unexplained else "",
@@ -95,34 +100,39 @@ def _capitalized(sentence: str) -> str:
     return sentence[:1].upper() + sentence[1:]
 
 
-def _figures(found: Findings) -> list[dict[str, str]]:
+def _figures(found: Findings, shown: ShownUnits) -> list[dict[str, str]]:
     before, after = found.left_out.before.score, found.left_out.after.score
     sure = f"{found.diagnosis.confidence:.0%}" if found.diagnosis.confidence < 0.995 else "over 99%"
-    figures = [{"value": f"{before.mae:.1f} m", "what": "mean leave-one-out error, before"}]
+    figures = [{"value": shown.length(before.mae, 1), "what": "mean leave-one-out error, before"}]
     if found.diagnosis.effect != "none":
-        figures.append({"value": f"{after.mae:.1f} m", "what": "after"})
+        figures.append({"value": shown.length(after.mae, 1), "what": "after"})
     return [*figures, {"value": sure, "what": "probability, given what was tried"}]
 
 
-def _errors(title: str, compared: Compared) -> list[dict[str, Any]]:
+def _errors(title: str, compared: Compared, shown: ShownUnits) -> list[dict[str, Any]]:
     if not compared.before.flights:
         return []
     rows = []
     for when, judged in (("before", compared.before), ("after", compared.after)):
         score = judged.score
         cells = [
-            _cell(f"{score.mae:.1f}", judged.mae, ".1f"),
-            _cell(f"{score.rmse:.1f}", judged.rmse, ".1f"),
-            _cell(f"{score.bias:+.1f}", judged.bias, "+.1f"),
-            _cell(f"{score.coverage90:.0%}", judged.coverage90, ".0%"),
+            _cell(score.mae, judged.mae, partial(_height, shown)),
+            _cell(score.rmse, judged.rmse, partial(_height, shown)),
+            _cell(score.bias, judged.bias, lambda bias: shown.difference(bias).split()[0]),
+            _cell(score.coverage90, judged.coverage90, "{:.0%}".format),
         ]
         rows.append({"title": f"{title}, {when}", "flights": judged.flights, "cells": cells})
     return rows
 
 
-def _cell(value: str, interval: Interval, form: str) -> dict[str, str]:
+def _cell(value: float, interval: Interval, text: Callable[[float], str]) -> dict[str, str]:
     low, high = interval
-    return {"value": value, "interval": f"{low:{form}} to {high:{form}}"}
+    return {"value": text(value), "interval": f"{text(low)} to {text(high)}"}
+
+
+def _height(shown: ShownUnits, height: float) -> str:
+    """A height without its unit."""
+    return shown.length(height, 1).split()[0]
 
 
 def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
@@ -161,19 +171,19 @@ def _spreads(found: Findings) -> list[dict[str, Any]]:
     ]
 
 
-def _flights(diagnosis: Diagnosis) -> list[dict[str, str]]:
+def _flights(diagnosis: Diagnosis, shown: ShownUnits) -> list[dict[str, str]]:
     before, after = diagnosis.forecasts_before.apogee, diagnosis.forecasts_after.apogee
     rows = []
-    for number, (flight, teaches) in enumerate(zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True)):
+    for number, (flight, used) in enumerate(zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True)):
         rows.append(
             {
                 "id": flight.flight_id,
                 "date": f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
                 "config": flight.config,
                 "motor": flight.motor,
-                "apogee": "" if flight.apogee is None else f"{flight.apogee:.1f}",
-                "before": f"{before[number]:.1f}" if teaches else "",
-                "after": f"{after[number]:.1f}" if teaches else "",
+                "apogee": "" if flight.apogee is None else _height(shown, flight.apogee),
+                "before": _height(shown, before[number]) if used else "",
+                "after": _height(shown, after[number]) if used else "",
                 "tags": ", ".join(flight.tags),
             }
         )

@@ -16,6 +16,7 @@ from fieldkit.presentation.report.style import (
     shortened,
     styled,
 )
+from fieldkit.quantities import ShownUnits
 from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.selection.verdict import NAMING_PROBABILITY
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
 
 NINE_OF_TEN = 1.645
 """Standard deviations on either side that hold nine of ten draws of a normal distribution. [1]"""
-Draw = Callable[["Figure | SubFigure", Findings], None]
+Draw = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
 
 
-def residuals(figure: "Figure | SubFigure", found: Findings) -> None:
+def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """Each flight left out: flown less forecast, before and after, against the column of the verdict."""
     diagnosis, against = found.diagnosis, axis(found)
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
@@ -40,21 +41,30 @@ def residuals(figure: "Figure | SubFigure", found: Findings) -> None:
         sides.append(("after: " + diagnosis.effect, diagnosis.forecasts_after, AFTER_COLOR))
     panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
     for panel, (title, forecasts, colour) in zip(panels, sides, strict=True):
-        _residual_panel(panel, against, forecasts, truth, seen, colour)
+        _residual_panel(panel, against, forecasts, truth, seen, colour, shown.length_factor)
         panel.set_title(title)
-    panels[0].set_ylabel("flown - forecast [m]")
+    panels[0].set_ylabel(f"flown - forecast [{shown.length_unit}]")
 
 
 def _residual_panel(
-    panel: "Axes", against: Axis, forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags, colour: str
+    panel: "Axes",
+    against: Axis,
+    forecasts: Forecasts,
+    truth: Float[Array, "flight"],
+    seen: Flags,
+    colour: str,
+    unit: float,
 ) -> None:
-    shown = seen & np.isfinite(against.values)
-    place = against.values[shown] + _beside(against.values[shown], 0.6 if against.names else 0.012)
+    """Residuals of one model, in multiples of `unit` [m]."""
+    known = seen & np.isfinite(against.values)
+    place = against.values[known] + _beside(against.values[known], 0.6 if against.names else 0.012)
     low, high = _interval(forecasts)
     apogee = forecasts.apogee
-    miss = (np.exp(truth) - apogee)[shown]
+    miss = (np.exp(truth) - apogee)[known] / unit
     panel.axhline(0, color=INK_COLOR, linewidth=1)
-    panel.vlines(place, (low - apogee)[shown], (high - apogee)[shown], color=colour, alpha=0.25, linewidth=3)
+    panel.vlines(
+        place, (low - apogee)[known] / unit, (high - apogee)[known] / unit, color=colour, alpha=0.25, linewidth=3
+    )
     panel.plot(place, miss, "o", color=colour, markersize=5)
     panel.set_xlabel(against.title)
     if against.names:
@@ -79,29 +89,30 @@ def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array
     return np.exp(mean - NINE_OF_TEN * sd), np.exp(mean + NINE_OF_TEN * sd)
 
 
-def forward(figure: "Figure | SubFigure", found: Findings) -> None:
+def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """Each flight forecast from those before it, with its flown apogee."""
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
-    flown = np.exp(found.diagnosis.data.values[:, 0])
+    unit = shown.length_factor
+    flown = np.exp(found.diagnosis.data.values[:, 0]) / unit
     sides = [("plain", ahead.before, BEFORE_COLOR, -0.14)]
     if any(ahead.chosen):
         sides.append(("effects chosen from earlier flights", ahead.after, AFTER_COLOR, 0.14))
     for title, forecasts, colour, shift in sides:
-        low, high = (ends[ahead.seen] for ends in _interval(forecasts))
+        low, high = (ends[ahead.seen] / unit for ends in _interval(forecasts))
         place = number[ahead.seen] + shift
         panel.vlines(place, low, high, color=colour, alpha=0.3, linewidth=5)
-        panel.plot(place, forecasts.apogee[ahead.seen], "_", color=colour, markersize=8, mew=2, label=title)
+        panel.plot(place, forecasts.apogee[ahead.seen] / unit, "_", color=colour, markersize=8, mew=2, label=title)
     teach = found.diagnosis.data.seen[:, 0]
     panel.plot(number[teach], flown[teach], "o", color=INK_COLOR, markersize=4, label="flown")
     panel.set_xlabel("flight, in the order flown")
-    panel.set_ylabel("apogee [m]")
+    panel.set_ylabel(f"apogee [{shown.length_unit}]")
     panel.margins(y=0.2)
     panel.legend(loc="best", ncols=3, fontsize=8)
     panel.locator_params(axis="x", integer=True)
 
 
-def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
+def fingerprints(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
     """What each of the likeliest effects would leave in the ten readouts, and what was there."""
     count = len(found.fingerprints)
     if not count:
@@ -139,7 +150,7 @@ def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
     panel.grid(axis="y", visible=False)
 
 
-def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
+def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
     """How probable each effect is, and from where on one is named."""
     panel = figure.subplots()
     items = [item for item in found.diagnosis.ranking if item.effect]
@@ -160,7 +171,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
     panel.grid(axis="y", visible=False)
 
 
-def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
+def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """The push that logs felt less the model's, along each climb: against time, and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
     for number, one in enumerate(found.testimony.flights):
@@ -168,14 +179,15 @@ def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
             points = [point for point in one.points if point.burning is burning]
             phase = "motor burning" if burning else "coasting"
             for panel, name in zip(panels, ("time_from_liftoff", "speed"), strict=True):
+                scale = shown.speed_factor if name == "speed" else 1.0
                 panel.errorbar(
-                    [getattr(point, name) for point in points],
+                    [getattr(point, name) / scale for point in points],
                     [point.force for point in points],
                     yerr=[NINE_OF_TEN * point.sd for point in points],
                     fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
                     label=phase if number == 0 else None,
                 )  # fmt: skip
-    for panel, title in zip(panels, ("time from lift-off [s]", "speed [m/s]"), strict=True):
+    for panel, title in zip(panels, ("time from lift-off [s]", f"speed [{shown.speed_unit}]"), strict=True):
         panel.axhline(0, color=INK_COLOR, linewidth=1)
         panel.set_xlabel(title)
     panels[0].set_ylabel("missing force per mass [m/s²]")
@@ -197,19 +209,19 @@ def pictures(found: Findings) -> list[str]:
     return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
 
 
-def svg(name: str, found: Findings) -> bytes:
+def svg(name: str, found: Findings, system: str = "SI") -> bytes:
     """One picture as an SVG document, letters drawn as shapes."""
     from matplotlib.figure import Figure
 
     draw, size = PICTURES[name]
     with styled():
         figure = Figure(figsize=size, layout="constrained")
-        draw(figure, found)
+        draw(figure, found, ShownUnits(system))
         return drawn(figure, "svg")
 
 
-def png(found: Findings) -> bytes:
-    """All pictures below each other, as one PNG."""
+def png(found: Findings, system: str = "SI") -> bytes:
+    """All pictures below each other, as one PNG, in the units of a system."""
     from matplotlib.figure import Figure
 
     with styled():
@@ -219,5 +231,5 @@ def png(found: Findings) -> bytes:
         figure.suptitle(f"{found.rocket}: {found.diagnosis.effect}", fontsize=13, weight="bold", x=0.02, ha="left")
         parts = figure.subfigures(len(sizes), 1, height_ratios=[high for _, high in sizes], squeeze=False)
         for part, (draw, _) in zip(parts[:, 0], chosen, strict=True):
-            draw(part, found)
+            draw(part, found, ShownUnits(system))
         return drawn(figure, "png")
