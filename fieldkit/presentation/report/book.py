@@ -20,8 +20,8 @@ from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
 MAX_FITS = 20
-"""Flights of a report up to which each that has no saved prediction is forecast by a fit to the others; in longer ones
-the loop's forecasts with the flight left out are shown, which are there already. [1]"""
+"""Longest report in which each flight without a saved prediction is forecast by a fit to the others; longer ones show
+the loop's forecasts of flights left out, which it computes anyway. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
