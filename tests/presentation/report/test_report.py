@@ -136,7 +136,7 @@ def test_names_from_files_are_text_in_markdown(day: FlightReport, tmp_path: Path
     assert all((tmp_path / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
     lines = [line for line in text.splitlines() if line.startswith("|")]
     cells = {len(re.findall(r"(?<!\\)\|", line)) for line in lines}
-    assert cells == {4, 10}
+    assert cells == {3, 10}
 
 
 @pytest.mark.parametrize(
