@@ -79,8 +79,11 @@ def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Flight
         flight = book(ledger, catalogue(), "2", quiet)
         with pytest.raises(LedgerError, match="no flight 'Lunar'"):
             book(ledger, catalogue(), "Lunar", quiet)
+        feet = book(ledger, catalogue(), "2", quiet, "US")
     assert [card.id for card in flight.cards] == ["2"]
     assert not flight.summary
+    assert ("Apogee", "860 ft") in feet.cards[0].readouts
+    assert " m" not in " ".join(value for value, _ in headline(feet.cards[0]))
 
 
 def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport) -> None:
