@@ -33,7 +33,7 @@ from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
 from fieldkit.services.plausible_flights import followed
-from tools.history_beside_fit import AGAIN
+from tools.history_beside_fit import OTHER
 from tools.markdown import MEASURED
 
 DRAWS = 1000
@@ -265,7 +265,7 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
 
 def write(name: str, network: Ensemble, document: Mapping[str, Any]) -> None:
     """Keep what was measured of a network, apart if it is not the one that is shipped."""
-    name += "" if network is load_history() else AGAIN
+    name += "" if network is load_history() else OTHER
     (MEASURED / f"{name}.json").write_text(json.dumps(rounded(document), indent=1) + "\n", encoding="utf-8")
 
 

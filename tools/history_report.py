@@ -2,7 +2,7 @@
 
 `--simulated N` scores both on N fresh histories of the one model, `--bench SETS` on sets of `python -m bench.make`,
 `--ledger LEDGER` forward in time on the flights of a ledger; each writes figures alone into `docs/measured/`, with
-`--network FOLDER` those of a network that was trained again and is not shipped. Without
+`--network FOLDER` those of a network that is not shipped. Without
 options `docs/history-network.md` is written from these and from the card of the shipped network.
 """
 
@@ -18,7 +18,7 @@ from fieldkit.inference.laplace.importance import MORE_DRAWS, RELIABLE_PARETO_K
 from fieldkit.inference.network.ensemble import load_folder, read_card
 from fieldkit.inference.network.history import checked, load_history
 from fieldkit.plugins import trained_folder
-from tools.history_beside_fit import beside_fit, trained_again, use
+from tools.history_beside_fit import beside_fit, network_before, use
 from tools.history_measurements import bench, journal, simulated
 from tools.markdown import MEASURED, measured, percent, prose, table
 
@@ -50,7 +50,7 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     yield from asked()
     yield from on_fresh(card)
     yield from beside_fit()
-    yield from trained_again()
+    yield from network_before()
     yield from use()
 
 
