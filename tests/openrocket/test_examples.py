@@ -14,6 +14,7 @@ from fieldkit.openrocket import Design, read_design
 from fieldkit.physics.single import field_flight
 from tests.openrocket.designs import Example, decimals, design, examples
 
+CHECK_SHAPES = False
 EXAMPLES = examples()
 SIMULATIONS = [(name, place, row) for name, rows in EXAMPLES for place, row in enumerate(rows)]
 GATE = 0.02
