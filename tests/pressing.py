@@ -2,10 +2,11 @@
 
 import asyncio
 import atexit
+import pickle
 import re
 import shutil
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import datetime, timedelta
 from functools import cache
@@ -22,9 +23,12 @@ from textual.events import Key
 from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
+from fieldkit.analysis import measure
+from fieldkit.forecast.at_once import each_at_once
+from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.ledger import Ledger, models
-from fieldkit.planning.motor_guide import guide as guided
+from fieldkit.planning.motor_guide import guide
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen, pages
 
@@ -110,22 +114,43 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
 LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
 """Keys that only add a letter if a text is typed."""
 
-WORKED_OUT: dict[str, Any] = {}
-"""Forecasts of many motors, by all that decides them: the same are not worked out for every page that is opened."""
+
+def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, **named: (all, named)) -> Any:
+    """Some work that is done at the first asking: the same is not worked out for every app that is opened.
+
+    `asked` picks what decides the answer from the arguments, by default all of them. Answers are shared, and nobody
+    changes them.
+    """
+    answers: dict[bytes, Any] = {}
+
+    def answer(*all: Any, **named: Any) -> Any:
+        key = pickle.dumps(asked(*all, **named))
+        if key not in answers:
+            answers[key] = work(*all, **named)
+        return answers[key]
+
+    return answer
 
 
-def guide(rocket: Any, plan: Any, motors: Any, *rest: Any) -> Any:
-    """What the guide says, worked out at the first asking."""
+def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
+    """What decides the forecasts of many motors."""
     names = [(motor.maker, motor.designation) for motor in motors]
-    asked = repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
-    if asked not in WORKED_OUT:
-        WORKED_OUT[asked] = guided(rocket, plan, motors, *rest)
-    return WORKED_OUT[asked]
+    return repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
+
+
+ONCE = {
+    "fieldkit.planning.motor_guide.guide": once(guide, _guided),
+    "fieldkit.forecast.at_once.each_at_once": once(each_at_once),
+    "fieldkit.services.forecasts.predict": once(predict),
+    "fieldkit.analysis.measure": once(measure),
+}
+"""Pure functions of the engine that pages ask again and again, and that take most of their time."""
 
 
 def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One time zone and one moment for all that a ledger signs; long forecasts are made once."""
-    monkeypatch.setattr("fieldkit.planning.motor_guide.guide", guide)
+    """One time zone and one moment for all that a ledger signs; what takes long is worked out once."""
+    for name, work in ONCE.items():
+        monkeypatch.setattr(name, work)
     monkeypatch.setenv("TZ", "UTC")
     if hasattr(time, "tzset"):  # Windows keeps its own zone
         time.tzset()

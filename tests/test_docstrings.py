@@ -17,13 +17,18 @@ LEFT_OUT = ("tui/", "ledger/migrations/versions/")
 """Screens, whose methods the library names; migrations, which are never edited and whose modules say what they do."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
+Modules = list[tuple[str, ast.Module]]
 
 
-def _modules() -> Iterator[tuple[str, ast.Module]]:
-    for file in sorted(PACKAGE.rglob("*.py")):
-        name = file.relative_to(PACKAGE).as_posix()
-        if not name.startswith(LEFT_OUT):
-            yield name, ast.parse(file.read_text(encoding="utf-8"))
+@pytest.fixture(scope="module")
+def modules() -> Modules:
+    """Every module by its path, parsed."""
+    files = {file.relative_to(PACKAGE).as_posix(): file for file in sorted(PACKAGE.rglob("*.py"))}
+    return [
+        (name, ast.parse(file.read_text(encoding="utf-8")))
+        for name, file in files.items()
+        if not name.startswith(LEFT_OUT)
+    ]
 
 
 def _public(node: ast.AST) -> Iterator[Function]:
@@ -64,11 +69,11 @@ def _raised(node: ast.AST) -> Iterator[str]:
         yield from _raised(child)
 
 
-def _errors() -> set[str]:
+def _errors(modules: Modules) -> set[str]:
     """`FieldkitError` and every class of the program below it."""
     bases = {
         node.name: {ast.unparse(base).split(".")[-1] for base in node.bases}
-        for _, tree in _modules()
+        for _, tree in modules
         for node in ast.walk(tree)
         if isinstance(node, ast.ClassDef)
     }
@@ -78,22 +83,22 @@ def _errors() -> set[str]:
     return found
 
 
-def test_every_public_function_has_a_docstring() -> None:
+def test_every_public_function_has_a_docstring(modules: Modules) -> None:
     found = [
         f"{name}:{function.lineno}: {function.name}"
-        for name, tree in _modules()
+        for name, tree in modules
         for function in _public(tree)
         if not ast.get_docstring(function)
     ]
     assert not found, "\n".join(found)
 
 
-def test_a_function_that_raises_our_errors_says_so() -> None:
-    ours = _errors()
+def test_a_function_that_raises_our_errors_says_so(modules: Modules) -> None:
+    ours = _errors(modules)
     assert {"FieldkitError", "BadValue", "PortTrouble"} <= ours
     found = [
         f"{name}:{function.lineno}: {function.name} raises {', '.join(raised)}"
-        for name, tree in _modules()
+        for name, tree in modules
         for function in _public(tree)
         if (raised := sorted(set(_raised(function)) & ours))
         and function.name not in _commands(tree)

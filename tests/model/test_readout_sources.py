@@ -13,6 +13,7 @@ from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
+CHECK_SHAPES = False
 PLAN = Flight("next", "Law", "A", "F24-4W", dry_mass=0.322, diameter=0.066)
 SHOWN = ("apogee", *FROM_DEVICES)
 

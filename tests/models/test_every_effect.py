@@ -19,6 +19,7 @@ from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import plugin_folder
 
 pytestmark = pytest.mark.fast
+CHECK_SHAPES = False
 
 EFFECTS = effects()
 FILES = sorted((plugin_folder("models") / "effects").glob("[!_]*.py"))

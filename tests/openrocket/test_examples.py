@@ -17,6 +17,7 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
 from tests.openrocket.designs import Example, decimals, design, examples
 
+CHECK_SHAPES = False
 EXAMPLES = examples()
 SIMULATIONS = [(name, place, row) for name, rows in EXAMPLES for place, row in enumerate(rows)]
 GATE = 0.02

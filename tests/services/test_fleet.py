@@ -10,6 +10,8 @@ from fieldkit.motors import catalogue
 from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
 from tests.seasons import season
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture
 def ledger(tmp_path: Path) -> Ledger:

@@ -14,6 +14,7 @@ from fieldkit.services.quick_look import predict_quickly
 from fieldkit.services.typed_flight import TypedEstimate, TypedFlight
 from tests.seasons import season
 
+CHECK_SHAPES = False
 TYPED = Flight(rocket="Test", config="A", motor="F24", dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2)
 
 

@@ -56,8 +56,8 @@ def test_rockets_that_differ_more_are_learned_to() -> None:
 
 
 def test_what_is_learned_makes_the_flights_more_likely() -> None:
-    flights = [fleet(0.6, 0.12)]
-    assert evidence(flights, taught(0.6, 0.12)) > evidence(flights, COARSE) + 1.0
+    flights = [fleet(0.3, 0.15)]
+    assert evidence(flights, taught(0.3, 0.15)) > evidence(flights, COARSE) + 1.0
 
 
 def test_effects_that_the_start_does_not_have_stay_out() -> None:
