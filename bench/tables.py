@@ -1,12 +1,20 @@
 """The results of a bench as figures: a row per scenario, and the lines that decide."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import exp, pi, sqrt
 
 import numpy as np
 
 from bench.calibration import calibration_lines
 from bench.result import WORTH_IT, Errors, Result
+
+NORMAL_90 = 1.6448536
+"""Standard deviations to either side of the mean that hold nine in ten of a normal distribution. [1]"""
+IDEAL_INTERVAL = 40 * exp(-(NORMAL_90**2) / 2) / sqrt(2 * pi) / sqrt(2 / pi)
+"""Expected score of the 90 % interval of a normal distribution that is known, over its mean absolute error. [1]"""
+WORSE = 1.05
+"""Error after over error before from which on a forecast counts as worse than the plain model's. [1]"""
 
 
 def table(results: Sequence[Result]) -> str:
@@ -74,21 +82,53 @@ def summary(results: Sequence[Result]) -> str:
         f"wrong effect named where nobody's effect was: "
         f"{sum(r.verdict not in ('none', 'unexplained') for r in said if r.label == 'unexplained')} "
         f"of {sum(r.label == 'unexplained' for r in said)}",
+        f"pairs named in full: {sum(r.named for r in said if '+' in r.label)} of {sum('+' in r.label for r in said)}",
     ]
     possible = sum(r.before.mae - r.given.mae for r in decidable if r.before and r.given)
     made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
     if possible > 0:
         lines.append(f"part of the possible gain made there: {made / possible:.0%}")
-    given = [r.after.mae / r.given.mae for r in effect if r.after and r.given]
-    if given:
-        lines.append(
-            f"error after over error with the true effect given: {np.exp(np.mean(np.log(given))):.2f} (geometric)"
-        )
-    scores = [r.after.interval / r.before.interval for r in said if r.after and r.before]
-    if np.isfinite(scores).any():
-        lines.append(f"interval score after over before: {np.exp(np.nanmean(np.log(scores))):.2f} (geometric)")
+    lines += _forecasts(said)
     lines.append(f"sets with an error: {len(results) - len(said)}")
     if said:
         lines.append(f"loop: {np.median([r.seconds for r in said]):.1f} s in the median")
         lines += ["", *calibration_lines(said)]
     return "\n".join(lines)
+
+
+def _forecasts(results: Sequence[Result]) -> Iterator[str]:
+    """How forecasts after the loop compare with those of the plain model, of the truth given, and of the ideal."""
+    kinds = list(dict.fromkeys(sorted(r.scenario for r in results)))
+    told = {
+        k: _geometric(r.after.mae / r.given.mae for r in results if r.scenario == k and r.after and r.given)
+        for k in kinds
+    }
+    told = {kind: ratio for kind, ratio in told.items() if np.isfinite(ratio)}
+    if told:
+        every = _geometric(r.after.mae / r.given.mae for r in results if r.after and r.given)
+        worst = max(told, key=lambda kind: told[kind])
+        yield (
+            f"error after over error with the true effect given: {every:.2f} (geometric), "
+            f"in the worst kind {told[worst]:.2f} ({worst})"
+        )
+    pairs = [(r.before, r.after, r.ideal) for r in results if r.before and r.after]
+    yield (
+        f"error after more than {WORSE - 1:.0%} above that of the plain model: "
+        f"{sum(after.mae > WORSE * before.mae for before, after, _ in pairs)} of {len(pairs)}"
+    )
+    held = {k: [r.after for r in results if r.scenario == k and r.after] for k in kinds}
+    coverage = {k: sum(e.covered for e in own) / sum(e.flights for e in own) for k, own in held.items() if own}
+    if coverage:
+        low, high = min(coverage, key=lambda kind: coverage[kind]), max(coverage.values())
+        yield f"coverage after by kind: {coverage[low]:.0%} ({low}) to {high:.0%}"
+    if np.isfinite([after.interval for _, after, _ in pairs]).any():
+        before = _geometric(after.interval / before.interval for before, after, _ in pairs)
+        ideal = _geometric(after.interval / (IDEAL_INTERVAL * own) for _, after, own in pairs)
+        yield f"interval score after over before: {before:.2f}, over the ideal: {ideal:.2f} (geometric)"
+
+
+def _geometric(values: Iterable[float]) -> float:
+    """The geometric mean of what is a number, nan of nothing."""
+    found = np.array(list(values))
+    found = found[np.isfinite(found)]
+    return float(np.exp(np.log(found).mean())) if len(found) else float("nan")

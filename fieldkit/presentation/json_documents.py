@@ -15,7 +15,7 @@ from fieldkit.selection.diagnose import Ranked
 from fieldkit.selection.force.log_evidence import document as testimony_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
-from fieldkit.services.findings import Compared, Findings
+from fieldkit.services.findings import CANDIDATE_EVALUATION, Compared, Findings
 from fieldkit.services.scores import LedgerScores
 
 FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
@@ -43,6 +43,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             "readouts": [finite(asdict(row)) for row in found.spreads],
         },
         "candidates": [_candidate(item) for item in diagnosis.ranking if item.effect],
+        "candidates_evaluation": CANDIDATE_EVALUATION,
         "verdict": _verdict(found),
         "probabilities": _probabilities(found),
         "before": before,

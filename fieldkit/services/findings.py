@@ -23,6 +23,10 @@ EVALUATION = (
     "(Pareto-smoothed importance sampling, refitted without the flight if that is unreliable; "
     "the set of effects averaged over was chosen with all flights)"
 )
+CANDIDATE_EVALUATION = (
+    "leave-one-flight-out, each effect alone in the place that all flights chose, "
+    "readouts linearized about its fit to all flights"
+)
 FORWARD_METHOD = (
     "each flight forecast from the flights before it, effects reweighted by those at every flight "
     "(readouts linearized about the fits to all flights, which chose the effects averaged over)"

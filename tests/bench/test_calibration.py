@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bench.calibration import calibration_error, calibration_lines, reliability
-from bench.result import Result
+from bench.result import Errors, Result
+from bench.tables import IDEAL_INTERVAL, NORMAL_90, summary
 
 pytestmark = pytest.mark.fast
 
@@ -33,3 +34,28 @@ def test_sets_without_probabilities_have_no_diagram() -> None:
     lines = list(calibration_lines(results(1.0)))
     assert lines[0].startswith("| probability")
     assert "expected calibration error" in lines[-1]
+
+
+def test_the_ideal_interval_score_is_that_of_a_normal_distribution_that_is_known() -> None:
+    error = np.random.default_rng(3).normal(size=400_000)
+    width = 2 * NORMAL_90
+    score = width + 20 * np.maximum(np.abs(error) - NORMAL_90, 0.0)
+    assert pytest.approx(score.mean() / np.abs(error).mean(), rel=0.01) == IDEAL_INTERVAL
+
+
+def test_the_summary_compares_forecasts_with_the_plain_model_the_truth_given_and_the_ideal() -> None:
+    def one(scenario: str, label: str, before: float, after: float, given: float | None, covered: int) -> Result:
+        mae = [Errors(m, 0.0, covered, 10, IDEAL_INTERVAL * m) if m else None for m in (before, after, given)]
+        return Result("s", scenario, label, 0.5, 5.0, label, before=mae[0], after=mae[1], given=mae[2])
+
+    said = summary(
+        [
+            one("wind", "wind", 20.0, 10.0, 10.0, 9),
+            one("wear", "wear", 20.0, 40.0, 20.0, 7),
+            one("null", "none", 10.0, 10.0, None, 10),
+        ]
+    )
+    assert "error with the true effect given: 1.41 (geometric), in the worst kind 2.00 (wear)" in said
+    assert "more than 5% above that of the plain model: 1 of 3" in said
+    assert "coverage after by kind: 70% (wear) to 100%" in said
+    assert "interval score after over before: 1.00, over the ideal: 3.17 (geometric)" in said
