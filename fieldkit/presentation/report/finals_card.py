@@ -23,7 +23,9 @@ def check_card(file: Path) -> None:
 
 def finals_card(heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str] = ()) -> bytes:
     """The card as a picture; `notes` stand below what every card says."""
-    figure = Figure(figsize=(7.5, 2.0 + 0.32 * len(rows)), layout="constrained")
+    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
+    height = 0.8 + 0.32 * len(rows) + 0.15 * len(below.splitlines())
+    figure = Figure(figsize=(7.5, height), layout="constrained")
     axes = figure.add_subplot()
     axes.set_axis_off()
     figure.suptitle(heading[0], fontsize=12, fontweight="bold", x=0.02, ha="left")
@@ -36,7 +38,6 @@ def finals_card(heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: s
         if row == 0:
             cell.set_text_props(fontweight="bold")
             cell.set_facecolor("0.9")
-    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
     figure.supxlabel(below, fontsize=8, x=0.02, ha="left")
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=150)
