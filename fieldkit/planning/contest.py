@@ -273,7 +273,7 @@ def allowed(
     approved: frozenset[str] | None = None,
 ) -> list[SafetyCheck]:
     """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, what
-    only a look at the rocket tells, and the motor list."""
+    only a look at the rocket shows, and the motor list."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
