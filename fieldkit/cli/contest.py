@@ -37,6 +37,8 @@ def finals(
     from dataclasses import replace
 
     from fieldkit import files
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.contest import allowed, approved_motors
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.finals import finals_table, finals_targets, trials
     from fieldkit.presentation.finals_text import (
@@ -61,10 +63,12 @@ def finals(
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
-        table, lines = finals_table(flown, rule, finals_targets(rule)), plan.safety(flown.forecast)
+        approved = approved_motors(season, data_folder() / "seasons")
+        lines = plan.safety(flown.forecast) + allowed(rule, flown.forecast.plan, found, approved=approved)
+        table = finals_table(flown, rule, finals_targets(rule))
     chosen = system()
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
-    notes = [*finals_basis(flown), rule.caveat]
+    notes = [*finals_basis(flown), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
         files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
         complain(f"{card}: the card")

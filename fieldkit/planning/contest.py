@@ -2,8 +2,8 @@
 
 import math
 import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +36,8 @@ class Season:
     """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
 
     `mass` and `impulse` are the most on the pad, `length` the least; None if the season sets none. `eggs`, `body`,
-    `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m].
+    `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m]. `mark` is
+    how sure its text is, `marks` that of a limit which is less sure, by its name.
     """
 
     year: int
@@ -58,6 +59,7 @@ class Season:
     finals_range: tuple[float, float] | None = None
     mark: str = "U"
     source: str = ""
+    marks: Mapping[str, str] = field(default_factory=dict)
 
     def points(self, apogee: Float[Array, "*draw"], duration: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
         """Points of flights, fewer being better; an unknown duration (nan) costs none."""
@@ -78,7 +80,15 @@ class Season:
         if self.checked:
             return ""
         how = MARKS.get(self.mark, "unverified")
-        return f"The rule of {self.year} ({self.remarks}; {how}) was not checked against the official text."
+        return (
+            f"The rule of {self.year} ({self.remarks}) is from {self.source or 'an unnamed source'} ({how}): hold it "
+            "against this season's rules before you rely on it."
+        )
+
+    @property
+    def by_hand(self) -> list[tuple[str, str]]:
+        """What it asks of eggs, body and launch, which nothing here can measure, by the name of each."""
+        return [(name, text) for name in ("eggs", "body", "launch") if (text := getattr(self, name))]
 
 
 def seasons(own: Path | None = None) -> list[int]:
@@ -127,6 +137,7 @@ def season(year: int, own: Path | None = None) -> Season:
             impulse=_scaled(most.get("impulse_ns"), 1.0),
             length=_scaled(most.get("length_mm_at_least"), 1e-3),
             finals_range=_finals(rule.get("finals_ft")),
+            marks={str(name): str(mark) for name, mark in rule.get("marks", {}).items()},
             **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
         )
     except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
@@ -262,10 +273,8 @@ def allowed(
     length: float | None = None,
     approved: frozenset[str] | None = None,
 ) -> list[SafetyCheck]:
-    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, and
-    the motor list."""
-    source = f"season {rule.year}: {rule.source}; {MARKS.get(rule.mark, 'unverified')}"
-    source += "" if rule.checked else ", not checked against the official text"
+    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, what
+    only a look at the rocket shows, and the motor list."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
@@ -276,11 +285,21 @@ def allowed(
     for name, value, limit, how, scale, unit in checks:
         if limit is None:
             continue
-        wanted = f"{how} {limit * scale:g} {unit}"
+        source, wanted = _limit_source(rule, name), f"{how} {limit * scale:g} {unit}"
         if value is None:
             lines.append(SafetyCheck(name, "unknown", f"not given; {wanted}", source))
             continue
         well = value <= limit if how == "at most" else value >= limit
         verdict: Verdict = "ok" if well else "unsafe"
         lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+    for name, text in rule.by_hand:
+        look = f"check it yourself: {text}"
+        lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
     return [*lines, motor_line(rule, found, approved)]
+
+
+def _limit_source(rule: Season, name: str) -> str:
+    """Where a limit of a season is from and how sure it is."""
+    mark = MARKS.get(rule.marks.get(name.removeprefix("contest "), rule.mark), "unverified")
+    source = f"season {rule.year}: {rule.source}; {mark}"
+    return source if rule.checked else f"{source}, not checked against this season's rules"

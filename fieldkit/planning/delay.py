@@ -183,16 +183,23 @@ def delays(
             f"{found.motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
         )
     coast = said[0].coast_time[lifted]
-    judged = [_judged(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)]
+    judged = [
+        _judged(one, said[0], delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)
+    ]
     order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
     ranked = tuple(judged[i][1] for i in order)
     words = tuple(_words(coast, found, ranked))
     return Delays(three(coast), ranked, words, said[order[0] + 1] if order else said[0])
 
 
-def _judged(said: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+def _judged(said: Prediction, uncharged: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+    """A delay, and what it is ranked by: the mean square of the speed at the charge. [m^2/s^2]
+
+    A charge on the way up ends the climb, so when it fires is counted from the apogee of the same draw without one.
+    """
     lifted = said.apogee > 0
-    after, speed = said.eject[lifted], said.eject_speed[lifted]
+    after = (said.rise_time + said.eject - uncharged.rise_time)[lifted]
+    speed = said.eject_speed[lifted]
     first = np.isnan(speed)
     mean = float(np.mean(speed[~first] ** 2)) if not first.all() else np.inf
     lands = float(first.mean())

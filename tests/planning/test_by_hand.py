@@ -78,6 +78,14 @@ def test_the_charge_fires_a_delay_less_the_coast_after_apogee_and_strays_as_both
     assert (high - low) / 3.29 == pytest.approx(sd, rel=0.2)
 
 
+def test_a_charge_on_the_way_up_is_early_by_what_is_left_of_the_climb(motors: Catalogue) -> None:
+    """Counted from the apogee without it, for it ends the climb: an apogee that it makes is always near."""
+    judged = delays(NEW, PLAN, motors.resolve("F39T-6"), limit=15.0, takes_off=(6.0,), draws=400)
+    early = min(judged.delays, key=lambda one: one.delay)
+    assert early.after_apogee[1] == pytest.approx(early.delay - judged.coast[1], abs=0.2)
+    assert early.after_apogee[1] < -2
+
+
 def test_from_the_charge_on_it_sinks_its_height_at_its_speed(said: Prediction) -> None:
     speed = np.full((len(said.apogee), 1), 7.0)
     late = said.eject > 0

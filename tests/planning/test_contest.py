@@ -105,6 +105,22 @@ def test_a_season_bounds_mass_impulse_and_length() -> None:
     assert [line.verdict for line in allowed(season(2020), Flight(dry_mass=0.6), found)][:2] == ["unsafe", "unsafe"]
 
 
+def test_a_season_says_what_only_a_look_tells_and_how_sure_each_limit_is() -> None:
+    found = catalogue().resolve("F39T")
+    lines = {line.name: line for line in allowed(season(2024), Flight(dry_mass=0.5), found, 0.7)}
+    assert "55 to 61 g" in lines["contest eggs"].text
+    assert "upper at most 57 mm" in lines["contest body"].text
+    assert {lines[f"contest {what}"].verdict for what in ("eggs", "body")} == {"unknown"}
+    marks = {name: lines[f"contest {name}"].source for name in ("mass", "length", "eggs")}
+    assert "transcription" in marks["mass"]
+    assert "unverified" in marks["length"].rpartition(";")[2]
+    assert "official text" in marks["eggs"]
+    assert (
+        "rod of at least 1/4 in"
+        in {line.name: line for line in allowed(season(2027), Flight(), found)}["contest launch"].text
+    )
+
+
 # Descent
 
 

@@ -52,6 +52,8 @@ NAMES = [
     "certification",
     "complex rocket",
     "sky",
+    "misfire",
+    "more than ten at once",
 ]
 ANYWHERE = Site()
 FALL = Fall(float(np.log(9.0)), 0.1, 8)

@@ -93,6 +93,55 @@ def test_figures_of_the_codes_are_as_written() -> None:
     assert rule("nar_contest", "field size").least(50.0, 200.0) == 50.0
 
 
+@pytest.mark.parametrize(
+    ("key", "table"),
+    [
+        (
+            "tripoli_research",
+            {1280: (200, 250), 2560: (250, 350), 5120: (300, 500), 10240: (500, 1000), 20480: (1000, 1500)}
+            | {40960: (1500, 2000), 1e6: (2000, 2500)},
+        ),
+        (
+            "california",
+            {320: (30, 150), 1280: (150, 200), 2560: (200, 300), 5120: (300, 500), 10240: (500, 1000)}
+            | {20480: (1000, 1000)},
+        ),
+    ],
+)
+def test_the_distances_of_other_codes_are_those_of_their_tables(
+    key: str, table: dict[float, tuple[float, float]]
+) -> None:
+    distance = rule(key, "pad distance")
+    for impulse, feet in table.items():
+        found = [distance.least(impulse, 0.0, complex_rocket=several) or 0 for several in (False, True)]
+        assert np.array(found) / FOOT == pytest.approx(feet)
+
+
+@pytest.mark.parametrize(
+    ("key", "check", "words"),
+    [
+        ("nar_model", "misfire", "wait 60 seconds"),
+        ("nar_model", "more than ten at once", "1.5 times the maximum expected altitude"),
+        ("nar_model", "sky", "into clouds, near airplanes"),
+        ("nar_high_power", "misfire", "countdown of 5 s"),
+        ("nar_high_power", "misfire", "within 25 ft"),
+        ("nar_high_power", "three or more at once", "2,000 ft"),
+        ("nar_high_power", "sparky motors", "1.5 times as wide"),
+        ("nar_high_power", "occupied buildings", "1,500 ft"),
+        ("ukra", "odd rockets", "double the distance"),
+    ],
+)
+def test_what_no_figure_of_a_plan_is_held_against_is_said_in_the_words_of_the_code(
+    key: str, check: str, words: str
+) -> None:
+    assert words in rule(key, check).text.words
+    name = "H128W" if key == "nar_high_power" else "C6"
+    rules = "UKRA" if key == "ukra" else ""
+    lines = {line.name: line for line in rule_lines.reminder_lines(held(name, rules=rules))}
+    assert words in lines[check].text
+    assert lines[check].verdict == "unknown"
+
+
 def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet() -> None:
     away = rule("faa", "bystanders")
     assert (away.least(0.0, 1000 * FOOT) or 0) / FOOT == pytest.approx(1500)

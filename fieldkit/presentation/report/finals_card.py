@@ -29,7 +29,9 @@ def finals_card(
     system: str = "SI",
 ) -> bytes:
     """The card as a picture, masses in the units of a system; `notes` come last."""
-    figure = Figure(figsize=(7.5, 2.0 + 0.32 * len(rows)), layout="constrained")
+    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
+    height = 0.8 + 0.32 * len(rows) + 0.15 * len(below.splitlines())
+    figure = Figure(figsize=(7.5, height), layout="constrained")
     axes = figure.add_subplot()
     axes.set_axis_off()
     figure.suptitle(heading[0], fontsize=12, fontweight="bold", x=0.02, ha="left")
@@ -43,7 +45,6 @@ def finals_card(
         if row == 0:
             cell.set_text_props(fontweight="bold")
             cell.set_facecolor("0.9")
-    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
     figure.supxlabel(below, fontsize=8, x=0.02, ha="left")
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=150)
