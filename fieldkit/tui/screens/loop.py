@@ -38,7 +38,11 @@ class LoopScreen(PageScreen):
         "l looks, which takes some seconds; nothing changes until you accept with A. D leaves the model as it is. "
         "Under Versions, Enter predicts with another model from now on; u undoes that as well.",
         (
-            ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
+            (
+                "Verdict",
+                "What is missing, what that is worth on the next flight, misses before and after as bars, the odds, "
+                "what would settle it, what accepting changes, and the error on flights not seen.",
+            ),
             (
                 "Residuals",
                 "Each flight less its forecast, in units of its expected scatter, against what v chooses. p is the "
@@ -78,9 +82,9 @@ class LoopScreen(PageScreen):
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }
     LoopScreen.-wide #tabs { display: none; }
-    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 2fr 2fr 1fr; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 1fr 1fr 1fr; }
     LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
-    LoopScreen.-wide #p-Versions { column-span: 2; }
+    LoopScreen.-wide #p-Verdict { row-span: 2; }
     """
 
     @dataclass
