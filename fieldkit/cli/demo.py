@@ -1,6 +1,5 @@
 """`fieldkit demo`: everything on the twelve reference flights."""
 
-from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -31,12 +30,14 @@ def demo(context: typer.Context) -> None:
     from fieldkit.services.demo import demo
 
     named = _named_ledger(context)
-    with ExitStack() as stack:
-        folder = stack.enter_context(TemporaryDirectory(prefix="fieldkit-"))
-        ledger = stack.enter_context(Ledger.open(named or Path(folder) / "demo.db"))
-        with progress("demo") as on_progress:
+    new = _new_file(named)
+    with TemporaryDirectory(prefix="fieldkit-") as folder:
+        made = Path(folder) / "demo.db"
+        with Ledger.open(made if named is None or new else named) as ledger, progress("demo") as on_progress:
             found = demo(ledger, catalogue(), part(on_progress, 0.0, 0.7))
             paper = _paper(part(on_progress, 0.7, 0.3))
+        if new is not None:
+            _put(made, new)
     _import(found)
     _infer(found)
     _predict(found)
@@ -52,6 +53,25 @@ def _named_ledger(context: typer.Context) -> str | None:
     root = context.find_root()
     source = root.get_parameter_source("ledger")
     return root.obj if source is not None and source.name == "COMMANDLINE" else None
+
+
+def _new_file(named: str | None) -> Path | None:
+    """The file of a ledger that never was there: it is made as a whole or not at all, whatever ends the demo."""
+    from fieldkit.ledger.backups import backups
+    from fieldkit.ledger.whereabouts import file_of, location
+
+    file = file_of(location(named)) if named else None
+    return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None
+
+
+def _put(made: Path, new: Path) -> None:
+    """Put a ledger that was made elsewhere in its place. Raises FieldkitError if another has come there meanwhile."""
+    from fieldkit.errors import LedgerError
+    from fieldkit.files import replace
+
+    if new.exists():
+        raise LedgerError(f"{new}: found a file that was made in the meantime, expected no ledger yet")
+    replace(new, made.read_bytes())
 
 
 def _import(found: "Demo") -> None:

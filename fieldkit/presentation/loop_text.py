@@ -50,13 +50,21 @@ def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
     change."""
     if all(not places for _, places in found.diagnosis.averaged):
         return
-    rows = [row for row in misses(found) if row["before_m"] is not None][-MAX_DRAWN:]
-    most = max(abs(row[when]) for row in rows for when in ("before_m", "after_m"))
+    most, before, after = miss_bars(found, MAX_DRAWN)
     yield f"  misses, flight by flight (highest bar {ShownUnits(system).length(most)}):"
-    for when in ("before", "after"):
-        heights = [abs(row[f"{when}_m"]) / most for row in rows]
-        yield f"    {when:6} {''.join(BARS[min(int(height * len(BARS)), len(BARS) - 1)] for height in heights)}"
+    yield f"    {'before':6} {before}"
+    yield f"    {'after':6} {after}"
     yield ""
+
+
+def miss_bars(found: Findings, count: int) -> tuple[float, str, str]:
+    """How far each of the last `count` flights was missed, before and after, as bars; and what the highest stands for.
+    [m]"""
+    rows = [row for row in misses(found) if row["before_m"] is not None][-count:]
+    most = max(abs(row[when]) for row in rows for when in ("before_m", "after_m"))
+    heights = [[abs(row[when]) / most for row in rows] for when in ("before_m", "after_m")]
+    before, after = ("".join(BARS[min(int(one * len(BARS)), len(BARS) - 1)] for one in some) for some in heights)
+    return most, before, after
 
 
 def misses(found: Findings) -> list[dict[str, Any]]:
@@ -155,15 +163,20 @@ def in_odds(chance: float) -> str:
     return f"{said} to 1 {'on' if chance >= 0.5 else 'against'}"
 
 
+def what_forecasts_become(found: Findings) -> str:
+    """What forecasts average over once the verdict is accepted."""
+    averaged = found.diagnosis.averaged
+    if all(not places for _, places in averaged):
+        return "forecasts use the plain model"
+    parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
+    return f"forecasts average over: {', '.join(parts)}"
+
+
 def what_accepting_changes(found: Findings) -> Iterator[str]:
     """What accepting changes, and how to say otherwise."""
     averaged = found.diagnosis.averaged
-    if all(not places for _, places in averaged):
-        yield "forecasts use the plain model"
-        return
-    parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
-    yield f"forecasts average over: {', '.join(parts)}"
-    if found.diagnosis.accepted:
+    yield what_forecasts_become(found)
+    if found.diagnosis.accepted and any(places for _, places in averaged):
         name = found.diagnosis.effect
         certain = all(set(name.split("+")) <= {spoken(place.effect) for place in places} for _, places in averaged)
         yield (

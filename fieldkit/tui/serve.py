@@ -116,10 +116,12 @@ async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, 
 
 
 async def _end(service: AppService) -> None:
-    """End an app; one that does not listen any more loses its keys, at which it ends itself."""
+    """End an app. It loses its keys, at which it ends itself: one that hangs in drawing, which nobody reads any more,
+    does not hear that it is to quit."""
     try:
-        await asyncio.wait_for(service.stop(), PATIENCE)
-    except TimeoutError:
+        with suppress(TimeoutError):
+            await asyncio.wait_for(service.stop(), PATIENCE)
+    finally:
         service.stdin.close()
 
 

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.inference.network.flights import Model, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
+from fieldkit.services import demo
 
 CHECK_SHAPES = False
 
@@ -56,6 +58,15 @@ def test_the_demo_refuses_a_ledger_that_is_in_use(tmp_path: Path, capsys: pytest
     assert "found 1 flights, expected an empty or new ledger" in capsys.readouterr().err
     with Ledger.open(path) as ledger:
         assert [flight.rocket for flight in ledger.flights()] == ["Mine"]
+
+
+def test_a_demo_that_is_cut_short_leaves_no_half_made_ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut_short(*_: object, **__: object) -> None:
+        raise UnknownMotor("the power went")
+
+    monkeypatch.setattr(demo, "look", cut_short)
+    assert main(["--ledger", str(tmp_path / "demo.db"), "demo"]) == 1
+    assert list(tmp_path.glob("*demo*")) == []
 
 
 @pytest.mark.slow

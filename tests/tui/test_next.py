@@ -307,6 +307,7 @@ async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
 
 async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
     found = looked_at()
+    from fieldkit.presentation.loop_text import how_sure, in_next_flight, miss_bars, what_forecasts_become
     from fieldkit.services.close_loop import version_payload
     from fieldkit.services.forecasts import accepted_average
 
@@ -320,7 +321,15 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             assert "Nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "l")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
-            assert "each from all others, 8 flights" in words(pilot)
+            for line in ("What it is worth", in_next_flight(found.next_flight), "How sure", how_sure(found)):
+                assert line in words(pilot)
+            _, before, after = miss_bars(found, 60)
+            assert f"before  {before}" in shown(pilot)
+            assert f"after   {after}" in shown(pilot)
+            await press(pilot, "end")
+            for line in ("What accepting changes", what_forecasts_become(found), "each from all others, 8 flights"):
+                assert line in words(pilot)
+            assert "--decline" not in words(pilot), "an option of the command"
             await press(pilot, "right")
             assert "residual / expected scatter, vs." in words(pilot)
             first = shown(pilot)

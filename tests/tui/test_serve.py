@@ -438,11 +438,11 @@ def alive(processes: Iterable[int]) -> set[int]:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
-async def test_apps_that_nobody_reads_end_with_their_server(
-    end: signal.Signals, unused_tcp_port: int, tmp_path: Path
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, None])
+async def test_apps_that_nobody_reads_end_with_their_server_or_their_page(
+    end: signal.Signals | None, unused_tcp_port: int, tmp_path: Path
 ) -> None:
-    """What an app draws fills every buffer on the way, so that it hangs in writing when its server ends."""
+    """What an app draws fills every buffer on the way, so that it hangs in writing when its server or its page goes."""
     season(tmp_path / "ledger.db")
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
     home = {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
@@ -461,7 +461,10 @@ async def test_apps_that_nobody_reads_end_with_their_server(
                     await asyncio.sleep(0.02)
                 apps = children(process.pid)
                 assert apps
-                process.send_signal(end)
+                if end is not None:
+                    process.send_signal(end)
+                elif http.connector is not None:
+                    await http.connector.close()
                 while alive(apps):
                     await asyncio.sleep(0.1)
 

@@ -18,18 +18,22 @@ if TYPE_CHECKING:
     from fieldkit.selection.diagnose import Diagnosis
     from fieldkit.services.findings import Compared, Findings
 
+MAX_BARS = 60
+"""Flights whose misses are drawn, the last ones: a row of 80 columns holds them. [1]"""
 EVEN_LOG_BAYES_FACTOR = 0.5
 """A log Bayes factor below which the evidence is even. [1]"""
 Parts = list[str | tuple[str, str]]
 
 
 def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Content:
-    """What is missing, how sure that is, and the error on flights not seen, before and after."""
-    from fieldkit.presentation.loop_text import beside_verdict
-
+    """The verdict as `fieldkit loop` has it: what is missing, what that is worth on the next flight, why to believe it,
+    how sure it is, what would settle it, what accepting it changes, and the error on flights not seen."""
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
-    parts += [f"{printable(line)}\n" for line in (*beside_verdict(found, system), *found.implausible)]
+    for title, lines in _sections(found, system):
+        shown = [f"{printable(line)}\n" for line in lines]
+        parts += [(f"\n{title}\n", "b $primary"), *shown] if shown else []
+    parts += [f"{printable(line)}\n" for line in found.implausible]
     parts += [("\nError on held-out flights\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
@@ -38,6 +42,31 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
     elif any(places for _, places in diagnosis.averaged):
         parts.append(("\nA accepts it, D leaves the model as it is", "b"))
     return Content.assemble(*parts)
+
+
+def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]:
+    """What is said of a verdict beside its name and its errors, with titles."""
+    from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_forecasts_become
+    from fieldkit.selection.force.text import climbs_in_words
+
+    diagnosis = found.diagnosis
+    leftover = [found.unexplained.in_words] if found.unexplained is not None else []
+    yield "What it is worth", [*leftover, in_next_flight(found.next_flight)]
+    if any(places for _, places in diagnosis.averaged):
+        yield "Why: misses, flight by flight", _bars(found, system)
+    also = [f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"] if diagnosis.also else []
+    yield "How sure", [how_sure(found), *also, *climbs_in_words(found.testimony)]
+    yield "What would settle it", [test.in_words for test in found.tests]
+    yield "What accepting changes", [what_forecasts_become(found)]
+
+
+def _bars(found: "Findings", system: str) -> list[str]:
+    """How far the last flights were missed, before and after."""
+    from fieldkit.presentation.loop_text import miss_bars
+
+    most, before, after = miss_bars(found, MAX_BARS)
+    highest = measure(cards.APOGEE, most, system)
+    return [f"before  {before}", f"after   {after}", f"the highest bar is {highest}"]
 
 
 def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:

@@ -38,7 +38,11 @@ class LoopScreen(PageScreen):
         "searches, which takes a few seconds; nothing changes until you accept with A. D leaves the model unchanged. "
         "Under Versions, Enter switches to another model; u undoes that too.",
         (
-            ("Verdict", "What is missing, with what probability, and the error on held-out flights, before and after."),
+            (
+                "Verdict",
+                "What is missing, what it changes on the next flight, misses before and after as bars, the odds, the "
+                "flight that would decide, what accepting changes, and the error on held-out flights.",
+            ),
             (
                 "Residuals",
                 "Flown minus forecast of each flight, in units of its expected scatter, against the column that v "
@@ -79,9 +83,9 @@ class LoopScreen(PageScreen):
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }
     LoopScreen.-wide #tabs { display: none; }
-    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 2fr 2fr 1fr; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 1fr 1fr 1fr; }
     LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
-    LoopScreen.-wide #p-Versions { column-span: 2; }
+    LoopScreen.-wide #p-Verdict { row-span: 2; }
     """
 
     @dataclass
