@@ -1,6 +1,6 @@
-"""Loggers on a serial port: `capture` and `resume` report what happens as events, `logs_in` returns what parsers read.
+"""Loggers on a serial port: `capture` and `resume` report progress as events, `logs_in` returns what parsers read.
 
-Bytes are on the disk before anything looks at them, and nothing but the table in `commands.py` is ever sent.
+Bytes are saved to disk before they are decoded, and only commands in the table of `commands.py` are ever sent.
 """
 
 from fieldkit.capture.captured import Captured, Log, captures, is_capture, read_capture, unfinished

@@ -8,12 +8,12 @@ import time
 from fieldkit.capture.link import NOISE, Dialogue, Link
 
 ANSWER = 5.0
-"""How long a unit may take for a line. [s]"""
+"""Time limit for a line from a unit. [s]"""
 NAMES = {"product": "model", "serial-number": "serial", "software-version": "firmware"}
 
 
 def silence_echo(link: Link) -> Dialogue[None]:
-    """Clear what was typed before, and ask for answers without echo."""
+    """Clear earlier input, and request answers without echo."""
     link.send(b"~\n")
     link.send(b"E 0\n")
     yield from link.drain(0.3)

@@ -1,4 +1,4 @@
-"""Captures read back: the bytes, what was sent when, and the logs in them that parsers read."""
+"""Captures read back: the bytes, the commands sent and when, and the logs in them."""
 
 import json
 from bisect import bisect_left, bisect_right
@@ -23,7 +23,7 @@ class TapeMark:
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """What arrived between a command and the next one; the command is empty before the first."""
+    """The bytes between a command and the next one; the command is empty before the first."""
 
     command: bytes
     content: bytes
@@ -31,7 +31,7 @@ class Response:
 
 @dataclass(frozen=True, slots=True)
 class Captured:
-    """A capture as it is on the disk, whatever happened to the program that wrote it."""
+    """A capture on disk, whatever happened to the program that wrote it."""
 
     file: Path
     raw: bytes
@@ -43,12 +43,12 @@ class Captured:
 
     @property
     def device(self) -> str:
-        """The protocol that it was captured with, empty if that was never known."""
+        """The protocol of the capture, empty if it was never known."""
         return str(self.fact("device") or "")
 
     @property
     def began(self) -> datetime | None:
-        """When it began, with its offset from UTC."""
+        """Start of the capture, with its offset from UTC."""
         try:
             return datetime.fromisoformat(str(self.fact("began"))).astimezone()
         except ValueError:
@@ -56,7 +56,7 @@ class Captured:
 
     @property
     def whole(self) -> bool:
-        """Whether it ended because everything had come."""
+        """Whether it ended with everything received."""
         return self.fact("whole") is True
 
     def answers(self) -> list[Response]:
@@ -95,7 +95,7 @@ class Captured:
 
     @property
     def untorn(self) -> bytes:
-        """The bytes as they came, without lines that a break tore."""
+        """The bytes as received, without lines torn by a break."""
         if not self.breaks:
             return self.raw
         return b"\n".join([*(line for _, line in self.lines()), self.raw[self.raw.rfind(b"\n") + 1 :]])
@@ -115,7 +115,7 @@ def is_capture(file: Path) -> bool:
 
 
 def read_capture(file: Path) -> Captured:
-    """A capture by either of its files. Raises CaptureTrouble; a torn journal is read as far as it goes."""
+    """A capture by either of its files. Raises CaptureTrouble; a torn journal is read as far as possible."""
     try:
         raw = read(file.with_suffix(BYTES), plain=True)
         journal = read(file.with_suffix(JOURNAL), plain=True)
@@ -139,5 +139,5 @@ def captures(folder: Path) -> list[Path]:
 
 
 def unfinished(folder: Path) -> Path | None:
-    """The newest capture that something is missing from, None if there is none."""
+    """The newest incomplete capture, None if there is none."""
     return next((file for file in reversed(captures(folder)) if not read_capture(file).whole), None)

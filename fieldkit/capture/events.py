@@ -1,4 +1,4 @@
-"""Events that a running capture reports to whatever shows them: a line in a terminal, a screen, a test."""
+"""Events that a running capture reports to its display: a line in a terminal, a screen, a test."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,11 +10,11 @@ class Sample:
     """The newest figures of a telemetry stream; what it does not carry is None."""
 
     altitude: float
-    """Above the pad. [m]"""
+    """Height above the pad. [m]"""
     time: float | None = None
-    """On the logger's own clock. [s]"""
+    """Time on the logger's own clock. [s]"""
     speed: float | None = None
-    """Upwards. [m/s]"""
+    """Upward speed. [m/s]"""
     state: str = ""
     """The phase of flight, in the logger's words."""
 
@@ -25,7 +25,7 @@ class Stored:
 
     number: int
     about: str = ""
-    """What the logger says of it, for a list to choose from."""
+    """The logger's description of it, for a list to choose from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class PortOpened:
 
 @dataclass(frozen=True, slots=True)
 class Recognised:
-    """What is on the port is known by what was heard from it."""
+    """The device on the port was recognized from its bytes."""
 
     device: str
 
@@ -65,17 +65,17 @@ class Progress:
 
     bytes: int
     samples: int = 0
-    """Samples, or lines of them, that arrived whole."""
+    """Samples, or lines of them, received intact. [1]"""
     damaged: int = 0
-    """Pieces that did not: a wrong checksum, a torn line, noise."""
+    """Pieces that were not: a wrong checksum, a torn line, noise. [1]"""
     share: float | None = None
-    """Of all that is to come, if that is known. [1]"""
+    """Fraction received, if the total is known. [1]"""
     sample: Sample | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The port is gone; all that came is kept, and a reconnection is waited for."""
+    """The port has disappeared; everything received is saved, and a reconnection is awaited."""
 
     port: str
     why: str
@@ -83,7 +83,7 @@ class Lost:
 
 @dataclass(frozen=True, slots=True)
 class Back:
-    """The unit is there again, perhaps on another port."""
+    """The unit has returned, perhaps on another port."""
 
     port: str
 

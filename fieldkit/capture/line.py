@@ -1,4 +1,4 @@
-"""A serial port on which nothing is heard that is not kept first, and nothing is sent that is not allowed."""
+"""A serial port on which every byte is saved before it is used, and only allowed commands are sent."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +8,7 @@ from fieldkit.capture.tape import Tape
 from fieldkit.errors import PortLost, PortTrouble
 
 WAIT = 0.05
-"""The longest that one look for bytes takes. [s]"""
+"""Longest wait for bytes in one read. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,8 @@ class SerialLine:
             self._port.set_output_flow_control(True)
 
     def hear(self) -> bytes:
-        """What has arrived, after `WAIT` at most and perhaps nothing; it is on the tape already. Raises PortLost."""
+        """The bytes that have arrived, after `WAIT` at most and perhaps none; they are already saved. Raises
+        PortLost."""
         try:
             chunk: bytes = self._port.read(1)
             if chunk:
@@ -67,7 +68,7 @@ class SerialLine:
         return chunk
 
     def retune(self, settings: PortSettings) -> None:
-        """Listen with other settings. Raises PortLost."""
+        """Change the settings of the port. Raises PortLost."""
         try:
             self._port.baudrate = settings.baud
             self._port.xonxoff = settings.xonxoff
@@ -75,7 +76,7 @@ class SerialLine:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def close(self) -> None:
-        """Let go of the port, also of one that is gone."""
+        """Close the port, also one that has disappeared."""
         try:
             self._port.close()
         except _faults():
@@ -83,7 +84,7 @@ class SerialLine:
 
 
 def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> SerialLine:
-    """A port, opened for this program alone. Raises PortTrouble that says why it cannot be."""
+    """A port, opened for this program alone. Raises PortTrouble with the reason if it cannot be."""
     import serial
 
     try:
@@ -110,7 +111,7 @@ def _faults() -> tuple[type[Exception], ...]:
 
 
 def _reason(error: Exception) -> str:
-    """The system's own words for a fault, in a few of them."""
+    """The system's own message for an error, in a few words."""
     texts = [str(part) for part in error.args if isinstance(part, str)]
     return (getattr(error, "strerror", None) or (texts[-1] if texts else type(error).__name__)).splitlines()[0][:120]
 

@@ -26,11 +26,11 @@ Dialogue = Generator[Event, None, T]
 
 
 class Stopped(Exception):
-    """The flyer, or the clock they set, ends a capture."""
+    """The user, or the time limit, ends a capture."""
 
 
 def never() -> bool:
-    """Nobody wants to stop."""
+    """Never stops."""
     return False
 
 
@@ -41,11 +41,11 @@ class Link:
     line: SerialLine
     stop: Callable[[], bool] = never
     ends: float = float("inf")
-    """When to stop, on the monotonic clock. [s]"""
+    """Time limit, on the monotonic clock. [s]"""
     samples: int = 0
     damaged: int = 0
     open_ended: bool = False
-    """Whether only the flyer knows when it is over, so that stopping it is no loss."""
+    """Whether only the user knows when the capture is over, so that stopping it loses nothing."""
     share: float | None = None
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)
@@ -59,18 +59,18 @@ class Link:
         self.line.send(command)
 
     def last_command(self, command: bytes) -> None:
-        """Send a last command, if there still is somebody to send it to."""
+        """Send a last command, if the unit is still connected."""
         try:
             self.line.send(command)
         except PortLost:
             return
 
     def progress(self) -> Progress:
-        """Where the capture is."""
+        """Progress of the capture."""
         return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
 
     def hear(self) -> Dialogue[bytes]:
-        """What has arrived, perhaps nothing. Raises Stopped, PortLost."""
+        """The bytes that have arrived, perhaps none. Raises Stopped, PortLost."""
         if self.stop():
             raise Stopped("stopped")
         if time.monotonic() >= self.ends:
@@ -88,12 +88,12 @@ class Link:
         return chunk
 
     def push_back(self, chunk: bytes) -> None:
-        """Let bytes that were heard already be heard again, before others."""
+        """Push received bytes back, to be read again before others."""
         self._pending[:0] = chunk
         self._searched = 0
 
     def forget(self) -> None:
-        """Drop what was heard and not looked at: the line it came on is gone."""
+        """Discard received bytes that were not read: their port has disappeared."""
         self._pending.clear()
         self._searched = 0
 

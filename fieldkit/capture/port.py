@@ -44,11 +44,11 @@ class Port:
     product: int | None = None
     serial: str = ""
     described: str = ""
-    """In the words of the system."""
+    """The system's description."""
 
     @property
     def about(self) -> str:
-        """What is known of the device, in a few words."""
+        """The device, in a few words."""
         if self.vendor == ALTUS_METRUM:
             return ALTOS_PRODUCTS.get(self.product or 0, "Altus Metrum device")
         if (self.vendor, self.product) == MICROPEAK_ADAPTER:
@@ -57,7 +57,7 @@ class Port:
 
     @property
     def device(self) -> str:
-        """The protocol that the numbers prove, empty if they do not."""
+        """The protocol that the numbers identify, empty if they do not."""
         from fieldkit.capture.protocol import known_devices
 
         named = (name for name, protocol in known_devices().items() if (self.vendor, self.product) in protocol.usb)
@@ -70,7 +70,7 @@ class Port:
 
 
 def ports() -> list[Port]:
-    """The serial ports there are, those of known loggers first."""
+    """The serial ports of this computer, those of known loggers first."""
     from serial.tools import list_ports
 
     found = [

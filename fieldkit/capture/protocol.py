@@ -23,23 +23,23 @@ def everything(flights: Sequence[Stored]) -> Sequence[int]:
 
 @dataclass(frozen=True, slots=True)
 class CaptureOptions:
-    """What the flyer asked for; None leaves a figure to the protocol."""
+    """The user's choices; None leaves a value to the protocol."""
 
     choose: Callable[[Sequence[Stored]], Sequence[int]] = everything
     """Given the flights in memory, the numbers of those to read."""
     live: bool = False
-    """Follow telemetry, of a unit that has memory and telemetry."""
+    """Record telemetry of a unit that has both memory and telemetry."""
     frequency: float | None = None
-    """Of a radio. [Hz]"""
+    """Frequency of a radio. [Hz]"""
     baud: int | None = None
     wait: float | None = None
-    """How long a unit that talks by itself may take to say anything. [s]"""
+    """How long a unit that sends unprompted may take to start. [s]"""
     silence: float | None = None
-    """How long a stream may pause before it is over. [s]"""
+    """How long a stream may pause before it ends. [s]"""
     seconds: float | None = None
-    """How long the whole capture may take. [s]"""
+    """Time limit of the whole capture. [s]"""
     reconnect: float = 20.0
-    """How long a lost port is waited for. [s]"""
+    """How long to wait for a lost port. [s]"""
 
 
 def as_it_came(captured: Captured) -> list[Log]:
@@ -67,7 +67,7 @@ class Protocol:
     logs: Callable[[Captured], list[Log]] = as_it_came
     recognizes_stream: Callable[[bytes], bool] = unheard
     invites: str = ""
-    """What the flyer has to do, said when the port is open."""
+    """An instruction for the user, shown when the port is open."""
     usb: frozenset[tuple[int, int]] = frozenset()
     """Vendor and product numbers that only its units have."""
 
@@ -79,7 +79,7 @@ NOT_PUBLIC: Mapping[str, str] = {
     "aim": "the download of the AIM is not public; export the flight as CSV from Entacore's own program and "
     "import that file",
 }
-"""Units that can be asked for and not be captured, with the way that there is."""
+"""Devices that may be asked for and cannot be captured, with the alternative."""
 
 
 def known_devices() -> Mapping[str, Protocol]:

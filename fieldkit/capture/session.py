@@ -23,14 +23,14 @@ PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 
 MOST_LOSSES = 5
-"""A port that is lost so often with nothing heard in between is given up."""
+"""Number of losses without data in between after which a port is given up. [1]"""
 PAUSE = 0.5
-"""How much longer each time such a port is left alone before it is tried again. [s]"""
+"""Additional wait before each retry of such a port. [s]"""
 AFTER_A_FAULT = 30.0
 """Silence that ends a capture which nobody understands any more. [s]"""
 
 Look = Callable[[], list[Port]]
-"""Which ports there are now."""
+"""Lists the current ports."""
 
 
 def capture(

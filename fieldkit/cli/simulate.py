@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.screen import complain, print_json, say, say_wrapped, system
+from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
 
 app = typer.Typer()
@@ -49,7 +49,6 @@ def simulate(
     **given: str | None,
 ) -> None:
     """Simulate one flight from motor, dry mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
-    from fieldkit.analysis.labels import spoken
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
@@ -78,7 +77,7 @@ def simulate(
     if json:
         print_json(result)
         return
-    lines = [(title, spoken(name, value, 0.0, system())) for title, name, value in _figures(result)]
+    lines = [(title, measured(name, value)) for title, name, value in _figures(result)]
     width = max(len(title) for title, _ in lines)
     for title, text in lines:
         say(f"{title:{width}}  {text}")

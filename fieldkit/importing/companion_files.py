@@ -1,4 +1,4 @@
-"""Files that a logger writes of one flight, put together as one reading."""
+"""Several files of one flight by one logger, merged into one reading."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,11 +9,11 @@ from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.reading import Found, Note, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
-"""Files of one logger that state the same lift-off to within this are of one flight."""
+"""Difference of lift-off times within which files of one logger are of the same flight. [s]"""
 KINDS = "log_kinds"
 """The extra column of a flight that names the kinds of file it was read from, if its logger writes several."""
 Opened = tuple[str, str, Sequence[Found]]
-"""A file as it was opened: its name, the parser, what that found."""
+"""An opened file: its name, its parser, and what that found."""
 
 
 def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
@@ -56,7 +56,7 @@ _PART = "is the {} file of a flight by {}; import its other files with it or aft
 
 
 def _worth(part: Reading) -> int:
-    """Which part of a flight to name it by: one with heights, else one with samples, else any."""
+    """The part that names a flight: one with heights, else one with samples, else any."""
     return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
 
 
@@ -65,7 +65,7 @@ def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, 
 
 
 def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
-    """Whether two readings of files, among others of one folder, can be of one flight."""
+    """Whether two readings of files in one folder can be of one flight."""
     one, two = place[1], other[1]
     if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
         return False
@@ -78,14 +78,14 @@ def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Seq
 
 
 def same_moment(first: object, second: object) -> bool:
-    """Whether two lift-offs are the same, as files of one logger state them: day and time of day, both known."""
+    """Whether two lift-offs in files of one logger are the same: date and time of day, both known."""
     if not isinstance(first, datetime) or not isinstance(second, datetime) or time() in (first.time(), second.time()):
         return False
     return abs(first - second) < SAME_MOMENT
 
 
 def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
-    """One reading of its parts; if they differ the first counts."""
+    """One reading of several parts; if they differ, the first one counts."""
     parts = [*reversed(others), main]
     return replace(
         main,

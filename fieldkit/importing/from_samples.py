@@ -1,4 +1,4 @@
-"""Readings with samples: their readouts measured, and the name of the flight taken from the bytes."""
+"""Readings with samples: the readouts are measured, and the flight is named after its bytes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +11,7 @@ from fieldkit.importing.reading import Found, Note, Reading
 
 
 def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
-    """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
+    """What was found in a log, with the readouts of flights measured in their samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     told: list[Found] = []
     for item in found:
@@ -27,7 +27,7 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
 
 
 def _simulated(reading: Reading) -> Reading:
-    """A simulation with what it states of its flight: for a look at it, for it is not stored."""
+    """A simulation with its own values: only shown, never stored."""
     from fieldkit.analysis import simulated
 
     return replace(reading, recorded=simulated(reading.clocks, reading.events))
@@ -65,7 +65,7 @@ def _states_figures(reading: Reading) -> bool:
 
 
 def _stated(reading: Reading, format: str) -> Reading:
-    """A summary of a flight that other files hold the samples of, its figures marked as the device's own."""
+    """A summary of a flight whose samples are in other files; its values are marked as the device's own."""
     figures = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
     source = {c.name: "stated" for c in READOUTS if c.stated_header in figures}
     extra = {**reading.extra, **figures, **_origin(reading, format)}
@@ -73,6 +73,6 @@ def _stated(reading: Reading, format: str) -> Reading:
 
 
 def _origin(reading: Reading, format: str) -> dict[str, str]:
-    """Extra columns that say what recorded a flight, in which kinds of file, and which parser reads them."""
+    """Extra columns: the device of a flight, the kinds of its files, and the parser that reads them."""
     told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
     return {name: text for name, text in (told | {KINDS: reading.part}).items() if text}

@@ -1,4 +1,4 @@
-"""A flight on its way into the ledger, with the bytes it was read from."""
+"""A flight to be imported, with the bytes it was read from."""
 
 import hashlib
 import io
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from fieldkit.flight import Flight
 
 _PIECE = 1 << 20
-"""So much of a log is packed at a time. [bytes]"""
+"""Size of the pieces in which a log is compressed. [byte]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Original:
-    """The bytes of a log as they are kept: `digest` is their SHA-256 in hex, `size` theirs before zlib packed them."""
+    """The stored bytes of a log: `digest` is their SHA-256 in hex, `size` their size before compression by zlib."""
 
     digest: str
     size: int
@@ -22,12 +22,12 @@ class Original:
 
     @classmethod
     def of(cls, content: bytes) -> "Original":
-        """A log's bytes, packed."""
+        """A log's bytes, compressed."""
         return cls(digest_of(content), len(content), _packed(content))
 
 
 def _packed(content: bytes) -> bytes:
-    """The bytes as zlib packs them, piece by piece: at once it would hold what it has packed of a long log twice."""
+    """The bytes compressed piece by piece: at once, zlib would hold the output of a long log twice."""
     packer, packed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
     for start in range(0, len(content), _PIECE):
         packed.write(packer.compress(view[start : start + _PIECE]))
@@ -36,7 +36,7 @@ def _packed(content: bytes) -> bytes:
 
 
 def digest_of(content: bytes) -> str:
-    """The name of a log's bytes."""
+    """The digest of a log's bytes."""
     return hashlib.sha256(content).hexdigest()
 
 

@@ -1,7 +1,7 @@
-"""How much the beginning of a file is like what a parser reads: by the signs that such files bear.
+"""Similarity of the beginning of a file to a format, by the signs of the format.
 
-A sign is a name of a column, a label or a phrase, in any case and spacing; `|` stands between spellings of one. What is
-shorter than five characters has to be a whole cell or word, or it would be found in any text.
+A sign is the name of a column, a label or a phrase, in any case and spacing; `|` separates spellings of one. A sign of
+fewer than five characters must be a whole cell or word, or it would be found in any text.
 """
 
 import re
@@ -14,9 +14,9 @@ from fieldkit.importing.reading import HEAD, Parser
 from fieldkit.importing.tables.text import decode
 
 _MAX_WHOLE_WORD = 5
-"""Signs of fewer characters are whole words. [characters]"""
+"""Length below which signs must be whole words. [character]"""
 _LOOKED_AT = 16_384
-"""So much of a beginning is searched for signs. [characters]"""
+"""Size of the beginning that is searched for signs. [character]"""
 _SCORE_WITHOUT_SIGNS = 0.5
 """The score of a parser that recognizes a log and names no signs. [1]"""
 _MAX_NEAR_FORMATS, _MIN_SIGN_FRACTION = 3, 0.25
@@ -32,7 +32,7 @@ class Likeness:
 
     @property
     def part(self) -> float:
-        """Of all signs, how many are there. [1]"""
+        """Fraction of all signs that are present. [1]"""
         count = len(self.found) + len(self.missing)
         return len(self.found) / count if count else 0.0
 
@@ -65,7 +65,7 @@ def _bears(text: str, words: frozenset[str], sign: str) -> bool:
 
 @lru_cache(maxsize=512)
 def _pattern(sign: str) -> re.Pattern[str]:
-    """What finds a sign that is no part of a longer word."""
+    """A pattern for a sign that is not part of a longer word."""
     before, after = (r"(?<!\w)" if sign[0].isalnum() else ""), (r"(?!\w)" if sign[-1].isalnum() else "")
     return re.compile(before + re.escape(sign) + after)
 

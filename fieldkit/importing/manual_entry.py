@@ -1,7 +1,7 @@
-"""Typing in a flight: what is asked, how an answer is read, and what looks odd about it.
+"""Entering a flight: the questions, how answers are read, and which are implausible.
 
-Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` and a form on a screen
-take and refuse the same.
+Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` and a form on a screen accept and refuse
+the same.
 """
 
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ NOT_RECORDED = "-"
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One thing asked of a flight; `offered` means that the last flight's answer is offered for it."""
+    """One question about a flight; `offered` means that the last flight's answer is the default."""
 
     name: str
     title: str
@@ -44,7 +44,7 @@ class Question:
 
     @property
     def column(self) -> Column | None:
-        """The column of a number, None for a text."""
+        """The column of a number, None for text."""
         return BY_NAME.get(self.name)
 
 
@@ -66,7 +66,7 @@ QUESTIONS = (
     _asked("temperature", offered=True),
     Question("notes", "Notes", "Free text."),
 )
-"""What is asked of a flight, the readouts in the order in which the altimeter shows them."""
+"""The questions about a flight, the readouts in the order in which the altimeter shows them."""
 
 
 def field_of(name: str) -> tuple[str, str]:
@@ -98,7 +98,7 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
 
 
 def _day_in_words(text: str) -> str:
-    """`today` as this minute, `yesterday` as its date, any other text as it is."""
+    """`today` as the current time, `yesterday` as its date, any other text unchanged."""
     now = datetime.now()
     words = {"today": now.isoformat(timespec="minutes"), "yesterday": f"{now.date() - timedelta(days=1)}"}
     return words.get(text.casefold(), text)
@@ -135,7 +135,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
 
 
 def answer_text(flight: Flight, name: str) -> str:
-    """A field of a flight as one would type it."""
+    """A field of a flight as text to edit."""
     value = getattr(flight, name)
     if value is None:
         return ""
@@ -168,7 +168,7 @@ def _number(column: Column, text: str, unit: str) -> float | None:
 
 
 def _example(column: Column) -> str:
-    """An answer that would be right, with its unit: `281.3 m`."""
+    """An example of a valid answer, with its unit: `281.3 m`."""
     scale = units.unit(column.quantity, column.unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
     return f"{scale.from_si(middle):.3g}{column.unit}"

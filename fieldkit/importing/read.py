@@ -1,4 +1,4 @@
-"""The logs that are given, read: into flights, into recordings as they stand, or into plans."""
+"""Reading logs: into flights, into recordings, or into plans."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -63,7 +63,7 @@ def open_file(source: str, log: bytes, format: str | None = None, choices: Seque
 
 
 def _is_numbered(reading: Reading) -> bool:
-    """Whether a logger numbered a flight, so that a file of another kind may be of the same."""
+    """Whether a logger numbered a flight, so that a file of another kind may be of the same flight."""
     return bool(reading.serial and reading.extra.get("flight"))
 
 
@@ -80,7 +80,7 @@ def read_stored(
 
 
 def intakes(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[Intake]:
-    """What opened files bring, those of one flight together."""
+    """The contents of opened files, with those of one flight merged."""
     digests = [one.digest for one in read]
     files = [(one.source, one.parsed.format, one.parsed.found) for one in read]
     measured = [

@@ -1,4 +1,4 @@
-"""What a parser says of a log, and what a file brings in the end: the records of reading."""
+"""Records of reading: what a parser returns, and the result for a file."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -52,12 +52,12 @@ class Reading:
 
 
 EVENTS = ("liftoff", "burnout", "apogee", "ejection", "drogue", "main", "landing")
-"""What most loggers mark; `drogue` and `main` are outputs of a logger, `ejection` is the motor's own charge."""
+"""Events that most loggers mark; `drogue` and `main` are outputs of a logger, `ejection` is the motor's own charge."""
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something the flyer should know about a log, which keeps nothing out of the ledger."""
+    """A remark for the user about a log, which does not prevent its import."""
 
     text: str
     row: int | None = None
@@ -65,7 +65,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class ColumnChoice:
-    """Channel to column, as the flyer wrote them, and the headers it is for; none: for whatever is read now."""
+    """Channel to column, as the user wrote them, and the headers it is for; without headers, for any table."""
 
     channels: Mapping[str, str]
     headers: tuple[str, ...] = ()
@@ -80,7 +80,7 @@ class Mapped(Note):
 
 
 Found = Reading | DamagedLog | Note
-"""What a parser finds in a log: readings, rows that are damaged (and cost only themselves), notes."""
+"""The result of a parser: readings, damaged rows (only those are lost), notes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ class Parser:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """A row that did not become a flight, and why."""
+    """A row that did not become a flight, and the reason."""
 
     file: str
     row: int | None
@@ -144,4 +144,4 @@ class Intake:
     recorded: "tuple[Recorded | None, ...]" = field(default=(), compare=False)
     recognition: Recognition = Recognition()
     simulated: "tuple[Recorded, ...]" = field(default=(), compare=False)
-    """What each simulation in the file states of its flight."""
+    """The values of each simulation in the file."""

@@ -16,7 +16,7 @@ from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
 
 MOST_LACKING = 4
-"""So many signs of a format are named. [1]"""
+"""Number of signs of a format that are named. [1]"""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -76,7 +76,7 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
 
 
 def _near(log: bytes) -> str:
-    """The formats that a file comes near to, and what it lacks of each."""
+    """The most similar formats of a file, and what it lacks for each."""
     shelf = parsers()
     near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
     shown_damage = "; ".join(near)
@@ -90,7 +90,7 @@ def _lacks(like: Likeness) -> str:
 
 
 def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
-    """What the flyer has said of the columns of such a table, of samples or of flights."""
+    """The user's mapping for such a table, of samples or of flights."""
     from fieldkit.importing.tables.layout import layout_of
 
     found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
@@ -103,13 +103,13 @@ def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
 
 
 def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
-    """Whether the choice that is for a table is of samples or of flights."""
+    """Whether the mapping for a table is of samples or of flights."""
     choice = _chosen(log, choices)
     return "flights" if choice is not None and is_of_flights(choice) else "samples"
 
 
 def _hint(log: bytes) -> str:
-    """What a flyer can do about a log that no parser recognizes, if that is known."""
+    """What to do about a log that no parser recognizes, if known."""
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive; unpack it first"
     start = log[:HEAD]
@@ -128,7 +128,7 @@ def _claims(parser: Parser, head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ParsedLog:
-    """A log as one parser, by its name, read it: what it found, why it was taken, and the columns it used."""
+    """A log as read by one parser, named: what it found, why that parser, and the columns used."""
 
     format: str
     found: Sequence[Found]
@@ -182,7 +182,7 @@ def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnC
 
 
 def holds_flight(found: Sequence[Found]) -> bool:
-    """Whether there is a flight in what a parser found: figures that were stated, or samples that rise as a rocket."""
+    """Whether a parser found a flight: stated values, or samples that rise like a rocket."""
     return any(isinstance(item, Reading) and _is_flight(item) for item in found)
 
 
@@ -208,7 +208,7 @@ def _made(one: "ParsedLog | DamagedLog") -> str:
 
 
 def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None) -> str:
-    """Why a parser was taken, in a phrase."""
+    """Why a parser was chosen, as a phrase."""
     if format is not None:
         return "chosen with --format"
     if any(isinstance(item, Mapped) and item.choice.channels for item in found):
@@ -221,7 +221,7 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
-    """How a log was read: by the tables that were read of it, or if there is none by what was found."""
+    """How a log was read: by the tables read from it, or without any by what was found."""
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:
@@ -244,7 +244,7 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
 
 
 def _stated_column(field: str, name: str) -> ColumnRead:
-    """A column of a flight table, or what a summary states: its name there, else fieldkit's own."""
+    """A column of a flight table or of a summary: its name there, else fieldkit's own."""
     column = BY_NAME.get(field)
     ending = plain(name).rpartition("_")[2]
     unit = "" if column is None else ending if ending in UNITS[column.quantity] else column.unit
@@ -252,7 +252,7 @@ def _stated_column(field: str, name: str) -> ColumnRead:
 
 
 MAX_REPORTED = 1500
-"""A message is no longer than this, whatever a log holds. [characters]"""
+"""Longest message, whatever a log contains. [character]"""
 
 
 def shown_damage(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:

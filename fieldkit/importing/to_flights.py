@@ -1,4 +1,4 @@
-"""From readings to flights: bounds, motor names, identities, flights that come twice, rockets of another file."""
+"""From readings to flights: bounds, motor names, identities, duplicates, rockets of another file."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
 
 CheckMotor = Callable[[str], str | None]
-"""A complaint about a motor's name as printed, or None if there is such a motor."""
+"""The error in a motor's name, or None if the motor exists."""
 
 
 def intake_of(
@@ -68,7 +68,7 @@ _FOREIGN_MOTORS = (
 
 
 def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
-    """A reading with what a list of rockets knows of its rocket; what the log itself states wins."""
+    """A reading completed from a list of rockets; the log's own values win."""
     if not reading.rocket_key:
         return reading
     rocket = rockets.get(reading.rocket_key)
@@ -77,7 +77,7 @@ def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
 
 
 def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
-    """Add a flight to those kept and say what is odd about it. Raises DamagedLog if its name is taken."""
+    """Add a flight to the others, with notes on implausible values. Raises DamagedLog if its name is taken."""
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
         kept[name] = flight, row
@@ -138,7 +138,7 @@ def _flight(reading: Reading) -> Flight:
 
 
 def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:
-    """Raise DamagedLog for a motor nobody makes; several motors at once are not looked up."""
+    """Raise DamagedLog for an unknown motor; several motors at once are not looked up."""
     if not flight.motor or {"cluster", "staged"} & set(flight.tags):
         return
     if complaint := check_motor(flight.motor):
