@@ -82,7 +82,7 @@ def test_where_the_scalar_correction_is_better_it_is_said() -> None:
     report = judged_report(rows)
     assert against(season(30, bias=0.15), "scalar").verdict == "worse"
     assert [rocket for rocket, _ in report.behind] == ["Astra"]
-    assert any("Not beaten on Astra" in line and "chance" not in line for line in against_the_bar(report))
+    assert any("Not better on Astra" in line and "chance" not in line for line in against_the_bar(report))
     assert any(line.startswith("WORSE than: scalar") for line in verdict_lines(judged_report(rows[:30])))
     few = judged_report(season(3, bias=0.15))
     assert {one.verdict for one in few.against} == {"unclear"}

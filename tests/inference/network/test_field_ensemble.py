@@ -135,7 +135,7 @@ def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
     motor = catalogue().find("Estes D12-5")
     found = infer_field([good, replace(good, apogee=400.0)], [motor, motor], field)
     assert found.fits.tolist() == [True, False]
-    assert found.warnings[1][0].startswith("apogee of 400 m does not fit the rest")
+    assert found.warnings[1][0].startswith("apogee of 400 m is inconsistent with the rest")
     assert found.cd_sd[1] > found.cd_sd[0]
 
 
