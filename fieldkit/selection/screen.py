@@ -21,8 +21,8 @@ from fieldkit.shapes import Array, Float
 
 PLACE_WINDOW = 3.0
 """Log posterior odds behind the best place of an effect from which on another is not fitted: one in twenty. [nat]"""
-NEGLIGIBLE_SCALE_WEIGHT = 0.02
-"""Posterior weight of a pair of scales below which it is left out: about its mode nine pairs hold 93 %. [1]"""
+NEGLIGIBLE_SCALE_WEIGHT = 1e-4
+"""Posterior weight of a pair of scales below which it is left out. [1]"""
 MAX_PLACES = 4
 """Places of an effect that are fitted. [1]"""
 
