@@ -93,12 +93,8 @@ class Hyperprior:
         """The same with finer grids of both scales: what a posterior is reported with, a fit having found its place."""
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
-    def everywhere(self) -> "Hyperprior":
-        """The same with the grids of both scales as they were before they were put about a posterior."""
-        return replace(self, scatter=self.scatter.everywhere(), reading=self.reading.everywhere())
-
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-        """Scatter scale, reading scale and log prior of every pair; normalized where the grid is all there is."""
+        """Scatter scale, reading scale and normalized log prior of every pair on the grid."""
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:

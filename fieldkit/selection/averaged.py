@@ -6,7 +6,7 @@ flights.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
 from fieldkit.inference.laplace.leave_one_out import own_variance
-from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing, solve
+from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
@@ -173,16 +173,13 @@ def _followed(posterior: SetPosterior) -> list[Hypothesis]:
 
 
 def _grown(one: Hypothesis) -> _Said:
-    """Forecast of every flight by a hypothesis from the earlier flights, on the whole grid of scales."""
-    near, model = one.fit.tangent, one.fit.model
-    model = replace(model, hyperprior=model.hyperprior.everywhere())
-    whole = solve(model, one.fit.data, near, one.fit.flight_weight)
-    grown = growing(whole)
+    """Forecast of every flight by a hypothesis from the earlier flights."""
+    grown, near = growing(one.fit), one.fit.tangent
     apogee = near.slope[:, 0]
     mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, grown.mean - near.at)
     known = np.einsum("ft,sftu,fu->sf", apogee, grown.covariance, apogee, optimize=True)
     total = np.logaddexp.reduce(grown.log_weight, axis=0)
-    return _Said(mean, known, own_variance(whole), np.exp(grown.log_weight - total), one.log_prior + total)
+    return _Said(mean, known, own_variance(one.fit), np.exp(grown.log_weight - total), one.log_prior + total)
 
 
 def _most_probable(some: Sequence[Hypothesis], said: Sequence[_Said]) -> tuple[str, ...]:

@@ -199,5 +199,4 @@ def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model
     wide = rocket_model(flights, found, side.places)
     area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
     own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
-    wide = replace(wide, area=own, hyperprior=side.fit.model.hyperprior)
-    return wide.part(slice(len(model.flights), None))
+    return replace(wide, area=own).part(slice(len(model.flights), None))

@@ -168,8 +168,7 @@ def _expanded(
     elsewhere = _weight(parents) - parent.log_weight
     least = best - WINDOW - SCREENING_ERROR - _weight(parents)
     worth = {name: least - log_prior_odds([name or UNEXPLAINED]) for name in others}
-    model = replace(parent.fit.model, hyperprior=parent.fit.model.hyperprior.everywhere())
-    trials = try_all(model, data, screened(others, parent.fit, worth), parent.fit)
+    trials = try_all(parent.fit.model, data, screened(others, parent.fit, worth), parent.fit)
     found: dict[Members, list[Hypothesis]] = {}
     for trial in trials:
         candidates = (*parent.candidates, trial.candidate)

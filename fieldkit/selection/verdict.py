@@ -5,7 +5,7 @@ follow every effect as far as it is probable. A false name is taken to cost twic
 is least if what is more probable than `NAMING_PROBABILITY` is named, and nothing else.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.physics.effect import Effect
@@ -43,7 +43,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
     named = [name for name, chance in chances.items() if chance > NAMING_PROBABILITY]
     if named:
         return _named(posterior, named, _alternatives(posterior, named), posterior.all_of(named))
-    group = _group(posterior, _not_excluded(chances))
+    group = _group(posterior, list(chances))
     if group:
         return _named(posterior, group[:1], tuple(group[1:]), posterior.any_of(group))
     something = 1 - posterior.nothing
@@ -56,13 +56,6 @@ def verdict(posterior: SetPosterior) -> Verdict:
 def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
     """The verdict if a flyer says what is there."""
     return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
-
-
-def _not_excluded(chances: Mapping[str, float]) -> list[str]:
-    """Effects that are not so much less probable than the most probable one that, one of the two being there, the
-    credible set is that one alone."""
-    least = max(chances.values(), default=0.0) * (1 - CREDIBLE) / CREDIBLE
-    return [name for name, chance in chances.items() if chance >= least]
 
 
 def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:

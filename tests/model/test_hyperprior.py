@@ -69,18 +69,3 @@ def test_scales_are_weighted_by_a_log_normal() -> None:
     scatter, reading, log_prior = replace(CERTIFIED_PRIOR, scatter=scale).scales()
     assert len(scatter) == len(reading) == len(log_prior) == 3 * len(CERTIFIED_PRIOR.reading.grid)
     assert np.exp(log_prior).sum() == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("log_sd", [0.3, 0.08, 0.02])
-def test_a_grid_about_a_posterior_integrates_it_however_narrow(log_sd: float) -> None:
-    scale = CERTIFIED_PRIOR.scatter
-    log_prior_mean = np.log(scale.median)
-    variance = 1 / (1 / log_sd**2 + 1 / scale.log_sd**2)
-    mode = variance * (0.1 / log_sd**2 + log_prior_mean / scale.log_sd**2)
-    near = scale.about(mode, np.sqrt(variance))
-    likelihood = -0.5 * ((np.log(near.values) - 0.1) / log_sd) ** 2
-    total = scale.log_sd**2 + log_sd**2
-    exact = np.log(log_sd / np.sqrt(total)) - 0.5 * (0.1 - log_prior_mean) ** 2 / total
-    assert np.logaddexp.reduce(near.log_prior + likelihood) == pytest.approx(exact, abs=0.003)
-    assert near.everywhere() == scale
-    assert near.about(mode, 0.1).everywhere() == scale

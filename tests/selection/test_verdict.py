@@ -56,7 +56,6 @@ def posterior(weights: dict[str, float]) -> SetPosterior:
         ({"": 0.1, "wind": 0.5, "wear": 0.4}, "wind", 0.9, ("wear",)),
         ({"": 0.2, "unexplained": 0.7, "wind": 0.1}, "unexplained", 0.8, ()),
         ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ()),
-        ({"": 0.3, "wind": 0.6, "wear": 0.05, "mach_drag": 0.05}, "unexplained", 0.7, ()),
     ],
 )
 def test_what_is_probable_enough_is_named(

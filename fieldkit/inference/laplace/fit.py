@@ -15,7 +15,6 @@ from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_w
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import OPENING, Model
-from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array, Float, Int, Integers
 
 ROUNDS = 5
@@ -38,8 +37,6 @@ FLIGHT_WEIGHT_TOLERANCE = 0.15
 """Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
 MAX_SETTLING_ROUNDS = 4
 """Times these weights are updated at most about the last point."""
-SCALE_ROUNDS = 2
-"""Times the grids of scales are put about their posterior: the first time from a grid too coarse for its width."""
 WALKING_SCALE_WEIGHT = 1e-3
 """Posterior weight of a scale below which a fit does without it on its way. [1]"""
 
@@ -166,8 +163,7 @@ def probable_scales(known: Fit) -> Int[Integers, "scale"]:
 
 
 def _settled(result: Fit) -> Fit:
-    """The fit with weights of outlier flights that agree with it, and all pairs of scales; those about its mode where
-    the noise of single flights follows a Student t."""
+    """The fit with weights of outlier flights that agree with it, and all pairs of scales."""
     for _ in range(MAX_SETTLING_ROUNDS):
         if result.flight_weight is None:
             break
@@ -175,43 +171,9 @@ def _settled(result: Fit) -> Fit:
         if np.max(np.abs(np.log(weight / result.flight_weight)), initial=0.0) < FLIGHT_WEIGHT_TOLERANCE:
             break
         result = solve(result.model, result.data, result.tangent, weight, probable_scales(result))
-    if result.scales is not None:
-        result = solve(result.model, result.data, result.tangent, result.flight_weight)
-    return result if result.flight_weight is None or result.model.hyperprior.scatter.step else _about_mode(result)
-
-
-def _about_mode(result: Fit) -> Fit:
-    """The fit with both scales integrated on grids about their posterior.
-
-    Twenty flights determine a scale within 6 to 16 %, so that on the grid of the way, with steps of 50 %, nearly all
-    weight lies on one value; how much better a model fits would be measured in steps of that.
-    """
-    for _ in range(SCALE_ROUNDS):
-        hyperprior = result.model.hyperprior
-        scatter, reading = hyperprior.scatter, hyperprior.reading
-        weight = result.log_weight.reshape(len(scatter.grid), len(reading.grid))
-        row, column = np.unravel_index(int(np.argmax(weight)), weight.shape)
-        own = replace(
-            hyperprior,
-            scatter=scatter.about(*_mode(scatter, weight[:, column])),
-            reading=reading.about(*_mode(reading, weight[row])),
-        )
-        outliers = flight_weights(result)
-        result = solve(replace(result.model, hyperprior=own), result.data, result.tangent, outliers)
-    return result
-
-
-def _mode(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, float]:
-    """Mode and standard deviation of a scale's logarithm, by the parabola through the greatest weight and those beside
-    it; as in the prior where that has no top."""
-    at = min(max(int(np.argmax(log_weight)), 1), len(log_weight) - 2)
-    x, y = np.log(scale.values[at - 1 : at + 2]), log_weight[at - 1 : at + 2]
-    (before, after), (fall, rise) = np.diff(x), np.diff(y) / np.diff(x)
-    curvature = 2 * (rise - fall) / (before + after)
-    if not curvature < -1 / (2 * scale.log_sd) ** 2:
-        return float(np.log(scale.median)), scale.log_sd
-    top = (x[0] + x[1]) / 2 - fall / curvature
-    return float(np.clip(top, x[0] - before, x[2] + after)), float(1 / np.sqrt(-curvature))
+    if result.scales is None:
+        return result
+    return solve(result.model, result.data, result.tangent, result.flight_weight)
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence[DampedSteps], moving: Sequence[int]) -> dict[int, int]:

@@ -11,7 +11,7 @@ from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, sampled
 from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
-from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
 from fieldkit.model.rocket_model import Model, base_model
 from tests.seasons import season
@@ -42,7 +42,7 @@ def drawn(readouts: int = 6) -> Sampled:
 
 @pytest.mark.parametrize("readouts", [6, 2, 1])
 def test_few_draws_say_what_many_do(readouts: int) -> None:
-    few, many = drawn(readouts), sampled(fitted(readouts), np.random.default_rng(2), 6000)
+    few, many = drawn(readouts), sampled(fitted(readouts), np.random.default_rng(2), 12_000)
     assert few.pareto_k < RELIABLE_PARETO_K
     assert abs(few.log_evidence - many.log_evidence) < 4 * np.hypot(few.error, many.error)
     np.testing.assert_allclose(few.log_without, many.log_without, atol=0.35)
@@ -51,21 +51,6 @@ def test_few_draws_say_what_many_do(readouts: int) -> None:
 def test_the_bound_of_the_fit_lies_below_the_evidence_and_near_it() -> None:
     gap = drawn().log_evidence - fitted().log_evidence
     assert -3 * drawn().error < gap < 2.5
-
-
-@pytest.mark.parametrize("readouts", [6, 2, 1])
-def test_five_values_of_each_scale_about_its_mode_integrate_as_a_fine_grid_does(readouts: int) -> None:
-    result = fitted(readouts)
-    before = result.model.hyperprior.everywhere()
-    fine = replace(
-        before,
-        scatter=replace(before.scatter, grid=tuple(np.geomspace(0.1, 30.0, 90).tolist())),
-        reading=replace(before.reading, grid=tuple(np.geomspace(0.2, 5.0, 50).tolist())),
-    )
-    every = solve(replace(result.model, hyperprior=fine), result.data, result.tangent, result.flight_weight)
-    assert result.log_evidence == pytest.approx(every.log_evidence, abs=0.05)
-    at_once = solve(replace(result.model, hyperprior=before), result.data, result.tangent, result.flight_weight)
-    assert abs(at_once.log_evidence - every.log_evidence) > abs(result.log_evidence - every.log_evidence)
 
 
 def test_without_a_flight_it_is_the_fit_that_never_saw_it() -> None:
