@@ -19,7 +19,7 @@ from fieldkit.services.findings import Findings
 
 MAX_FITS = 20
 """Flights of a report up to which each that has no saved prediction is forecast by a fit to the others; in longer ones
-the loop's forecasts with the flight left out are shown, which are there already. [1]"""
+the loop's forecasts with the flight left out are shown, which cost nothing more. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
