@@ -38,8 +38,8 @@ def finals(
 
     from fieldkit import files
     from fieldkit.paths import data_folder
-    from fieldkit.planning.contest import allowed, approved_motors
     from fieldkit.planning.contest_day import read_window
+    from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import finals_table, finals_targets, trials
     from fieldkit.presentation.finals_text import (
         FINALS_NOTES,
@@ -130,9 +130,10 @@ def contest(
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
     from fieldkit.paths import data_folder
-    from fieldkit.planning.contest import allowed, approved_motors, copy_season, declared_score, outlook, score
+    from fieldkit.planning.contest import copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import why_no_score
+    from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:

@@ -72,7 +72,7 @@ def print_guide(
 def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
     """The motors by the points of a season, against the one that the rocket last flew on."""
     from fieldkit.paths import data_folder
-    from fieldkit.planning.contest import approved_motors
+    from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_advice import motor_advice
     from fieldkit.planning.motor_guide import label
 

@@ -78,7 +78,7 @@ def ballast(
     """Find the dry mass that best meets a target, and the grams to add or remove."""
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
-    from fieldkit.planning.contest import allowed
+    from fieldkit.planning.contest_limits import allowed
     from fieldkit.presentation.planning_text import ballast_in_words
 
     rule = None if season is None else season_rule(season).announced(length(target), None)

@@ -8,7 +8,8 @@ from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_figure, recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend, filling
-from fieldkit.planning.descent_rate import Fall, air_at_pads, landing_mass
+from fieldkit.planning.descent_rate import Fall
+from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
 

@@ -12,7 +12,8 @@ from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
+from fieldkit.planning.descent_rate import Fall, fall_of
+from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, three
 from fieldkit.shapes import Array, Float

@@ -15,7 +15,8 @@ from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult, WindProfile
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import descents, wind_profile
-from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass
+from fieldkit.planning.descent_rate import Fall, fall_of
+from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.quantities import ShownUnits

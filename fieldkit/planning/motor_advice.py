@@ -8,9 +8,10 @@ import numpy as np
 
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import CLEAR_ERRORS, LEAST_GAIN
-from fieldkit.planning.contest import Season, allowed
+from fieldkit.planning.contest import Season
+from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import landing_mass
+from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.motor_guide import MotorChoice, label
 from fieldkit.planning.quantiles import named, three
 from fieldkit.shapes import Array, Float

@@ -195,7 +195,7 @@ def test_what_no_rocket_can_do_is_named_and_not_measured(impossible: dict[str, F
     kept, notes = possible(impossible)
     assert kept.keys() == {"apogee"}
     (note,) = notes
-    assert note.startswith("not measured: burn time, average acceleration, peak acceleration, for ")
+    assert note.startswith("not measured: burn time, average acceleration, peak acceleration; ")
 
 
 def test_an_average_within_its_error_of_the_peak_is_kept() -> None:

@@ -163,7 +163,7 @@ def test_compare_lays_a_flight_beside_another_device_and_a_simulation(run: Run, 
         assert compared["rms_height_m"] < 1.5
         assert abs(compared["differences"]["apogee_m"]["difference"]) < 1.0
     _, text, _ = run("compare", id, two)
-    assert "rms" in text
+    assert "RMS" in text
     assert "Apogee" in text
 
 

@@ -18,21 +18,13 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
-from fieldkit.planning.contest import (
-    allowed,
-    approved_motors,
-    copy_season,
-    declared_score,
-    motor_line,
-    outlook,
-    score,
-    season,
-    seasons,
-)
+from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, seasons
 from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration
-from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
+from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
+from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of
 from fieldkit.planning.finals import finals_table, finals_targets, trials
+from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.presentation.finals_text import finals_basis
 from fieldkit.presentation.planning_text import ballast_in_words

@@ -22,7 +22,8 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
-from fieldkit.planning.descent_rate import Fall, fall_of, landing_mass, usual
+from fieldkit.planning.descent_rate import Fall, fall_of, usual
+from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.landing import RailChoice, landing, rail_choices
 from fieldkit.planning.limits import limits

@@ -35,7 +35,7 @@ async def test_the_app_opens_on_what_is_next(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         assert isinstance(pilot.app.screen, HomeScreen)
         seen = words(pilot)
-        for text in ("f Fly", "a Type in", "p Plan", "Astra B", "No open forecast"):
+        for text in ("f Fly", "a Add", "p Plan", "Astra B", "No open forecast"):
             assert text in seen
         assert "4.1 high, inside" in told(pilot, "#last .words")
         assert "▸12" in shown(pilot)

@@ -160,18 +160,18 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         await press(pilot, "m", *typed("quux"), "down", *typed("frobb"))
         assert "found no column 'frobb'" in words(pilot)
         await press(pilot, "backspace", "ctrl+s")
-        assert "would bring 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in told(pilot, "#said")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "1 imported" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
-        assert "would bring 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in told(pilot, "#said")
         await press(pilot, "M")
         assert "time=quux; altitude=frob" in words(pilot)
         await press(pilot, "x")
         assert "time=quux" not in words(pilot)
         await press(pilot, "escape")
-        assert "would bring" not in told(pilot, "#said")
+        assert "would add" not in told(pilot, "#said")
 
 
 async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None:
@@ -187,7 +187,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
         await press(pilot, "m", *keys, "backspace")
         assert "found no column 'how hig'" in words(pilot)
         await press(pilot, *typed("h [ft]"), "ctrl+s")
-        assert "would bring 2 flights" in told(pilot, "#said")
+        assert "would add 2 flights" in told(pilot, "#said")
 
 
 async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
@@ -208,14 +208,14 @@ async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
         for what in ("altitude (m)", "1 flight, 0 rejected", "Apogee", "baro", "format", "140 used"):
             assert what in facts
         await press(pilot, "escape")
-        assert "would bring 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in told(pilot, "#said")
 
 
 # Next flight
 
 
 async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file: Path) -> None:
-    async with opened(file, (100, 40)) as pilot:
+    async with opened(file, (100, 42)) as pilot:
         await press(pilot, "4")
         assert "Astra B on AeroTech" in shown(pilot)
         card = told(pilot, "#title")
@@ -225,7 +225,7 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
         assert told(pilot, "#title") != card
         for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "alpha", "true"):
             assert what in shown(pilot)
-        assert "kg/m³" in told(pilot, "#more")  # below the edge of forty rows
+        assert "kg/m³" in told(pilot, "#more")  # below the edge of the terminal
         await press(pilot, "b")
         assert "Astra A on" in shown(pilot)
 

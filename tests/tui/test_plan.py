@@ -59,7 +59,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
 async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_decide(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
-        assert "flights of Astra, each forecast from the ones before it" in said(pilot)
+        assert "flights of Astra, each forecast from the earlier ones" in said(pilot)
         assert "last on motor, else scalar" in said(pilot)
         assert "in the 90 % interval" in said(pilot)
         assert "scalar correction" in said(pilot)

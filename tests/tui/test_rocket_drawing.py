@@ -29,6 +29,6 @@ def test_it_ends_in_a_point_and_its_fins_stand_out_at_the_tail() -> None:
 
 
 def test_what_is_sketched_is_said() -> None:
-    assert "sketched" in caption(None)
+    assert "a sketch" in caption(None)
     assert caption(0.9) == ""
     assert drawing(None, 0.066, 60) == drawing(12 * 0.066, 0.066, 60)

@@ -45,7 +45,7 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
 
 
 def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]:
-    """What is said of a verdict beside its name and its errors, with titles."""
+    """Titled parts of a verdict besides its name and its errors."""
     from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_forecasts_become
     from fieldkit.selection.force.text import climbs_in_words
 

@@ -65,7 +65,7 @@ class Decision:
         """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
         from fieldkit.motors import Found
         from fieldkit.planning.ballast import Goal, ballast
-        from fieldkit.planning.contest import allowed
+        from fieldkit.planning.contest_limits import allowed
         from fieldkit.presentation.planning_text import ballast_in_words
 
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
@@ -83,7 +83,8 @@ class Decision:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         from fieldkit.motors import Found
-        from fieldkit.planning.contest import allowed, outlook
+        from fieldkit.planning.contest import outlook
+        from fieldkit.planning.contest_limits import allowed
         from fieldkit.presentation.planning_text import outlook_in_words
 
         rule = day.rule(rule_of(year))

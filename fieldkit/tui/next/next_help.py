@@ -40,7 +40,7 @@ NEXT_HELP = Help(
             "checks",
             "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, motor "
             "temperature, distances to people and bystanders, mass, certification, legal class, whether the rocket is "
-            "complex, and the sky.",
+            "complex, misfire, and the sky.",
         ),
         ("off rail", "Speed at the end of the rail. If it is too low, the fins do not keep the rocket straight."),
         ("rail", "The same for every motor, with c."),

@@ -15,7 +15,8 @@ from textual.widgets import Static
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.asking import go_on
-from fieldkit.tui.help import NO_FLIGHTS, Help
+from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.loop.loop_help import LOOP_HELP
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.report import ask_report
@@ -32,42 +33,7 @@ class LoopScreen(PageScreen):
 
     NAME = "loop"
     TITLE = "Loop"
-    ABOUT = Help(
-        "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
-        "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). l "
-        "searches, which takes a few seconds; nothing changes until you accept with A. D leaves the model unchanged. "
-        "Under Versions, Enter switches to another model; u undoes that too.",
-        (
-            (
-                "Verdict",
-                "What is missing, what it changes on the next flight, misses before and after as bars, the odds, the "
-                "flight that would decide, what accepting changes, and the error on held-out flights.",
-            ),
-            (
-                "Residuals",
-                "Flown minus forecast of each flight, in units of its expected scatter, against the column that v "
-                "chooses. p is the probability of such a pattern by chance, corrected for the number of columns "
-                "tested.",
-            ),
-            (
-                "Fingerprint",
-                "The residual that an effect (n chooses) would cause in each readout, beside the one observed.",
-            ),
-            (
-                "Ranking",
-                "Effects by evidence: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
-                "details of the one under the cursor; Enter shows its fingerprint.",
-            ),
-            ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
-            ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
-            ("held-out error", "Its mean error on held-out flights, before and after."),
-        ),
-        (
-            "fieldkit loop [--rocket R] [--look] [--report FILE]",
-            "fieldkit model --use N",
-            "fieldkit report ROCKET --out r.pdf",
-        ),
-    )
+    ABOUT = LOOP_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("l", "look", "Look", tooltip="Search for missing effects"),
         Binding("A", "accept", "Accept", tooltip="Use the effects that were found"),

@@ -1,0 +1,72 @@
+"""What a season allows on the pad, line by line: mass, impulse, length, the motor list, and what only a look shows."""
+
+from pathlib import Path
+
+from fieldkit import files
+from fieldkit.flight import Flight
+from fieldkit.motors import Found
+from fieldkit.motors.names import squeeze
+from fieldkit.planning.check import SafetyCheck, Verdict
+from fieldkit.planning.contest import Season
+from fieldkit.planning.rules import MARKS
+
+
+def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
+    """The motors on a season's approved list, in the flyer's own file `2027_motors.txt`, a line each; None without."""
+    file = own / f"{year}_motors.txt" if own is not None else None
+    if file is None or not file.exists():
+        return None
+    lines = (line.partition("#")[0].strip() for line in files.read_own(file).splitlines())
+    return frozenset(squeeze(line) for line in lines if line)
+
+
+def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> SafetyCheck:
+    """Whether a motor is on the season's approved list, as the flyer keeps it."""
+    motor = found.motor
+    name = f"{motor.maker} {motor.designation}"
+    if approved is None:
+        kept = "impulse unchanged; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
+        where = f"{rule.year}_motors.txt among your own seasons"
+        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's motor list ({where})", "")
+    listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved
+    text = f"{name} is {'on' if listed else 'not on'} your copy of the list"
+    return SafetyCheck("contest motor list", "ok" if listed else "unsafe", text, f"{rule.year}_motors.txt")
+
+
+def allowed(
+    rule: Season,
+    plan: Flight,
+    found: Found,
+    length: float | None = None,
+    approved: frozenset[str] | None = None,
+) -> list[SafetyCheck]:
+    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, what
+    only a look at the rocket shows, and the motor list."""
+    mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
+    checks = [
+        ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
+        ("contest impulse", found.motor.total_impulse, rule.impulse, "at most", 1.0, "N s"),
+        ("contest length", length, rule.length, "at least", 1e3, "mm"),
+    ]
+    lines = []
+    for name, value, limit, how, scale, unit in checks:
+        if limit is None:
+            continue
+        source, wanted = _limit_source(rule, name), f"{how} {limit * scale:g} {unit}"
+        if value is None:
+            lines.append(SafetyCheck(name, "unknown", f"not given; {wanted}", source))
+            continue
+        well = value <= limit if how == "at most" else value >= limit
+        verdict: Verdict = "ok" if well else "unsafe"
+        lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+    for name, text in rule.by_hand:
+        look = f"check it yourself: {text}"
+        lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
+    return [*lines, motor_line(rule, found, approved)]
+
+
+def _limit_source(rule: Season, name: str) -> str:
+    """Where a limit of a season is from and how sure it is."""
+    mark = MARKS.get(rule.marks.get(name.removeprefix("contest "), rule.mark), "unverified")
+    source = f"season {rule.year}: {rule.source}; {mark}"
+    return source if rule.checked else f"{source}, not checked against this season's rules"

@@ -1,0 +1,156 @@
+"""How fast a flown flight came down, from its duration or what was read: the inverse of the one descent."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.flight.recovery import Recovery, recovery_of
+from fieldkit.motors import Found
+from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
+from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
+from fieldkit.shapes import Array
+from fieldkit.units import STANDARD_GRAVITY
+
+DROGUE_SPEED = 20.0
+"""Under a drogue if none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
+CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
+"""Drag coefficients among which that of a flown apogee is looked for. [1]"""
+ROUNDS = 6
+"""Of the search for a descent speed, each of which changes it by a small part of the last. [1]"""
+
+
+def landing_mass(flight: Flight, found: Found) -> float:
+    """Of the rocket with the motor burned out. [kg]"""
+    return (flight.dry_mass or np.nan) + found.motor.casing_mass
+
+
+def air_at_pads(flights: Sequence[Flight]) -> Air:
+    """The air at the pad of each of some flights; what was not recorded is the standard's."""
+    elevation, temperature, pressure, humidity = (
+        recorded(flights, name) for name in ("site_elevation", "temperature", "pressure", "humidity")
+    )
+    return pad_air(elevation, temperature, pressure, humidity)
+
+
+def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | None]:
+    """Descent speeds near the ground that a flight shows: of its last device, and of a drogue above it. [m/s]
+
+    A duration is what a stopwatch and a judge have, and it averages over the whole descent, so it counts before a
+    descent speed; with two devices the descent speed is the main's and the duration gives the drogue's.
+    """
+    if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
+        return flight.descent_speed, None
+    recovery = recovery_of(flight)
+    path = _path(flight, found, recovery)
+    left, air = flight.duration - path.rise - path.free, air_at_pads([flight])
+    if left <= 0:
+        return flight.descent_speed, None
+    devices = _devices(flight, found, recovery)
+    if not recovery.dual or recovery.main_altitude is None:
+        return _one_device(path, air, left), None
+    return _two_devices(flight, devices, path, air, left)
+
+
+def _one_device(path: "_Path", air: Air, left: float) -> float:
+    """Speed under a device that comes down a path in the rest of a flight's time [s]. [m/s]"""
+    sunk = float(air.sinking_path(np.array([path.opened]))[0])
+    speed = sunk / left
+    for _ in range(ROUNDS):  # it has to come to its speed first
+        speed = sunk / max(left - _lag(speed, path.speed), 0.5 * left)
+    return speed
+
+
+def _two_devices(
+    flight: Flight, devices: Devices, path: "_Path", air: Air, left: float
+) -> tuple[float | None, float | None]:
+    """Speeds under main and drogue of a flight that has both open, for the rest of its time [s]."""
+    main, drogue = flight.descent_speed, float(devices.first[0])
+    shown: tuple[float | None, float | None] = main, None
+    for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
+        late = float(opening_time(devices, devices.main, np.array(drogue))[0])
+        open_main = min(max(devices.main_altitude - drogue * late, 0.0), path.opened)
+        high, low = (float(sunk) for sunk in air.sinking_path(np.array([path.opened, open_main])))
+        rest = left - _lag(drogue, path.speed)
+        if not main:
+            under = rest - (high - low) / drogue
+            shown = (low / under if under > 0 else None), None
+            continue
+        under = rest - _lag(main, drogue) - low / main
+        if under <= 0 or high <= low:
+            return main, None
+        drogue = (high - low) / under
+        shown = main, drogue
+    return shown
+
+
+def _lag(device: float, before: float) -> float:
+    """`lag` of a device that comes to its own speed from another. [s]"""
+    return float(lag(np.array(device), np.array(before), np.array(device)))
+
+
+def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
+    """What opens in a flight, as fast as it was said or is usual."""
+    main = np.array([flight.descent_speed or recovery.main_speed or DESCENT_SPEED])
+    first = np.array([recovery.drogue_speed or DROGUE_SPEED]) if recovery.dual else main
+    fills = filling(np.array(landing_mass(flight, found)), air_at_pads([flight]).density)
+    return Devices(first, main, recovery.main_altitude or 0.0, recovery.opening_time, fills)
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], height where it is open [m] and
+    speed of the fall there [m/s]."""
+
+    rise: float
+    free: float
+    opened: float
+    speed: float
+
+
+def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
+    """What a flight did until something was open, from what was read and else from flying it to its apogee.
+
+    The charge fires where it was read to, else when the delay says, else at the height that was read for it, else at
+    apogee.
+    """
+    conditions = [recorded([flight], name) for name in ("site_elevation", "temperature", "pressure")]
+    gain = float(altimeter_gain(*conditions)[0])
+    height = (flight.apogee or 0.0) / gain
+    area = np.pi / 4 * (flight.diameter or found.motor.diameter) ** 2
+    plan = flight.with_changes(wind=None)
+    flown = fly(field_setup([plan], [found], (CD_GRID * area)[:, None]))
+    reached, order = flown.apogee[:, 0], np.argsort(flown.apogee[:, 0])
+
+    def at(values: Array) -> float:
+        return float(np.interp(height, reached[order], np.asarray(values)[order]))
+
+    rise = at(flown.rise_time[:, 0])
+    if flight.burn_time is not None and flight.coast_to_apogee is not None:
+        rise = flight.burn_time + flight.coast_to_apogee
+    mass, density = landing_mass(flight, found), float(air_at_pads([flight]).density[0])
+    terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area))
+    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # burnout after lift-off
+    delay = flight.delay if flight.delay is not None else found.delay
+    if flight.apogee_to_eject is not None:
+        wait = flight.apogee_to_eject
+    elif recovery.dual:
+        wait = 0.0
+    elif delay is not None and np.isfinite(delay):
+        wait = charge + delay - rise
+    elif flight.eject_altitude is not None and flight.eject_altitude / gain < height:
+        wait = float(fall_time(np.array(height - flight.eject_altitude / gain), np.array(terminal)))
+    else:
+        wait = 0.0
+    fell = sink(
+        np.array([height]),
+        np.array([wait]),
+        np.array([terminal]),
+        _devices(flight, found, recovery),
+        air_at_pads([flight]),
+    )
+    opened, speed = (float(np.nan_to_num(one[0])) for one in (fell.open_height, fell.open_speed))
+    return _Path(rise, float(fell.free_time[0]), opened, speed)

@@ -1,0 +1,40 @@
+"""The help of the page Loop: what its panels mean."""
+
+from fieldkit.tui.help import Help
+
+LOOP_HELP = Help(
+    "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
+    "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). l "
+    "searches, which takes a few seconds; nothing changes until you accept with A. D leaves the model unchanged. "
+    "Under Versions, Enter switches to another model; u undoes that too.",
+    (
+        (
+            "Verdict",
+            "What is missing, what it changes on the next flight, misses before and after as bars, the odds, the "
+            "flight that would decide, what accepting changes, and the error on held-out flights.",
+        ),
+        (
+            "Residuals",
+            "Flown minus forecast of each flight, in units of its expected scatter, against the column that v "
+            "chooses. p is the probability of such a pattern by chance, corrected for the number of columns "
+            "tested.",
+        ),
+        (
+            "Fingerprint",
+            "The residual that an effect (n chooses) would cause in each readout, beside the one observed.",
+        ),
+        (
+            "Ranking",
+            "Effects by evidence: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
+            "details of the one under the cursor; Enter shows its fingerprint.",
+        ),
+        ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
+        ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
+        ("held-out error", "Its mean error on held-out flights, before and after."),
+    ),
+    (
+        "fieldkit loop [--rocket R] [--look] [--report FILE]",
+        "fieldkit model --use N",
+        "fieldkit report ROCKET --out r.pdf",
+    ),
+)
