@@ -346,7 +346,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
         async with browsing(http, tmp_path / "chromium") as browser:
             await browser.phone()
             await browser.call("Page.navigate", url=served)
-            await browser.until(b"Flights", b"Astra", b"No forecast is waiting")
+            await browser.until(b"Flights", b"Astra", b"No open forecast")
             first = await browser.picture()
             assert b"Save this flight" not in browser.came
             await browser.tap(200, 700)  # an empty place: keys go to the terminal that was touched
