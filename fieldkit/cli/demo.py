@@ -27,10 +27,10 @@ def demo(context: typer.Context) -> None:
     """
     from fieldkit.ledger import Ledger
     from fieldkit.motors import catalogue
-    from fieldkit.services.demo import demo
+    from fieldkit.services.demo import demo, new_ledger_file
 
     named = _named_ledger(context)
-    new = _new_file(named)
+    new = new_ledger_file(named)
     with TemporaryDirectory(prefix="fieldkit-") as folder:
         made = Path(folder) / "demo.db"
         with Ledger.open(made if named is None or new else named) as ledger, progress("demo") as on_progress:
@@ -53,15 +53,6 @@ def _named_ledger(context: typer.Context) -> str | None:
     root = context.find_root()
     source = root.get_parameter_source("ledger")
     return root.obj if source is not None and source.name == "COMMANDLINE" else None
-
-
-def _new_file(named: str | None) -> Path | None:
-    """The file of a ledger that never was there: it is made as a whole or not at all, whatever ends the demo."""
-    from fieldkit.ledger.backups import backups
-    from fieldkit.ledger.whereabouts import file_of, location
-
-    file = file_of(location(named)) if named else None
-    return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None
 
 
 def _put(made: Path, new: Path) -> None:

@@ -125,6 +125,11 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
     for number, test in enumerate(found.tests):
         yield f"  {'to decide: ' if not number else 'or '}{test.words(system)}"
     yield from what_accepting_changes(found)
+    yield from climbs(found)
+
+
+def climbs(found: Findings) -> Iterator[str]:
+    """Which force the logs of the climbs themselves show to be missing."""
     yield from climbs_in_words(found.testimony)
 
 

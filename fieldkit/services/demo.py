@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.network.flights import Inferred, infer
 from fieldkit.ledger import Ledger
+from fieldkit.ledger.backups import backups
+from fieldkit.ledger.whereabouts import file_of, location
 from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.progress import ReportProgress, part
@@ -59,3 +62,9 @@ def plans(flights: Sequence[Flight]) -> list[Flight]:
     """A plan for each motor and configuration that these flights name, flown together or not."""
     motors, configs = (sorted({getattr(flight, name) for flight in flights}) for name in ("motor", "config"))
     return [Flight(rocket=flights[0].rocket, config=config, motor=motor) for motor in motors for config in configs]
+
+
+def new_ledger_file(named: str | None) -> Path | None:
+    """The file of a named ledger that never existed: the demo makes it whole or not at all, whatever ends it."""
+    file = file_of(location(named)) if named else None
+    return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None

@@ -46,17 +46,16 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
 
 def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]:
     """Titled parts of a verdict besides its name and its errors."""
-    from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_forecasts_become
-    from fieldkit.selection.force.text import climbs_in_words
+    from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, what_forecasts_become
 
     diagnosis = found.diagnosis
     leftover = [found.unexplained.in_words] if found.unexplained is not None else []
-    yield "What it is worth", [*leftover, in_next_flight(found.next_flight)]
+    yield "What it is worth", [*leftover, in_next_flight(found.next_flight, system)]
     if any(places for _, places in diagnosis.averaged):
         yield "Why: misses, flight by flight", _bars(found, system)
     also = [f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"] if diagnosis.also else []
-    yield "How sure", [how_sure(found), *also, *climbs_in_words(found.testimony)]
-    yield "What would settle it", [test.in_words for test in found.tests]
+    yield "How sure", [how_sure(found), *also, *climbs(found)]
+    yield "What would settle it", [test.words(system) for test in found.tests]
     yield "What accepting changes", [what_forecasts_become(found)]
 
 
