@@ -16,6 +16,7 @@ from textual.pilot import Pilot
 from fieldkit import settings
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
+from fieldkit.services.typed_flight import TypedEstimate
 from fieldkit.tui.themes import THEMES
 from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, shown, typed
 
@@ -50,6 +51,7 @@ OVERLAID = ("help", "plan", "build")
 IN_EVERY_THEME = ("flight", "add", "settings")
 """Scenes that show every kind of widget: tables, plots and densities, forms with notes, tabs."""
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+ESTIMATE = TypedEstimate(cd=(0.39, 0.61, 0.93), alpha=(0.82, 0.92, 1.03), next_apogee=(156.2, 204.1, 262.3), flights=1)
 LEAST = {"sun": 7.0, "night": 6.0, "field": 4.5}
 """Contrast of every letter against what is behind it, as WCAG 2.2 counts it."""
 
@@ -72,10 +74,10 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(autouse=True)
 def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What comes when keys have rested a while is not waited for: the finer forecast under the cursor, and the estimate
-    of a flight as it is typed."""
+    """The finer forecast under the cursor, which comes when keys have rested a while, is not waited for; and the
+    estimate of a flight as it is typed is a fixed one, since the last digit of the network depends on the processor."""
     monkeypatch.setattr("fieldkit.tui.screens.next_flight.REST", 3600.0)
-    monkeypatch.setattr("fieldkit.tui.add.estimate_line.PAUSE", 3600.0)
+    monkeypatch.setattr("fieldkit.services.typed_flight.TypedFlight.estimate", lambda self, typed: ESTIMATE)
 
 
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
