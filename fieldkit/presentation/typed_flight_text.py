@@ -18,6 +18,20 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
 
 
+def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Interval]]:
+    """The same in rows: the name of a figure, its value with its 90 % interval, and the interval; none if something is
+    missing for them."""
+    if found.cd is None or found.alpha is None or found.next_apogee is None:
+        return []
+    low, middle, high = (_whole(height, system) for height in found.next_apogee)
+    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low} to {high})"
+    return [
+        ("Cd", _ratio(found.cd), found.cd),
+        ("alpha", _ratio(found.alpha), found.alpha),
+        ("next apogee", apogee, found.next_apogee),
+    ]
+
+
 def _whole(height: float, system: str) -> str:
     """A height [m] without decimals, which mean nothing in an estimate made while one types."""
     return f"{float(number(APOGEE, height, system)):.0f}"

@@ -20,8 +20,8 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def figures(line: str) -> tuple[float, float]:
-    """Cd and the next apogee of a line."""
-    found = re.search(r"Cd ([\d.]+) \(.*alpha .*next apogee ([\d.]+)", line)
+    """Cd and the next apogee of a line, or of intervals."""
+    found = re.search(r"Cd [├─●┤ ]*([\d.]+) \(.*alpha .*next apogee [├─●┤ ]*([\d.]+)", line, re.DOTALL)
     assert found, line
     return float(found[1]), float(found[2])
 
@@ -35,6 +35,15 @@ async def test_figures_move_with_each_readout_that_is_typed(file: Path) -> None:
         await press(pilot, *typed("230mph"), "enter")
         faster = figures(told(pilot, "#estimate"))
     assert before != lower != faster
+
+
+@pytest.mark.parametrize(("width", "bars"), [(80, 0), (160, 3)])
+async def test_a_wide_screen_draws_the_intervals(file: Path, width: int, bars: int) -> None:
+    async with opened(file, (width, 40)) as pilot:
+        await press(pilot, "a")
+        line = told(pilot, "#estimate")
+    assert line.count("●") == bars
+    assert all(figures(line))
 
 
 async def test_what_is_missing_is_named_and_figures_come_with_it(file: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
+from fieldkit.tui.home.rocket_strip import RocketStrip
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
 from fieldkit.tui.widgets.big import large
@@ -43,6 +44,17 @@ async def test_the_app_opens_on_what_is_next(file: Path) -> None:
         assert "11 · Astra B" in words(pilot)
         await press(pilot, "escape", "1", "0")
         assert isinstance(pilot.app.screen, HomeScreen)
+
+
+async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path) -> None:
+    async with opened(file, (120, 44), page="home") as pilot:
+        strip = pilot.app.screen.query_one(RocketStrip)
+        assert "Astra B" in told(pilot, "RocketStrip Static")
+        await press(pilot, *["down"] * 3)
+        assert "Astra A" in told(pilot, "RocketStrip Static")
+        assert strip.display
+    async with opened(file, (120, 30), page="home") as pilot:
+        assert not pilot.app.screen.query_one(RocketStrip).display
 
 
 @pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])

@@ -1,4 +1,4 @@
-"""How every page looks after keys were pressed, in one theme and two sizes, and that all themes can be read."""
+"""How every page looks after keys were pressed, in one theme and three sizes, and that all themes can be read."""
 
 import re
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ CHECK_SHAPES = False
 
 THEME = "field"
 """The theme of all pictures; the others differ in colors alone, and those are checked without pictures."""
-SIZES = ((80, 24), (160, 50))
+SIZES = ((80, 24), (120, 36), (160, 50))
 SCENES: dict[str, tuple[str, ...]] = {
     "home": ("0", "_"),
     "flights": ("down", "slash", *typed("f24"), "enter"),

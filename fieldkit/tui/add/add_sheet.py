@@ -19,13 +19,20 @@ FORM_CSS = """
     AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
     AddScreen.-narrow #setup { grid-size: 2; }
     AddScreen.-narrow #big { width: 26; }
+    AddScreen #current { height: auto; }
+    AddScreen.-wide #current { layout: horizontal; }
+    AddScreen.-wide Hand { width: 1fr; }
+    AddScreen.-wide EstimateLine { width: 1fr; height: 5; padding: 0 1; color: $foreground;
+        border: round $border-blurred; border-title-color: $foreground; }
+    AddScreen.-wide.-tall #current { margin: 1 0; }
     AddScreen #fields { padding: 0 1; height: 1fr; }
     AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
     AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
     AddScreen.-tall #save { margin: 1 0; }
     AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
     AddScreen.-wide #fields { layout: horizontal; }
-    AddScreen.-tall Hand { margin: 1 0; }
+    AddScreen.-wide #readouts { margin-right: 3; }
+    AddScreen.-tall.-normal Hand, AddScreen.-tall.-narrow Hand { margin: 1 0; }
     AddScreen.-tall Field { height: 3; }
     AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
     AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
@@ -48,8 +55,9 @@ class Sheet:
         with Container(id="setup"):
             for name in SETUP:
                 yield Field(BY_NAME[name], short=True)
-        yield Hand()
-        yield EstimateLine()
+        with Container(id="current"):
+            yield Hand()
+            yield EstimateLine()
         with VerticalScroll(id="fields", can_focus=False):
             with Vertical(id="readouts"):
                 for name in READ:
@@ -62,7 +70,7 @@ class Sheet:
 
     def widgets(self) -> Iterable[Widget]:
         """The form's own parts of the page, from top to bottom."""
-        return (self._page.query_one(place) for place in ("#setup", Hand, EstimateLine, "#fields"))
+        return (self._page.query_one(place) for place in ("#setup", "#current", "#fields"))
 
     def field(self, name: str) -> Field:
         """The field of a question."""

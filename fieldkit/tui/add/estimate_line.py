@@ -10,6 +10,7 @@ from textual.widgets import Static
 from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
 from fieldkit.tui.asking import go_on
+from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
 
 if TYPE_CHECKING:
@@ -17,10 +18,13 @@ if TYPE_CHECKING:
 
 PAUSE = 0.15
 """Time without a key after which the estimate is computed: longer than between two digits. [s]"""
+MIN_BAR = 16
+"""Cells of an interval, below which the estimate is one line of text."""
 
 
 class EstimateLine(Static):
-    """One line below the current field; it is computed in the background, and only the newest is shown."""
+    """One line below the current field, or three intervals beside it on a wide screen; it is computed in the
+    background, and only the newest is shown."""
 
     DEFAULT_CSS = """
     EstimateLine { height: 1; padding: 0 2; text-wrap: nowrap; text-overflow: ellipsis; color: $text-muted; }
@@ -28,8 +32,11 @@ class EstimateLine(Static):
 
     def __init__(self) -> None:
         super().__init__("", id="estimate")
+        self.border_title = "The same flight again"
         self._beside: TypedFlight | None = None
         self._last: Flight | None = None
+        self._found: TypedEstimate | None = None
+        self._scales: dict[str, tuple[float, float]] = {}
 
     @property
     def _page(self) -> PageScreen:
@@ -38,6 +45,7 @@ class EstimateLine(Static):
     def forget(self) -> None:
         """Read the flights of the ledger again, because it has changed."""
         self._beside = self._last = None
+        self._scales.clear()
 
     def follow(self, typed: Flight) -> None:
         """Show the estimate from the values so far, once typing pauses."""
@@ -60,6 +68,28 @@ class EstimateLine(Static):
         return beside.estimate(typed)
 
     def _show(self, found: "TypedEstimate") -> None:
-        from fieldkit.presentation.typed_flight_text import estimate_line
+        self._found = found
+        self.on_resize()
 
-        self.update(Content(printable(estimate_line(found, self._page.resources.settings.units))), layout=False)
+    def on_resize(self) -> None:
+        """In the width and the height there is."""
+        if self._found is None:
+            return
+        from fieldkit.presentation.typed_flight_text import estimate_line, estimate_rows
+
+        system = self._page.resources.settings.units
+        rows = estimate_rows(self._found, system)
+        room = self.size.width - 2 - sum(max((len(row[at]) for row in rows), default=0) + 2 for at in (0, 1))
+        if not rows or self.size.height < len(rows) or room < MIN_BAR:
+            self.update(Content(printable(estimate_line(self._found, system))), layout=False)
+            return
+        lead, end = (max(len(row[at]) for row in rows) for at in (0, 1))
+        lines = [f"{name:{lead}}  {self._drawn(name, interval, room)}  {text:{end}}" for name, text, interval in rows]
+        self.update(Content("\n".join(lines)), layout=False)
+
+    def _drawn(self, name: str, interval: tuple[float, float, float], room: int) -> str:
+        """An interval on the widest scale that was needed since the flight was begun: what is typed narrows it."""
+        row = Interval(name, *interval)
+        low, high = self._scales.get(name, row.ends)
+        low, high = self._scales[name] = min(low, row.low), max(high, row.high)
+        return bar(row, low, high, room)

@@ -14,6 +14,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
+from fieldkit.tui.home.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
 from fieldkit.tui.widgets.bars import KeyBar
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.services.launch_day import ListedFlight, Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
+    from fieldkit.tui.widgets.groups import Group
 
     FirstRows = tuple[list[Flight], list[ListedFlight]]
 
@@ -34,9 +36,10 @@ class HomeScreen(PageScreen):
     TITLE = "Home"
     ABOUT = Help(
         "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
-        "its forecast; below, the latest flights, today's first. f opens the motors, where Enter saves a forecast. a "
-        "adds a flight, with rocket, motor and weather filled in from that forecast. p edits the plan: rocket, mass "
-        "and weather. Weather entered once (e) is used in every plan and flight of the day.",
+        "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "
+        "one. f opens the motors, where Enter saves a forecast. a adds a flight, with rocket, motor and weather filled "
+        "in from that forecast. p edits the plan: rocket, mass and weather. Weather entered once (e) is used in every "
+        "plan and flight of the day.",
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
@@ -75,6 +78,7 @@ class HomeScreen(PageScreen):
             yield NextCard(id="next")
             yield LastCard(id="last")
         yield Table(empty="reading the ledger ...")
+        yield RocketStrip()
 
     def on_mount(self) -> None:
         """Keys go to the table."""
@@ -138,6 +142,7 @@ class HomeScreen(PageScreen):
         elif self._view is not None:
             table.empty = "No flights yet. a adds the first one"
             self._list(self._view.flights)
+        self._moved()
         self.query_one(KeyBar).follow()
 
     def _list(self, flights: "Sequence[ListedFlight]") -> None:
@@ -146,6 +151,20 @@ class HomeScreen(PageScreen):
         rows, width = {one.id: one for one in flights}, table.size.width
         cells = flight_row(flights, self.resources.settings.units, width)
         table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profiles.get(id, "")))
+
+    @on(Table.Moved)
+    def _moved(self) -> None:
+        """On a tall screen, the rocket of the flight under the cursor."""
+        key = self.query_one(Table).current
+        listed = self._view.flights if self._view is not None and self.has_class("-tall") else ()
+        flight = next((one.flight for one in listed if one.id == key), None)
+        if flight is None:
+            self.query_one(RocketStrip).show(None, "")
+        else:
+            self.ask(partial(rocket_of, self.resources.ledger, flight), self._have_rocket, "rocket")
+
+    def _have_rocket(self, rocket: "tuple[Group, float | None] | None") -> None:
+        self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     @on(Table.Chosen)
     async def _chosen(self, message: Table.Chosen) -> None:

@@ -1,0 +1,70 @@
+"""The rocket of the row under the cursor of the page Home: what it looks like, what it flew on, and how high."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import Flight
+from fieldkit.safe_text import printable
+from fieldkit.tui.widgets.groups import Group, LedgerNames, grouped
+from fieldkit.tui.widgets.hanging import stacked
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+
+HEIGHT = 16
+"""Lines of the strip on a tall screen: a drawing, six facts and some motors. [cell]"""
+
+
+class RocketStrip(Horizontal):
+    """Facts on the left, apogees on the right; hidden without a rocket. The plot is mounted once there is something to
+    draw: the first paint goes without its library."""
+
+    DEFAULT_CSS = f"""
+    RocketStrip {{ height: {HEIGHT}; display: none; margin: 0 1; border-top: solid $border-blurred;
+        border-title-align: right; border-title-color: $foreground; }}
+    RocketStrip VerticalScroll {{ width: 62; padding: 0 1; }}
+    RocketStrip Static {{ height: auto; }}
+    RocketStrip Plot {{ width: 1fr; height: 1fr; }}
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """The facts; a plot comes to stand beside them."""
+        with VerticalScroll(can_focus=False):
+            yield Static()
+
+    def show(self, rocket: tuple[Group, float | None] | None, system: str) -> None:
+        """The flights of a rocket, and its length if known [m]; None to hide the strip."""
+        self.display = rocket is not None
+        if rocket is None:
+            return
+        from fieldkit.tui.setup.setup_card import of_build
+        from fieldkit.tui.widgets.plots import Plot
+
+        facts = of_build(rocket[0], system, rocket[1])
+        self.query_one(Static).update(stacked(facts.blocks))
+        plot = next(iter(self.query(Plot)), None)
+        if plot is None and facts.draw is not None:
+            plot = Plot()
+            self.mount(plot)
+        if plot is not None:
+            plot.display = facts.draw is not None
+            plot.show(facts.draw)
+        self.border_title = Content(printable(facts.title)) if facts.draw is not None else ""
+
+
+def rocket_of(ledger: "Ledger", flight: Flight) -> tuple[Group, float | None] | None:
+    """The flights of a flight's rocket in the same configuration, and the length of its design [m]; None for a flight
+    without a rocket."""
+    if not flight.rocket:
+        return None
+    flights = [one for one in ledger.flights(rocket=flight.rocket) if one.config == flight.config]
+    found = grouped(ledger.ids(flights), flights, "rocket", "config")
+    if not found:
+        return None
+    names = LedgerNames((), (), tuple(ledger.starts(flight.rocket)))
+    return found[0], names.length(flight.rocket, flight.config)
