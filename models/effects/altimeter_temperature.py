@@ -1,6 +1,6 @@
-"""Altimeter temperature: the device corrects for the day's temperature, and shows true heights on hot and cold days.
+"""Altimeter temperature: the device corrects for the day's temperature and shows true heights on hot and cold days.
 
-Most barometric altimeters take the air for standard and read low on a hot day; the plain model expects that.
+Most barometric altimeters assume standard air and read low on a hot day; the plain model expects that.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """What the altimeter shows, corrected by this fraction of the error due to the day's air."""
+    """Corrects the heights by this fraction of the error due to the day's temperature."""
     return setup.with_changes(altimeter_gain=setup.altimeter_gain ** (1 - strength))
 
 

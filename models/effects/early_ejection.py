@@ -1,6 +1,6 @@
-"""Early ejection: the delay burns shorter than its number, and the parachute opens on the way up.
+"""Early ejection: the delay is shorter than its rating, and the parachute opens on the way up.
 
-A tenth of the delay is ordinary scatter of motors; what is called early here is more.
+Motors ordinarily scatter by a tenth of the delay; this effect is larger.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The delay, shorter by this share."""
+    """Shortens the delay by this fraction."""
     return setup.with_changes(delay=setup.delay * (1 - strength))
 
 

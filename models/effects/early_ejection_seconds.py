@@ -1,4 +1,4 @@
-"""Early ejection in seconds: delays drilled or cut short by the same time, whatever their number says."""
+"""Early ejection in seconds: delays drilled shorter by the same time, whatever their rating."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The delay, shorter by this time, and no less than none. [s]"""
+    """Shortens the delay by this time, down to zero. [s]"""
     return setup.with_changes(delay=np.maximum(setup.delay - strength, 0.0))
 
 

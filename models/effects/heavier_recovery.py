@@ -1,4 +1,5 @@
-"""Heavier recovery: from some flight on a larger parachute, a longer cord or a tracker flies along, not weighed."""
+"""Heavier recovery: from some flight on, the rocket carries a larger parachute, a longer cord or a tracker that was not
+weighed."""
 
 from collections.abc import Sequence
 
@@ -9,7 +10,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The dry mass, more by this fraction."""
+    """Increases the dry mass by this fraction."""
     return setup.with_changes(dry_mass=setup.dry_mass * (1 + strength))
 
 

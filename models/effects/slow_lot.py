@@ -1,4 +1,4 @@
-"""Slow lot: from some flight on motors of another lot ignite more slowly and burn longer, at the same impulse."""
+"""Slow lot: from some flight on, motors of another lot burn longer at the same impulse."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The burn, longer by this fraction at the same impulse."""
+    """Lengthens the burn by this fraction at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
 
 

@@ -1,6 +1,6 @@
-"""Weather: days that were hotter or colder than the standard air that is assumed if no temperature is known.
+"""Weather: days hotter or colder than the standard air that is assumed if no temperature is recorded.
 
-Hot air is thin, so the rocket flies higher; and it makes a barometric altimeter read low by the same share.
+Hot air is less dense, so the rocket flies higher; a barometric altimeter also reads low by the same fraction.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The air of a pad that is warmer by this [K], and what an altimeter shows that takes it for standard."""
+    """Air warmer by this at the pad, and the reading of an altimeter that assumes standard air. [K]"""
     warmth = setup.air.temperature + strength
     share = setup.air.temperature / warmth
     air = replace(setup.air, density=setup.air.density * share, temperature=warmth)
