@@ -1,4 +1,4 @@
-"""A prediction as lines for a flyer: what, how sure, what it rests on."""
+"""A prediction as lines for a flyer: value, interval, basis."""
 
 from collections.abc import Iterator
 
@@ -45,7 +45,7 @@ def _rests_on(prediction: Prediction) -> str:
 
 
 def rests_in_words(prediction: Prediction) -> str:
-    """What a forecast rests on, and without a flight what one would narrow."""
+    """What a forecast is based on, and how much a first flight would narrow it."""
     count = prediction.rests_on
     if count:
         return f"{counted(count, 'clean flight')}, model {prediction.model}"
@@ -54,6 +54,6 @@ def rests_in_words(prediction: Prediction) -> str:
 
 
 def narrows(prediction: Prediction) -> str:
-    """What more flights would do to the interval, and what they would not."""
+    """How much more flights would narrow the interval."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
     return f"by {one:.0%} after one more clean flight like this, by {many:.0%} after many"

@@ -1,4 +1,4 @@
-"""Where a plan lands as lines for a flyer."""
+"""The landing of a plan as lines for a flyer."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,7 +17,7 @@ from fieldkit.units import DEGREE
 def landing_in_words(
     said: Prediction, down: Landing, fall: Fall, rail: Sequence[RailChoice], site: Site, system: str = "SI"
 ) -> Iterator[str]:
-    """Landing, duration, what the descent rests on, and the rail that is recommended, in the units of a system."""
+    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system."""
     plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
@@ -48,7 +48,7 @@ def _rail(choice: RailChoice) -> str:
 
 
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
-    """Where a plan lands in the wind that was given."""
+    """The landing of a plan in the given wind."""
     low, middle, high = three(down.away)
     yield f"  lands     {shown.length(middle)} from the pad, 90 % interval {shown.lengths(low, high)}"
     ellipse = down.ellipse()
@@ -65,7 +65,7 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
 
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
-    """The drift of a plan per m/s of wind if none was given, and the wind at which landings stay on the field."""
+    """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
     low, middle, high = three(down.drift)
     yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad,"
     yield f"            90 % interval {shown.lengths(low, high)}"
@@ -81,7 +81,7 @@ def _device(recovery: Recovery, shown: ShownUnits) -> str:
 
 
 def descent_in_words(fall: Fall) -> str:
-    """What the descent speed rests on, and without a flight that shows it how much one would narrow it."""
+    """What the descent speed is based on, and without a measured one, how much a flight would narrow it."""
     if fall.flights:
         return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
     narrower = 1 - fall.relative_sd(1) / fall.relative_sd()

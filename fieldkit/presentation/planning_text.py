@@ -19,12 +19,12 @@ from fieldkit.quantities import ShownUnits, measure, written
 from fieldkit.units import FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
-"""Conditions that act on a flight, besides the air."""
+"""Conditions of a flight, besides the air."""
 
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
-    """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
-    starts from if the rocket has one among `starts`; in the units of a system."""
+    """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
+    rocket has one among `starts`; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = written(RAIL_LENGTH, "m", system, 1)
@@ -37,9 +37,8 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str 
 
 
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:
-    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]
-
-    `tool` is what delays are drilled with; figures are in the units of a `system`.
+    """The coast time, and every delay from best to worst; `fast` is the speed limit at ejection [m/s]. `tool` is the
+    delay drilling tool; figures are in the units of a `system`.
     """
     shown = ShownUnits(system)
     said = judged.forecast
@@ -58,8 +57,8 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
 
 
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
-    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot; in the
-    units of a system, points and feet of a contest as they are."""
+    """The mass to fly, its result compared with the current mass, and the reachable range if the target cannot be met;
+    in the units of a system, except the points and feet of a contest."""
     said, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {shown.length(goal.target)}"
@@ -95,8 +94,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
 def outlook_in_words(
     ahead: Outlook, rule: Season, area: float, cut: float | None = None, system: str = "SI"
 ) -> Iterator[str]:
-    """Points and score to expect, the duration behind them, and the parachute that would bring the fewest; heights in
-    feet, as contests have them, the true one in the units of a system."""
+    """Expected points and score, the duration, and the parachute with the fewest expected points; heights in feet, as
+    in contests, the true one in the units of a system."""
     said = ahead.forecast
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
@@ -129,11 +128,11 @@ def outlook_in_words(
 
 
 MAX_ADVISED_MOTORS = 5
-"""Motors whose points are printed. [1]"""
+"""Maximum number of motors whose points are printed. [1]"""
 
 
 def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
-    """The motors with the fewest points to expect, and whether a change of motor is worth it."""
+    """The motors with the fewest expected points, and whether a change of motor pays off."""
     if not advice.ranked:
         yield f"season {rule.year}: no motor that fits is within the season's limits"
         return

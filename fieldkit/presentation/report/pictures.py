@@ -1,4 +1,4 @@
-"""The pictures of flight cards and of a day, each drawn into the figure that it is given."""
+"""The pictures of flight cards and of a day, each drawn into a given figure."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -47,7 +47,7 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def _hill(panel: "Axes", said: CardForecast, shown: ShownUnits) -> None:
-    """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
+    """The density of the draws, from a normal kernel in the logarithm; hatched between 5 and 95 %."""
     draws = said.draws[said.draws > 0] / shown.length_factor
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
@@ -104,7 +104,7 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def record(figure: "Figure | SubFigure", card: Card) -> None:
-    """Every apogee of the rocket in the order flown, this flight filled in."""
+    """Every apogee of the rocket in the order flown, with this flight filled in."""
     panel = figure.subplots()
     shown = ShownUnits(card.system)
     place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
