@@ -13,7 +13,7 @@ from fieldkit.services.forecasts import forecast_from_others, predict_plans
 from fieldkit.services.saved_forecasts import of_flight
 
 SURPRISING = 0.001
-"""Probability beyond which an apogee is questioned before it is saved: one good flight in five hundred. [1]"""
+"""Probability of a good flight's apogee being questioned before it is saved. [1]"""
 
 Interval = tuple[float, float, float]
 """An apogee at 5, 50 and 95 %. [m]"""
