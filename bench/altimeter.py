@@ -3,10 +3,10 @@
 The height comes from the pressure, by the standard atmosphere, from zero at the pad. So warm air makes
 it read low. Speed and accelerations come from the accelerometer.
 
-Scatter: 1 m is 12 Pa, the noise and drift of a barometric sensor over a flight; 0.3 % is a tenth of what the
+Scatter: 1 m is 12 Pa, the noise and drift of a barometric sensor over a flight; 0.3% is a tenth of what the
 makers of such sensors state as the absolute error, the part that differs from flight to flight. Speed is an
-integrated acceleration: 1 %. Accelerations: 2.5 %, from vibration and the mounting. Times: 0.05 s, a sample of
-20 Hz. The average acceleration is what the device computes from its own speed and time: 1 % beside them,
+integrated acceleration: 1%. Accelerations: 2.5%, from vibration and the mounting. Times: 0.05 s, a sample of
+20 Hz. The average acceleration is what the device computes from its own speed and time: 1% beside them,
 which with the rounding gives the spread seen in a journal of 116 flights (10th to 90th percentile of the ratio
 0.957 to 1.036).
 """

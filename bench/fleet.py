@@ -172,7 +172,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
 
 
 def _luck(rng: np.random.Generator, factor: float) -> Scatter:
-    """Honest scatter: thrust 2.5 %, drag 2 %, scale 1 g, delay 7 %, gusts 15 %, a launch angle up to 2 degrees."""
+    """Honest scatter: thrust 2.5%, drag 2%, scale 1 g, delay 7%, gusts 15%, a launch angle up to 2 degrees."""
     thrust, stretch, drag, mass, delay, wind = rng.standard_normal(6)
     lean, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))
     return Scatter(

@@ -42,7 +42,7 @@ def misses(flights: Sequence[dict[str, Any]], truth: float) -> Iterator[tuple[fl
 
 
 def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
-    """A row of the table: medians, the share inside 90 % intervals, and the mean log density of the truth."""
+    """A row of the table: medians, the share inside 90% intervals, and the mean log density of the truth."""
     errors = [error for error, _, _ in found]
     inside = sum(abs(error) < NORMAL_95 * sd for error, sd, _ in found) / len(found)
     size, bias = median(map(abs, errors)), median(errors)
@@ -60,7 +60,7 @@ def main() -> int:
             flights = inferred(options.command, options.sets / f"{label['set']}.csv", model)
             kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
             found.setdefault(f"{model}, {kind}", []).extend(misses(flights, label["true"]["cd"]))
-    columns = ("flights", "bias", "|error|", "in 90 %", "score", "alpha")
+    columns = ("flights", "bias", "|error|", "in 90%", "score", "alpha")
     sys.stdout.write(f"{'log Cd':24} " + " ".join(f"{name:>7}" for name in columns) + "\n")
     sys.stdout.writelines(line(name, rows) + "\n" for name, rows in sorted(found.items()))
     return 0

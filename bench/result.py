@@ -16,7 +16,7 @@ class Errors:
     covered: int
     flights: int
     interval: float = float("nan")
-    """Mean score of the 90 % interval: its width plus 20 times what a flight lies outside (Gneiting and Raftery, 2007).
+    """Mean score of the 90% interval: its width plus 20 times what a flight lies outside (Gneiting and Raftery, 2007).
     [m]"""
 
 

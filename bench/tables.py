@@ -12,7 +12,7 @@ from bench.result import WORTH_IT, Errors, Result
 NORMAL_90 = 1.6448536
 """Standard deviations to either side of the mean that hold nine in ten of a normal distribution. [1]"""
 IDEAL_INTERVAL = 40 * exp(-(NORMAL_90**2) / 2) / sqrt(2 * pi) / sqrt(2 / pi)
-"""Expected score of the 90 % interval of a normal distribution that is known, over its mean absolute error. [1]"""
+"""Expected score of the 90% interval of a normal distribution that is known, over its mean absolute error. [1]"""
 WORSE = 1.05
 """Error after over error before from which on a forecast counts as worse than the plain model's. [1]"""
 
@@ -53,7 +53,7 @@ def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
 
 def _rate(right: Iterable[bool]) -> str:
     values = list(right)
-    return f"{100 * sum(values) / len(values):.0f} %" if values else ""
+    return f"{100 * sum(values) / len(values):.0f}%" if values else ""
 
 
 def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) -> str:
@@ -63,7 +63,7 @@ def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) ->
 
 def _coverage(errors: Sequence[Errors | None]) -> str:
     found = [e for e in errors if e]
-    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f} %" if found else ""
+    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f}%" if found else ""
 
 
 def summary(results: Sequence[Result]) -> str:

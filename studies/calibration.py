@@ -120,22 +120,22 @@ GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
 
 
 def table(found: Sequence[Ranked]) -> list[str]:
-    """Coverage at 50 and 90 % with its standard error by chance, mean rank and uniformity, a line a group."""
+    """Coverage at 50 and 90% with its standard error by chance, mean rank and uniformity, a line a group."""
     lines = [f"{'':26s} {'':>5s} {'apogee':^34s}  {'log Cd':^34s}"]
-    columns = f"{'50 %':>7s} {'90 %':>7s} {'rank':>6s} {'uniform':>10s}"
-    lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90 % by chance")
+    columns = f"{'50%':>7s} {'90%':>7s} {'rank':>6s} {'uniform':>10s}"
+    lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90% by chance")
     for name, belongs in GROUPS.items():
         group = [one for one in found if belongs(one)]
         if group:
             parts = [_figures(np.array([getattr(one, figure) for one in group])) for figure in ("apogee", "log_cd")]
             spread = 100 * 1.645 * np.sqrt(0.09 / len(group))
-            lines.append(f"{name:26s} {len(group):5d} {parts[0]:>34s}  {parts[1]:>34s}  ± {spread:.1f} %")
+            lines.append(f"{name:26s} {len(group):5d} {parts[0]:>34s}  {parts[1]:>34s}  ± {spread:.1f}%")
     return lines
 
 
 def _figures(ranks: Float[Array, "forecast"]) -> str:
     half, most = (100 * coverage(ranks, level) for level in (0.5, 0.9))
-    return f"{half:5.1f} % {most:5.1f} % {ranks.mean():6.3f}  p={uniformity(ranks):6.4f}"
+    return f"{half:6.1f}% {most:6.1f}% {ranks.mean():6.3f}  p={uniformity(ranks):6.4f}"
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -33,7 +33,7 @@ DRAWS = 600
 class History:
     """One rocket: what all its flights call for, and the shares by which those that came later were missed.
 
-    `before` and `after` are forecast over flown apogee, less one; `inside` says whether the flight lay in the 90 %
+    `before` and `after` are forecast over flown apogee, less one; `inside` says whether the flight lay in the 90%
     interval, before and after; `said` is the verdict at each of these flights.
     """
 
@@ -137,7 +137,7 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     for way in found.ways:
         yield f"| {way.name} | {way.flights} | {way.median_share:.1%} | {way.mean_share:.1%} | {way.crps:.1%} |"
     yield ""
-    yield f"Of these flights {found.coverage90:.0%} lay in the 90 % interval."
+    yield f"Of these flights {found.coverage90:.0%} lay in the 90% interval."
 
 
 def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
@@ -155,7 +155,7 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     if not found:
         yield "No rocket has flights enough."
         return
-    headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90 % interval", "after"
+    headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90% interval", "after"
     yield f"| {' | '.join(headers)} |"
     yield f"|{'---|' * len(headers)}"
     for number, one in enumerate(found, start=1):
@@ -197,6 +197,6 @@ def _changed(found: Sequence[History], old: Array, new: Array) -> str:
     return (
         f"At {named.sum()} of them the flights before called for an effect: there it is {old[named].mean():.1%} "
         "before and "
-        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90 % "
+        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90% "
         "bootstrap interval)."
     )

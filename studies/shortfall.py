@@ -178,14 +178,14 @@ def _causes(found: Shortfall) -> Iterator[str]:
         118,
     )
     yield ""
-    yield "| included | flights | bias | median error | mean error | in the 90 % interval |"
+    yield "| included | flights | bias | median error | mean error | in the 90% interval |"
     yield "|---|---|---|---|---|---|"
     for step in found.steps:
         if not step.forecasts:
             continue
         logs, inside = np.log1p(step.errors), [one.p05 <= one.flown <= one.p95 for one in step.forecasts]
         error, bare = np.abs(step.errors), step is found.steps[0]
-        bias = f"{100 * logs.mean():+.1f} ± {100 * logs.std() / np.sqrt(len(logs)):.1f} %"
+        bias = f"{100 * logs.mean():+.1f} ± {100 * logs.std() / np.sqrt(len(logs)):.1f}%"
         covered = "" if bare else f"{np.mean(inside):.0%}"
         yield f"| {step.cause} | {len(logs)} | {bias} | {np.median(error):.1%} | {error.mean():.1%} | {covered} |"
 
@@ -204,7 +204,7 @@ def _apart(found: Shortfall) -> Iterator[str]:
     yield "| quantity | off by | change of the apogee | hardest to distinguish from |"
     yield "|---|---|---|---|"
     angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
-    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f} % | |"
+    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f}% | |"
     sds = np.sqrt(np.diag(found.joint.covariance))
     correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
     for i, name in enumerate(found.joint.names):
@@ -217,7 +217,7 @@ def _apart(found: Shortfall) -> Iterator[str]:
         unit = " s" if quantity == "apogee to eject" else " %"
         scale = 1.0 if unit == " s" else 100.0
         off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
-        yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f} % | {rival} ({correlation[i, other]:+.2f}) |"
+        yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f}% | {rival} ({correlation[i, other]:+.2f}) |"
 
 
 def _prior_sd(name: str) -> float:

@@ -45,7 +45,7 @@ FlownFlights = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True)
 class ForecastRow:
-    """One flight by both: CRPS and error of the median over the apogee, whether it lay in the 90 % interval."""
+    """One flight by both: CRPS and error of the median over the apogee, whether it lay in the 90% interval."""
 
     earlier: int
     fit: tuple[float, float, bool]
@@ -55,13 +55,13 @@ class ForecastRow:
 
 
 def scored(draws: np.ndarray, flown: float) -> tuple[float, float, bool]:
-    """CRPS and absolute error of the median over the apogee flown, and whether it lies in the 90 % interval."""
+    """CRPS and absolute error of the median over the apogee flown, and whether it lies in the 90% interval."""
     low, middle, high = np.quantile(draws, (0.05, 0.5, 0.95))
     return crps(draws, flown) / flown, abs(middle / flown - 1), bool(low <= flown <= high)
 
 
 def summary(rows: Sequence[ForecastRow]) -> dict[str, Any]:
-    """Means of both, and a 90 % bootstrap interval of the ratio of their CRPS."""
+    """Means of both, and a 90% bootstrap interval of the ratio of their CRPS."""
     fit, network = (np.array([getattr(row, way) for row in rows], float) for way in ("fit", "network"))
     rng = np.random.default_rng(1)
     some = rng.integers(len(rows), size=(2000, len(rows)))

@@ -33,4 +33,4 @@ def measured(name: str) -> dict[str, Any] | None:
 
 def percent(share: float | None, digits: int = 1) -> str:
     """A fraction in percent, `-` for none."""
-    return "-" if share is None else f"{100 * share:.{digits}f} %"
+    return "-" if share is None else f"{100 * share:.{digits}f}%"

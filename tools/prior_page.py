@@ -8,10 +8,10 @@ from tools.markdown import WRITTEN_BY
 
 SOURCES = {
     "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
-    "thrust": "log of delivered over certified impulse; lots within 2 to 3 % (NFPA 1125 allows 10 % in a test)",
+    "thrust": "log of delivered over certified impulse; lots within 2 to 3% (NFPA 1125 allows 10% in a test)",
     "mass": "log of the mass flown over the mass written down: altimeter, recovery, wadding",
     "stretch": "log of the burn over the certified one",
-    "delay": "log of the delay over the printed one (NFPA 1125: within 20 %, at most 3 s)",
+    "delay": "log of the delay over the printed one (NFPA 1125: within 20%, at most 3 s)",
     "tilt": "launch angle of a single flight, in units of 5 degrees, squared",
     "apogee": "log of the apogee over what drag, thrust and mass make of it",
     "top_speed": "log of what the device shows over the simulated one",
@@ -19,8 +19,8 @@ SOURCES = {
     "peak_accel": "as top speed",
     "coast_to_apogee": "as top speed",
     "apogee_to_eject": "what the device shows less the simulated one [s]",
-    "coast_drag": "log of drag in a log over the simulated one; 15 degrees from vertical it is 3.5 % more",
-    "burn_impulse": "log of impulse over mass in a log over the simulated one; 15 degrees from vertical 3 % less",
+    "coast_drag": "log of drag in a log over the simulated one; 15 degrees from vertical it is 3.5% more",
+    "burn_impulse": "log of impulse over mass in a log over the simulated one; 15 degrees from vertical 3% less",
 }
 """What a random effect is of, and where the figure that learning begins from is from."""
 
@@ -113,7 +113,7 @@ def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
 
 Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
 that rocket. What the other rockets of its flyer had flown before is known. In percent of the flown apogee; the
-interval score is of the 90 % interval."""
+interval score is of the 90% interval."""
     for flyer, tables in scores.items():
         for title, rows in tables.items():
             yield f"\n### {flyer.replace('_', ' ')}: {title}\n"

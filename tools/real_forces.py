@@ -76,7 +76,7 @@ HEAD = [
     "",
     "Computed by `python tools/real_forces.py LOGS docs/real-forces.md`, LOGS being a folder of published recordings.",
     "A missing force needs the mass of the rocket and the motor; drag area over mass in the coast needs none of them:",
-    "median and central 80 % between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
+    "median and central 80% between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
     "flights of one rocket, and no two of these are of one rocket or by one logger; `top_shot` and `juno3` are one",
     "flight each by two loggers, `hedy` one logger's raw and filtered files. Where heights alone were recorded, the",
     "push is their second derivative, and the spread is that of smoothing.",

@@ -1,7 +1,7 @@
 """Intervals corrected by the results of the flyer's earlier forecasts.
 
 The interval of a forecast is stretched or narrowed around its median, in the logarithm, by the factor that would have
-put 90 % of the earlier flights inside their intervals. If flights are exchangeable, 90 % of the corrected intervals
+put 90% of the earlier flights inside their intervals. If flights are exchangeable, 90% of the corrected intervals
 contain the flight, even if the model is wrong (Vovk, Gammerman and Shafer, Algorithmic Learning in a Random World,
 2005, in the online form, because every earlier forecast used only what was known then).
 """
@@ -17,9 +17,9 @@ LEVEL = 0.9
 
 def surprise(flown: float, interval: Sequence[float]) -> float:
     """The distance of a flown apogee from the median, as a log ratio in units of the half interval on its side: 1 at
-    the end of the 90 % interval. [1]
+    the end of the 90% interval. [1]
 
-    `interval` is the forecast's 5, 50 and 95 % quantiles [m]. inf if the interval has no width.
+    `interval` is the forecast's 5, 50 and 95% quantiles [m]. inf if the interval has no width.
     """
     p05, p50, p95 = interval
     if not min(flown, p05, p50, p95) > 0:
@@ -38,7 +38,7 @@ def stretch(surprises: Sequence[float]) -> float | None:
 
 
 def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, float]:
-    """The 5, 50 and 95 % quantiles of a forecast with its interval stretched around its median. [m]"""
+    """The 5, 50 and 95% quantiles of a forecast with its interval stretched around its median. [m]"""
     p05, p50, p95 = interval
     if not p50 > 0:
         return p05, p50, p95

@@ -30,7 +30,7 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
 DRAWS = 1000
-"""Number of simulations for each prediction; the error of a 5 % quantile is about a tenth of the standard deviation."""
+"""Number of simulations for each prediction; the error of a 5% quantile is about a tenth of the standard deviation."""
 MAX_LOG_APOGEE_RATIO = 1.5
 """Limit of the log ratio of an apogee to its expectation in a draw, because the tail of a Student t has no physical
 bound. [1]"""

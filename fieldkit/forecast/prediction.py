@@ -50,7 +50,7 @@ class Prediction:
     across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
-        """The 5, 50 and 95 % quantiles of the apogee. [m]"""
+        """The 5, 50 and 95% quantiles of the apogee. [m]"""
         return quantiles(self.apogee, LEVELS)
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
@@ -60,7 +60,7 @@ class Prediction:
         return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
-        """The expected ratio of the 90 % interval's width after this number of further clean flights like the plan to
+        """The expected ratio of the 90% interval's width after this number of further clean flights like the plan to
         its present width. [1]
 
         The scatter of flights stays; the uncertainty of common terms falls like the variance of a normal mean: with the
@@ -100,7 +100,7 @@ def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Flo
 
 
 def interval_width(draws: Float[Array, "draw"]) -> float:
-    """Distance from the 5 % to the 95 % quantile; 0 without draws."""
+    """Distance from the 5% to the 95% quantile; 0 without draws."""
     return float(np.ptp(quantiles(draws, LEVELS))) if len(draws) else 0.0
 
 

@@ -155,7 +155,7 @@ CERTIFIED_PRIOR = Hyperprior(
     scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
     reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
 )
-"""Motors match their certificates (2 to 3 % within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
+"""Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
 masses are as weighed, and devices meet their specifications. `tilt` is the squared launch angle in units of (5
 degrees)^2."""
 
@@ -209,15 +209,15 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
 """The starting point of the fit, which stays near it if the flights are not informative: round figures chosen before
-looking at any real flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5 % of their certificates
-(certification tests differ by that much; NFPA 1125 allows 10 %), burn times within 5 % and delays within 10 %. Masses
-are within 5 %, because altimeter, recovery system and wadding are not always weighed. All devices of one kind share a
-bias of 5 %; single flights scatter by 6 %. The biases of devices have mean zero, because each manufacturer aims at the
+looking at any real flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates
+(certification tests differ by that much; NFPA 1125 allows 10%), burn times within 5% and delays within 10%. Masses
+are within 5%, because altimeter, recovery system and wadding are not always weighed. All devices of one kind share a
+bias of 5%; single flights scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the
 truth: the open flights come from one device, which cannot separate the mean over devices from the variation among them.
 The variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
 from simulated ones by a bias for each rocket, with no rule of a device. Drag and impulse from a log carry the standard
 deviation that analysis gives them (`ratio` is used if it is missing). In addition, two altimeters on one open flight
-differ by 13 and 9 %, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for
+differ by 13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for
 impulse)."""
 
 _LOGGED = {key: sd for key, sd in START.sds.items() if key.endswith(".logged")}

@@ -20,8 +20,8 @@ EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "acro
 REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
 """Unit of the scatter in launch angle. [rad]"""
 COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
-"""Thrust curves and steps of a coarse model. For 95 % of motors they change the apogee by less than 0.2 % and the speed
-off the rail by less than 2 % (twice that in wind), a small part of the scatter of flights."""
+"""Thrust curves and steps of a coarse model. For 95% of motors they change the apogee by less than 0.2% and the speed
+off the rail by less than 2% (twice that in wind), a small part of the scatter of flights."""
 
 
 def shown(

@@ -21,7 +21,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
         source = "Forecast" if found.kept else "From earlier flights"
         yield (
             f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
-            f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval."
+            f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
         )
     before, after = found.cd
     if abs(after - before) >= VISIBLE_CD_CHANGE:
@@ -36,7 +36,7 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
     if found.miss is not None:
         way = "high" if found.miss >= 0 else "low"
         where = "inside" if found.inside else "OUTSIDE"
-        yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval"
+        yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval"
     before, after = found.cd
     changed = abs(after - before) >= VISIBLE_CD_CHANGE
     yield "Cd", f"{before:.2f} is now {after:.2f}" if changed else f"{after:.2f}, unchanged"

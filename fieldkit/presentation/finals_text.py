@@ -60,6 +60,6 @@ def finals_basis(flown: TrialFlights) -> Iterator[str]:
 FINALS_NOTES = (
     "parachute: area relative to the one flown. *: at the limit of the masses and areas tried; a wider range may be "
     "better. "
-    "apogee, seconds: 5 to 95 %. points: mean per flight.",
+    "apogee, seconds: 5 to 95%. points: mean per flight.",
     "Weigh on the pad; the altimeter's reading counts.",
 )

@@ -16,7 +16,7 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     shown = ShownUnits(system)
     yield f"{name} on {motor.maker} {plan.motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
-    yield f"            90 % interval {shown.lengths(p05, p95)}"
+    yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {_ejection(prediction)}"
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"

@@ -48,7 +48,7 @@ def forecast_lines(one: "SavedForecast", system: str) -> Iterator[str]:
     """Details of the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
     low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
     yield f"{spelled(unit_of(APOGEE, system))} forecast"
-    yield f"90 % {low}-{high}"
+    yield f"90% {low}-{high}"
     yield f"saved {one.made.at.astimezone():%m-%d %H:%M}" + (", stale" if one.stale else "")
 
 

@@ -23,7 +23,7 @@ def landing_in_words(
     yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown)
     low, middle, high = three(down.duration)
-    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}"
+    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery, shown)}"
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
@@ -50,7 +50,7 @@ def _rail(choice: RailChoice) -> str:
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
     """The landing of a plan in the given wind."""
     low, middle, high = three(down.away)
-    yield f"  lands     {shown.length(middle)} from the pad, 90 % interval {shown.lengths(low, high)}"
+    yield f"  lands     {shown.length(middle)} from the pad, 90% interval {shown.lengths(low, high)}"
     ellipse = down.ellipse()
     side = "right" if ellipse.across >= 0 else "left"
     way = "downwind" if ellipse.along >= 0 else "upwind"
@@ -68,10 +68,10 @@ def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str
     """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
     low, middle, high = three(down.drift)
     yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad,"
-    yield f"            90 % interval {shown.lengths(low, high)}"
+    yield f"            90% interval {shown.lengths(low, high)}"
     if site.size is not None:
         wind = down.wind_that_holds(site.size)
-        most = f"95 % of landings are on it up to {shown.speed(wind)}"
+        most = f"95% of landings are on it up to {shown.speed(wind)}"
         yield f"  field     {shown.length(site.size)} across: {most} (pad in the middle)"
 
 

@@ -86,7 +86,7 @@ def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
     yield (
         f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
-        f"{before.coverage90:.0%} of flights in the 90 % interval"
+        f"{before.coverage90:.0%} of flights in the 90% interval"
     )
     significant = [row for row in (*found.patterns, *found.readout_patterns) if row.p < MAX_P_SHOWN]
     for row in significant:
@@ -132,9 +132,9 @@ def climbs(found: Findings) -> Iterator[str]:
 
 
 def in_next_flight(one: NextFlight, system: str = "SI") -> str:
-    """`next F24 in the same conditions: 5 m (1.7 %) lower than the plain model`, and the forecast itself."""
+    """`next F24 in the same conditions: 5 m (1.7%) lower than the plain model`, and the forecast itself."""
     change, shown = one.after - one.before, ShownUnits(system)
-    span = f"{shown.length(one.after)}, 90 % interval {shown.lengths(*one.interval)}"
+    span = f"{shown.length(one.after)}, 90% interval {shown.lengths(*one.interval)}"
     name = f"next {one.flight.motor} in the same conditions"
     if abs(change) < 0.5:
         return f"{name}: same as the plain model, {span}"
@@ -212,7 +212,7 @@ def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:
             )
     yield f"  left out: {found.left_out.how}"
     yield f"  forward: {found.forward.how}"
-    yield "  in parentheses: 90 % bootstrap intervals over flights"
+    yield "  in parentheses: 90% bootstrap intervals over flights"
 
 
 def _signed(figure: float) -> str:

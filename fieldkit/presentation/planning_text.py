@@ -44,16 +44,16 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90 % interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
+    yield f"  90% interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
     if judged.delays:
-        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>8}  {'too fast':>8}"
+        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95%':>12}  {'speed':>8}  {'too fast':>8}"
     yield from (f"  {_delay(one, shown)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
-    yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20 %, 1.5 to 3 s (NFPA 1125)."
+    yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
 
 
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
@@ -74,7 +74,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
         yield "            one more flight at the current mass would help; below is the effect of the change"
     yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
-    yield f"  90 %      {shown.lengths(p05, p95)}"
+    yield f"  90%      {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
     yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
@@ -104,19 +104,19 @@ def outlook_in_words(
     if rule.caveat:
         yield f"  {rule.caveat}"
     yield (
-        f"  points    {ahead.points.mean():.0f} per flight, 90 % interval {low:.0f} to {high:.0f}, median {middle:.0f}"
+        f"  points    {ahead.points.mean():.0f} per flight, 90% interval {low:.0f} to {high:.0f}, median {middle:.0f}"
     )
     yield (
         f"  score     {sums.mean():.0f} for the best {rule.best} of {rule.declared}, "
-        f"90 % interval {least:.0f} to {most:.0f}"
+        f"90% interval {least:.0f} to {most:.0f}"
     )
     low, middle, high = (height / FOOT for height in three(said.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
-    yield f"  apogee    {middle:.0f} ft on the altimeter, 90 % interval {low:.0f} to {high:.0f}, {aimed}"
+    yield f"  apogee    {middle:.0f} ft on the altimeter, 90% interval {low:.0f} to {high:.0f}, {aimed}"
     yield f"  true      {ShownUnits(system).length(three(said.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
-    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
+    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
     yield f"  descent   {descent_in_words(ahead.fall)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:

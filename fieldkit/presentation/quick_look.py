@@ -134,7 +134,7 @@ def forecast_line(found: QuickForecast, system: str = "SI") -> str:
         else "by the fit, because the network's answer failed its check"
     )
     return (
-        f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90 % interval "
+        f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "
         f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} times certified"
     )

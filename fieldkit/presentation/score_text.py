@@ -47,7 +47,7 @@ def next_lines(found: "LedgerScores") -> Iterator[str]:
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `WAYS` for the model and each rival, in percent of the flown apogee: median and mean absolute error,
-    median bias, CRPS, score of the 90 % interval, and flights inside it."""
+    median bias, CRPS, score of the 90% interval, and flights inside it."""
     return [
         (
             way.name,
@@ -64,7 +64,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
-    """A row of `DIFFERENCES` for each rival: the reduction of a mean score by the model and its 90 % bootstrap
+    """A row of `DIFFERENCES` for each rival: the reduction of a mean score by the model and its 90% bootstrap
     interval, in percent of the flown apogee, with a star if the interval excludes zero."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
@@ -120,7 +120,7 @@ def histogram(found: "Calibration") -> Iterator[str]:
     for place, number in enumerate(found.counts):
         bar = "█" * round(MAX_BAR_LENGTH * number / longest)
         note = "" if low <= number <= high else "  too few" if number < low else "  too many"
-        yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
+        yield f"  {place * 10:3d}-{place * 10 + 10:3d}%  {bar} {number}{note}"
     for one in found.intervals:
         least, most = one.expected
         verdict = "as expected" if one.honest else "too narrow" if one.held < one.level else "too wide"

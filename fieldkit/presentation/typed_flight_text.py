@@ -8,7 +8,7 @@ APOGEE = BY_NAME["apogee"]
 
 
 def estimate_line(found: TypedEstimate, system: str) -> str:
-    """Cd, alpha and the next apogee with their 90 % intervals, or the missing inputs."""
+    """Cd, alpha and the next apogee with their 90% intervals, or the missing inputs."""
     if found.needs:
         return f"Cd and next apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:

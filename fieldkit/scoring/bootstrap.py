@@ -16,12 +16,12 @@ MIN_FLIGHTS_FOR_VERDICT = 5
 """Minimum number of flights for a verdict on a difference. [1]"""
 
 Interval = tuple[float, float]
-"""The 90 % interval of a figure over histories like this one."""
+"""The 90% interval of a figure over histories like this one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A score with the 90 % bootstrap interval of each of its figures, and the number of flights."""
+    """A score with the 90% bootstrap interval of each of its figures, and the number of flights."""
 
     score: Score
     flights: int
@@ -113,6 +113,6 @@ def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Scor
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:
-    """The central 90 % interval of the resampled figures."""
+    """The central 90% interval of the resampled figures."""
     low, high = np.quantile(values, LEVELS)
     return float(low), float(high)

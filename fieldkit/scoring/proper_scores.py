@@ -43,7 +43,7 @@ def pit(draws: Float[Array, "draw"], flown: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Reliability:
-    """A central interval: its nominal coverage, its observed coverage, and the 90 % range of coverage by chance."""
+    """A central interval: its nominal coverage, its observed coverage, and the 90% range of coverage by chance."""
 
     level: float
     held: float
@@ -57,7 +57,7 @@ class Reliability:
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """Counts of PITs by bin, the 90 % range of counts by chance, and intervals by level."""
+    """Counts of PITs by bin, the 90% range of counts by chance, and intervals by level."""
 
     counts: tuple[int, ...]
     expected: tuple[float, float]
@@ -65,7 +65,7 @@ class Calibration:
 
 
 def calibration(pits: Sequence[float], levels: Sequence[float] = LEVELS) -> Calibration:
-    """How uniform the PITs of flights are: each count and fraction with its binomial 90 % range."""
+    """How uniform the PITs of flights are: each count and fraction with its binomial 90% range."""
     from scipy.stats import binom
 
     values = np.asarray(pits, float)

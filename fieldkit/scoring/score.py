@@ -55,7 +55,7 @@ def forecasts_of(left_out: LeaveOneOut) -> Forecasts:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Errors of forecasts, predicted minus flown [m], and the fraction of flights in the 90 % interval [1]."""
+    """Errors of forecasts, predicted minus flown [m], and the fraction of flights in the 90% interval [1]."""
 
     mae: float
     rmse: float

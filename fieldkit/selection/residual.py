@@ -120,7 +120,7 @@ def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
 
 def fingerprint(trial: Trial) -> dict[str, float]:
     """The shift of each readout by an effect at its fitted strength, averaged over its flights. Shifts are relative
-    (0.05 is 5 % more) except for the time from apogee to ejection [s].
+    (0.05 is 5% more) except for the time from apogee to ejection [s].
     """
     fit = trial.fit
     mean, _ = fit.moments()

@@ -27,7 +27,7 @@ class Leftover:
 
     @property
     def in_words(self) -> str:
-        """`the 3 flights from North pad fly 6 % higher than the others (± 2 %)`."""
+        """`the 3 flights from North pad fly 6% higher than the others (± 2%)`."""
         count = int(self.where.sum())
         if not count:
             return f"misses follow {self.name}"

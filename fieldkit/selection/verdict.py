@@ -124,5 +124,5 @@ def in_words(accepted: Sequence[Trial]) -> str:
 def _measured(mean: float, sd: float, unit: str) -> str:
     """A strength with its standard deviation: fractions in percent, everything else in its unit."""
     if unit.startswith("fraction"):
-        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
+        return f"{100 * mean:+.3g}% (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
     return f"{mean:.3g} (± {sd:.2g}) {unit}"

@@ -16,7 +16,7 @@ SURPRISING = 0.001
 """Probability of a good flight's apogee being questioned before it is saved. [1]"""
 
 Interval = tuple[float, float, float]
-"""An apogee at 5, 50 and 95 %. [m]"""
+"""An apogee at 5, 50 and 95%. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Outcome:
 
     @property
     def inside(self) -> bool:
-        """Whether the flown apogee is inside the 90 % interval."""
+        """Whether the flown apogee is inside the 90% interval."""
         apogee = self.flight.apogee
         return apogee is not None and self.forecast[0] <= apogee <= self.forecast[2]
 

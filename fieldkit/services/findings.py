@@ -53,7 +53,7 @@ class Compared:
 @dataclass(frozen=True, slots=True)
 class NextFlight:
     """Forecasts of repeating the last flight: the apogee by the plain model and by the model average, with the latter's
-    90 % interval. [m]"""
+    90% interval. [m]"""
 
     flight: Flight
     before: float

@@ -29,7 +29,7 @@ class DragFacts:
 
 @dataclass(frozen=True, slots=True)
 class ForecastFacts:
-    """The forecast apogee at 5, 50 and 95 % [m], with its source and time."""
+    """The forecast apogee at 5, 50 and 95% [m], with its source and time."""
 
     low: float
     middle: float

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
 QUANTILE_COUNT = 40
-"""Number of equally likely apogees in a saved prediction, enough for probabilities to 2.5 %. [1]"""
+"""Number of equally likely apogees in a saved prediction, enough for probabilities to 2.5%. [1]"""
 Which = Literal["before", "after"]
 
 

@@ -22,7 +22,7 @@ from fieldkit.settings import Settings
 RECENT_FORECASTS = 10
 """Number of a rocket's latest forecasts to count. [1]"""
 OUTSIDE_PROBABILITY = 0.1
-"""Probability of a flight outside its 90 % interval, if forecasts are calibrated. [1]"""
+"""Probability of a flight outside its 90% interval, if forecasts are calibrated. [1]"""
 SIGNIFICANCE = 0.05
 """The loop is suggested if the probability of as many flights outside by chance is below this. [1]"""
 COMPARED_DRAWS = 200
@@ -33,7 +33,7 @@ COMPARED_DRAWS = 200
 class Suggestion:
     """What to do next.
 
-    `loop`: `outside` of the last `forecasts` flights were outside their 90 % interval. `motor`: the safe `motor` with
+    `loop`: `outside` of the last `forecasts` flights were outside their 90% interval. `motor`: the safe `motor` with
     the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
     interval by the fraction `narrows`. [1]
     """

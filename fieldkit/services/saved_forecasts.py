@@ -48,7 +48,7 @@ class SavedForecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The forecast apogee, at 5, 50 and 95 %. [m]"""
+        """The forecast apogee, at 5, 50 and 95%. [m]"""
         at = self.made.payload["apogee_m"]
         return float(at["p05"]), float(at["p50"]), float(at["p95"])
 
@@ -117,7 +117,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
     """Forecast and flown apogee of a flight, one line each, in the units of a system."""
     shown = ShownUnits(system)
     low, middle, high = one.interval
-    said = f"{shown.length(middle)}, 90 % interval {shown.lengths(low, high)}"
+    said = f"{shown.length(middle)}, 90% interval {shown.lengths(low, high)}"
     yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"

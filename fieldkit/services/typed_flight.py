@@ -20,9 +20,9 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 
 Interval = tuple[float, float, float]
-"""The 5, 50 and 95 % quantiles of a value."""
+"""The 5, 50 and 95% quantiles of a value."""
 NORMAL_95 = 1.6448536
-"""The 95 % quantile of the standard normal distribution. [1]"""
+"""The 95% quantile of the standard normal distribution. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
 """Columns needed for a flight to constrain Cd, and their names in messages."""
 

@@ -16,7 +16,7 @@ EFFECT = Effect(
     explains="the altimeter's heights are off by a constant percentage, while speed and times are right",
     unit="fraction of the height",
     prior=Prior(mean=0.0, sd=0.05, low=-0.3, high=0.3),
-    source="a barometric altimeter that assumes standard air errs by 0.35 % per kelvin",
+    source="a barometric altimeter that assumes standard air errs by 0.35% per kelvin",
     tell_apart="fly a second altimeter next to it",
     reading=reading,
     starts_anywhere=True,

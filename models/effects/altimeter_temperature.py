@@ -22,7 +22,7 @@ EFFECT = Effect(
     explains="the altimeter corrects for the day's temperature, while the model expects it to read low in heat",
     unit="fraction of the correction",
     prior=Prior(mean=1.0, sd=0.25, low=0.0, high=1.5),
-    source="the hypsometric equation: 0.35 % of height for each kelvin; a device corrects for all of it or for none",
+    source="the hypsometric equation: 0.35% of height for each kelvin; a device corrects for all of it or for none",
     tell_apart="read its manual, or fly the same motor on a hot and on a cold day",
     setup=setup,
     needs="temperature",

@@ -29,7 +29,7 @@ EFFECT = Effect(
     explains="drag is higher in the coast than under power, because the plume no longer fills the wake",
     unit="fraction of Cd",
     prior=Prior(mean=0.1, sd=0.12, low=-0.4, high=1.0),
-    source="Hoerner, Fluid-Dynamic Drag (1965), chapter 3; power-on and power-off Cd differ by 5 to 20 %",
+    source="Hoerner, Fluid-Dynamic Drag (1965), chapter 3; power-on and power-off Cd differ by 5 to 20%",
     tell_apart="record top speed and coast time on a long-burning and a short-burning motor",
     setup=setup,
     background=Prior(mean=0.08, sd=0.05),

@@ -26,7 +26,7 @@ EFFECT = Effect(
     explains="days were hotter or colder than assumed, which changes both drag and the altimeter reading",
     unit="K",
     prior=Prior(mean=0.0, sd=12.0, low=-45.0, high=45.0),
-    source="U.S. Standard Atmosphere 1976 and the ideal gas: 0.35 % of density and of the reading per kelvin",
+    source="U.S. Standard Atmosphere 1976 and the ideal gas: 0.35% of density and of the reading per kelvin",
     tell_apart="record the temperature at the pad",
     setup=setup,
     per="day",

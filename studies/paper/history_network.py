@@ -12,7 +12,7 @@ from studies.paper.reference import Reference, errors
 
 @dataclass(frozen=True, slots=True)
 class HistoryForecast:
-    """What the network says of one flight without having seen it: apogee at 5, 50 and 95 % [m], and the median Cd and
+    """What the network says of one flight without having seen it: apogee at 5, 50 and 95% [m], and the median Cd and
     alpha it flies with [1]."""
 
     flight_id: str
@@ -46,7 +46,7 @@ def history_forecasts(flights: Reference) -> list[HistoryForecast]:
 
 
 def history_errors(flights: Reference, found: list[HistoryForecast]) -> dict[str, float]:
-    """Errors of the medians over the valid flights [m], and the fraction of these in their 90 % intervals. [1]"""
+    """Errors of the medians over the valid flights [m], and the fraction of these in their 90% intervals. [1]"""
     low, middle, high = np.array([one.apogee for one in found])[flights.valid].T
     flown = flights.apogee[flights.valid]
     return {**errors(middle, flown), "coverage90": float(((low <= flown) & (flown <= high)).mean())}

@@ -111,7 +111,7 @@ def _ejection(flights: Reference) -> Ejection:
 
 
 def interval(misses: Float[Array, "flight"], absolute: bool = False) -> Interval:
-    """The 90 % bootstrap interval of a mean miss. [m]"""
+    """The 90% bootstrap interval of a mean miss. [m]"""
     values: Any = np.abs(misses) if absolute else misses
     low, high = np.quantile(values[resampled(len(misses))].mean(axis=1), LEVELS)
     return float(low), float(high)

@@ -63,7 +63,7 @@ def reference(number: int, name: str, case: Case) -> Reference:
 
 
 HEAD = (
-    "Differences of the 5, 50 and 95 % quantiles from the exact posterior's, in percent of its 90 % interval, for the\n"
+    "Differences of the 5, 50 and 95% quantiles from the exact posterior's, in percent of its 90% interval, for the\n"
     "log apogee of the next flight, log Cd and log alpha; excess CRPS of the apogee in percent; then the same "
     "differences\nof the linear model with nothing else approximated; split R-hat and effective draws of the "
     "sampler.\n\n"
@@ -82,7 +82,7 @@ def table(found: Sequence[Reference]) -> list[str]:
         for one, fit, line in zip(found, by_fit, by_linear, strict=True)
     ]
     middle, most, worst = np.quantile([one.excess_crps for one in found], (0.5, 0.9, 1.0)) * 100
-    score = f"fit, excess CRPS of the apogee: median {middle:.2f} %, 9 in 10 {most:.2f} %, largest {worst:.2f} %"
+    score = f"fit, excess CRPS of the apogee: median {middle:.2f}%, 9 in 10 {most:.2f}%, largest {worst:.2f}%"
     return [HEAD, *lines, "", *_summary("fit", by_fit), score, *_summary("linear model, sampled", by_linear)]
 
 
@@ -96,7 +96,7 @@ def _summary(name: str, gaps: Array) -> list[str]:
     for i, figure in enumerate(FIGURES):
         ends = np.quantile(np.abs(gaps[..., i]), (0.5, 0.9, 1.0), axis=0).T * 100
         parts = [
-            "{} %: {:.1f}, {:.1f}, {:.1f}".format(level, *one) for level, one in zip((5, 50, 95), ends, strict=True)
+            "{}%: {:.1f}, {:.1f}, {:.1f}".format(level, *one) for level, one in zip((5, 50, 95), ends, strict=True)
         ]
         lines.append(f"{name}, {figure}: median, 9 in 10 and largest difference at {'; '.join(parts)}")
     return lines

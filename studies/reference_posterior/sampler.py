@@ -25,7 +25,7 @@ WARM_UP = 150
 TRANSITIONS = 300
 """Transitions of each chain before the step is settled, and after it."""
 MIN_EFFECTIVE_DRAWS = 700
-"""Effective draws of the figure that mixes worst: a quantile at 5 % is then known to 2.5 % of the 90 % interval. [1]"""
+"""Effective draws of the figure that mixes worst: a quantile at 5% is then known to 2.5% of the 90% interval. [1]"""
 WIDER = 1.3
 """How much wider than the fit's posterior the chains start. [1]"""
 FIGURES = ("log_apogee", "log_cd", "log_alpha")

@@ -51,7 +51,7 @@ def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int
 
 
 def off(said: Float[Array, "level figure"], reference: Float[Array, "level figure"]) -> Float[Array, "level figure"]:
-    """How far quantiles are from those of the reference, as a fraction of its 90 % interval. [1]"""
+    """How far quantiles are from those of the reference, as a fraction of its 90% interval. [1]"""
     return np.asarray((said - reference) / (reference[-1] - reference[0]))
 
 

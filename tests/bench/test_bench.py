@@ -263,7 +263,7 @@ def test_scoring_calls_the_product_as_the_contract_says(sets: Path, tmp_path: Pa
     assert result.after is not None
     assert result.before.mae == result.after.mae > 0
     assert result.after.covered == result.after.flights == label["n_future"]
-    assert "mass_offset | 1 | 0 % | 100 %" in table([result])
+    assert "mass_offset | 1 | 0% | 100%" in table([result])
     broken = score(sets, label, [sys.executable, "-c", "raise SystemExit('no ledger here')"], timeout=20)
     assert "no ledger here" in broken.error
     assert "sets with an error: 1" in summary([result, broken])

@@ -1,4 +1,4 @@
-"""How fast the app is there and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
+"""How fast the app starts and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
 
 The first group holds the app and an empty Textual app, each as a whole process up to its first paint; the second all
 that a key brings about in a ledger of 5,000 flights, beside an empty app that hears a key. Times are of the processor,

@@ -1,4 +1,4 @@
-"""What a forecast from twenty flights takes:
+"""A forecast from twenty flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_forecast.py`.
 
 From flights that were read to draws of the next apogee, on one core, in processor time; beside it the import of numpy.

@@ -1,4 +1,4 @@
-"""What the network of whole histories takes beside the fit, on twenty flights:
+"""The history network compared with the fit, on twenty flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
 
 Processor time on one core from flights that were read: what the model lacks beside the search of the loop, the next

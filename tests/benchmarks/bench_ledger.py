@@ -1,4 +1,4 @@
-"""What a ledger of 100 to 100,000 flights costs:
+"""Ledgers with 100 to 100,000 flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_ledger.py`.
 
 The same questions of every size, in processor time; the ratio to 100 flights is printed. A rocket has 20 flights in

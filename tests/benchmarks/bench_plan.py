@@ -1,4 +1,4 @@
-"""What plans cost beside one `predict`: `pytest -s -o addopts= --benchmark-only tests/benchmarks/bench_plan.py`.
+"""Plans compared with one `predict`: `pytest -s -o addopts= --benchmark-only tests/benchmarks/bench_plan.py`.
 
 The catalogue is what fits a 29 mm mount and narrower, adapters and all, with every safety line. Times are of the
 processor; the ratio to one forecast holds where seconds do not: on another machine, or a busy one.

@@ -1,4 +1,4 @@
-"""How fast logs are read and flights inferred:
+"""Reading logs and inferring flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_reading.py`.
 
 A log of 100 MB stands beside pandas reading the same CSV into a table and doing nothing with it; a

@@ -1,4 +1,4 @@
-"""How fast the simulator is, in flights a second of one core, and beside scipy.
+"""The simulator in flights per second on one core, compared with scipy.
 
     pytest tests/benchmarks/bench_simulator.py --benchmark-only
 

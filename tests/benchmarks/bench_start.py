@@ -1,4 +1,4 @@
-"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_start.py`.
+"""Starting a command: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_start.py`.
 
 Each command is a whole process, and beside it stands a bare Python that imports the very modules of other people's that
 the command woke up, and does nothing with them; beside `--help` an empty typer program, beside `predict` also the four

@@ -22,7 +22,7 @@ MOTORS = "F24-4W", "F39-6T", "E15-4W", "F39-6T"
 
 
 def season(count: int = 16, **columns: Sequence[str]) -> list[Flight]:
-    """Flights on three motors, readouts as the model has them with a scatter of 2 %, and columns of the flyer's own."""
+    """Flights on three motors, readouts as the model has them with a scatter of 2%, and columns of the flyer's own."""
     plans = [
         Flight(
             f"F{row}",

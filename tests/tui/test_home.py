@@ -211,7 +211,7 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         for text in (
             "Saved flight 1, u to undo",
             "Flown 235.0 m",
-            "inside the 90 % interval",
+            "inside the 90% interval",
             "on AeroTech F24W-4",
             "One more flight on AeroTech F24W-4 narrows the interval by",
         ):

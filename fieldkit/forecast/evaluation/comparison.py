@@ -21,7 +21,7 @@ OWN_FORECAST = "fieldkit"
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """The scores of one method for each flight: predicted minus flown, CRPS and score of the 90 % interval, each
+    """The scores of one method for each flight: predicted minus flown, CRPS and score of the 90% interval, each
     divided by the flown apogee [1], and whether the flight was in the interval."""
 
     bias: Float[Array, "flight"]
@@ -103,7 +103,7 @@ class ScoreReport:
 
     @property
     def coverage90(self) -> float:
-        """Fraction of flights in the model's 90 % interval. [1]"""
+        """Fraction of flights in the model's 90% interval. [1]"""
         return self.ways[0].coverage90 if self.ways else float("nan")
 
     def json(self) -> dict[str, Any]:

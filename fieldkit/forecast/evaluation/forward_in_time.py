@@ -26,7 +26,7 @@ class Forecast:
 
     `draws` are the model's equally likely apogees and `p05` to `p95` its quantiles; `rivals` are the draws of the
     rivals with enough data, and `stacked` is the mixture with some of them. `earlier` counts the earlier clean flights
-    with an apogee of its rocket. `corrected` is the 90 % interval after `corrected_by_earlier`, by a factor `stretch`;
+    with an apogee of its rocket. `corrected` is the 90% interval after `corrected_by_earlier`, by a factor `stretch`;
     both are None if there are too few earlier forecasts.
     """
 
@@ -46,7 +46,7 @@ class Forecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The model's 5, 50 and 95 % quantiles. [m]"""
+        """The model's 5, 50 and 95% quantiles. [m]"""
         return self.p05, self.p50, self.p95
 
 

@@ -52,5 +52,5 @@ def _line(flight: Flight, readout: str, weight: float) -> str:
     found = "" if value is None else f" of {float(column.render(value)):.4g} {column.unit}"
     return (
         f"flight {name}: {column.title.lower()}{found} is far from what the model expects and counts for "
-        f"{100 * weight:.0f} % of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+        f"{100 * weight:.0f}% of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )

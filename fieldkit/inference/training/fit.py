@@ -32,7 +32,7 @@ SCHEDULES = {
     "quick": Schedule("quick", epochs=10, rate=1e-2, one_cycle=True),
     "published": Schedule("published", epochs=100, rate=1e-3, one_cycle=False),
 }
-"""The paper's schedule, and one that reaches the same errors in 10 % of the time."""
+"""The paper's schedule, and one that reaches the same errors in 10% of the time."""
 
 
 @contextmanager

@@ -125,15 +125,15 @@ def table(card: Mapping[str, Any]) -> list[str]:
     for key, title in titles.items():
         lines.append(title)
         lines.append(
-            f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95 %: drag area, alpha"
+            f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95%: drag area, alpha"
         )
         for name, one in card[key].items():
             cover = ["/".join(f"{100 * c:.1f}" for c in one["coverage"][p].values()) for p in ("drag_area", "alpha")]
             lines.append(
                 f"{name:22s} {one['log_density']:7.3f} {one['cd_mae']:7.4f} {one['alpha_mae']:7.4f}  "
-                f"{cover[0]}  {cover[1]}  alarms {100 * one['false_alarms']:.2f} %"
+                f"{cover[0]}  {cover[1]}  alarms {100 * one['false_alarms']:.2f}%"
             )
-    restricted = {"restricted": "the paper's prior", "restricted_burn_uncertain": "the same, burn time 5 % uncertain"}
+    restricted = {"restricted": "the paper's prior", "restricted_burn_uncertain": "the same, burn time 5% uncertain"}
     for key, title in restricted.items():
         for name, one in card.get(key, {}).items():
             lines.append(

@@ -46,7 +46,7 @@ class FlightReport:
             rows.append((shown.length(max(apogees)), "highest apogee"))
         rows.append((str(predicted), "predicted"))
         if predicted:
-            rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
+            rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90%")]
         return tuple(rows)
 
     @property

@@ -26,7 +26,7 @@ Rows = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CardForecast:
-    """A forecast apogee as draws and 5, 50 and 95 % quantiles [m]: whether it was made before the flight, its source,
+    """A forecast apogee as draws and 5, 50 and 95% quantiles [m]: whether it was made before the flight, its source,
     and what had changed."""
 
     draws: Float[Array, "draw"]

@@ -31,7 +31,7 @@ HEADERS = (
     "motor",
     "lift-off",
     "rail exit",
-    "apogee (90 %)",
+    "apogee (90%)",
     "charge",
     "duration",
     "lands",

@@ -96,7 +96,7 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
         rows.append((shown.length(middle), f"{what}, {shown.lengths(low, high)}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high
-            rows.append((shown.difference(card.miss), f"miss, {'inside' if inside else 'outside'} 90 %"))
+            rows.append((shown.difference(card.miss), f"miss, {'inside' if inside else 'outside'} 90%"))
     return tuple(rows)
 
 

@@ -47,7 +47,7 @@ class FlightScreen(PageScreen):
         (
             ("Cd", "Drag of the rocket in this flight. A wide curve means these readouts constrain it poorly."),
             ("alpha", "Thrust of this motor relative to the certified thrust; 1 is as certified."),
-            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the flown apogee."),
+            ("├──●──┤", "The forecast: 5%, median and 95%. ◆ is the flown apogee."),
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
@@ -218,7 +218,7 @@ class FlightScreen(PageScreen):
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
         parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
-        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
+        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90% in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"
             off = measure(cards.APOGEE, abs(flown - said.middle), system)

@@ -35,7 +35,7 @@ class Shift:
         low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
         return [
             ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
-            ("next apogee", f"{middle}, 90 % between {low} and {high}"),
+            ("next apogee", f"{middle}, 90% between {low} and {high}"),
             ("rests on", f"{one.rests_on} clean flights"),
         ]
 
@@ -81,7 +81,7 @@ class TagCard(VerticalScroll):
 
         same = before.forecast is now.forecast
         for name, title, spelled in (
-            ("drag", "Cd of the rocket, 90 % and ● the middle", lambda value: f"{value:.2f}"),
+            ("drag", "Cd of the rocket, 90% and ● the middle", lambda value: f"{value:.2f}"),
             ("apogee", "Apogee of its next flight on this motor", lambda value: measure(cards.APOGEE, value, system)),
         ):
             rows = (

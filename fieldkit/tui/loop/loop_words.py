@@ -76,7 +76,7 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
     for when, judged in (("before", compared.before), ("after", compared.after)):
         mean = measure(cards.APOGEE, judged.score.mae, system)
         low, high = (measure(cards.APOGEE, one, system) for one in judged.mae)
-        yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90 %"
+        yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90%"
 
 
 def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:

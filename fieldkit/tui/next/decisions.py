@@ -180,7 +180,7 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
         mean = measure(cards.APOGEE, way.mae, system)
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
         yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
-    yield f"{found.coverage90:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
+    yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
 def rule_of(year: int) -> "Season":

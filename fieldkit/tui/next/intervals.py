@@ -17,7 +17,7 @@ FLOWN = "◆"
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """What a line shows: its name, the 5 %, median and 95 %, and where it ended up, if that is known."""
+    """What a line shows: its name, the 5%, median and 95%, and where it ended up, if that is known."""
 
     name: str
     low: float

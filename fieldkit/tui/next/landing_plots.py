@@ -27,7 +27,7 @@ def of_landing(answer: Answer, one: "PlannedFlight", size: float | None, system:
     unit = spelled(unit_of(cards.APOGEE, system))
     field = ", circle the field" if size else ""
     title = f"Left: pad, apogee and landing of {DRAWN_FLIGHTS} draws from the side [{unit}]. "
-    title += f"Right, from above, wind to the right: ▲ the pad, dots landings, ellipse 90 % of them{field} [{unit}]"
+    title += f"Right, from above, wind to the right: ▲ the pad, dots landings, ellipse 90% of them{field} [{unit}]"
     scaled = partial(_scaled, system)
     return replace(
         answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)

@@ -91,7 +91,7 @@ def _range(settings: Settings) -> MotorColumn:
         low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
         return f"{low}-{high}"
 
-    return MotorColumn("90 %", 9, text)
+    return MotorColumn("90%", 9, text)
 
 
 def _off(settings: Settings) -> MotorColumn:

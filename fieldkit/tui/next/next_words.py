@@ -32,9 +32,9 @@ def title(plan: "Plan", one: "MotorChoice") -> str:
 
 
 def interval(said: "Prediction", system: str) -> str:
-    """What follows the large figure: `m on the altimeter, 90 % 179-317`."""
+    """What follows the large figure: `m on the altimeter, 90% 179-317`."""
     low, _, high = (motor_rows.whole(float(x), system) for x in said.apogee_quantiles())
-    return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90 % {low}-{high}"
+    return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
 def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:

@@ -40,7 +40,7 @@ class HomeScreen(PageScreen):
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆", "The 90 % interval and the median of the forecast; ◆ is the flown apogee."),
+            ("├─●─┤ ◆", "The 90% interval and the median of the forecast; ◆ is the flown apogee."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),

@@ -42,7 +42,7 @@ def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(said: Qui
 
 @pytest.mark.parametrize("count", [4, 12])
 def test_readouts_are_near_those_of_the_fit(count: int) -> None:
-    """Medians within a fifth of the fit's 90 % interval."""
+    """Medians within a fifth of the fit's 90% interval."""
     flights = history(count)
     said = quick_answer(flights, quick_candidates)
     known = list(zip(flights.flights, flights.found, strict=True))

@@ -18,7 +18,7 @@ CHECK_SHAPES = False
 REFERENCES = read(Path(__file__).with_name("reference_posteriors.json"))
 DRAWS = 4000
 FARTHEST = {"log_apogee": (0.09, 0.07, 0.13), "log_cd": (0.32, 0.28, 0.45), "log_alpha": (0.16, 0.12, 0.09)}
-"""Difference of each quantile (5, 50, 95 %) over the reference's 90 % interval, at most: the largest that was measured
+"""Difference of each quantile (5, 50, 95%) over the reference's 90% interval, at most: the largest that was measured
 (docs/measured/reference_posterior.txt) and half a tenth for both sets of draws. [1]"""
 USUAL = {"log_apogee": 0.03, "log_cd": 0.06, "log_alpha": 0.02}
 """The same of half of all quantiles, at most. [1]"""

@@ -16,7 +16,7 @@ from tests.inference.history.histories import history
 
 
 def ends(of: History) -> tuple[float, float]:
-    """The median apogee [m] and the width of the 90 % interval over it. [1]"""
+    """The median apogee [m] and the width of the 90% interval over it. [1]"""
     said = quick_answer(of, quick_candidates)
     low, high = (float(said.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
     return float(np.exp(said.log_apogee[MEDIAN])), high - low

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 NINE_OF_TEN = 1.645
-"""Half width of the central 90 % interval of a normal distribution, in standard deviations. [1]"""
+"""Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
 Draw = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
 
 
@@ -83,7 +83,7 @@ def _beside(values: Float[Array, "shown"], width: float) -> Float[Array, "shown"
 
 
 def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-    """Ends of the 90 % interval of each forecast, with its mixture approximated by one log-normal distribution. [m]"""
+    """Ends of the 90% interval of each forecast, with its mixture approximated by one log-normal distribution. [m]"""
     mean = (forecasts.weight * forecasts.mean).sum(axis=0)
     sd = np.sqrt((forecasts.weight * (forecasts.sd**2 + (forecasts.mean - mean) ** 2)).sum(axis=0))
     return np.exp(mean - NINE_OF_TEN * sd), np.exp(mean + NINE_OF_TEN * sd)
