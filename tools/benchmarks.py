@@ -79,7 +79,7 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
     """The latest runs as Markdown, one table each, without benchmarks that only assert."""
     yield from ("# Speed", "")
     yield "Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios"
-    yield "carry over to other machines; seconds do not. `python tools/benchmarks.py --page` writes this page from the"
+    yield "differ less between machines than seconds. `python tools/benchmarks.py --page` writes this page from the"
     yield "runs saved in `docs/benchmarks/`. The command above each table repeats the measurement."
     for name, kept in runs.items():
         said = " ".join(

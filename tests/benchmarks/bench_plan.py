@@ -72,7 +72,7 @@ PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")
 
 
 @pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
-def test_the_whole_catalogue_for_one_rocket(
+def test_the_whole_catalog_for_one_rocket(
     benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue, every: list[Motor], wind: float | None
 ) -> None:
     day = PLAN.with_changes(wind=wind)

@@ -128,7 +128,7 @@ def whole_catalogue() -> Setup:
 
 
 @pytest.mark.parametrize("what", [apogees, fly], ids=["apogees", "all readouts"])
-def test_flights_over_the_whole_catalogue(benchmark: BenchmarkFixture, whole_catalogue: Setup, what: Any) -> None:
+def test_flights_over_the_whole_catalog(benchmark: BenchmarkFixture, whole_catalogue: Setup, what: Any) -> None:
     flights = int(np.prod(whole_catalogue.draw_shape))
     timed(benchmark, f"catalogue, {what.__name__}", flights, lambda: what(whole_catalogue), rounds=2)
 
