@@ -1,6 +1,5 @@
-"""A flight straight up as a point: the quick look by which a flyer picks motors and delays.
-
-Also the yardstick for the rigid rocket, which must agree with it without wind on a vertical rail.
+"""A vertical flight of a point mass, with which a flyer would choose motors and delays. It is also a check of the rigid
+rocket, which must agree with it without wind on a vertical rail.
 """
 
 import math

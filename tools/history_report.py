@@ -1,9 +1,9 @@
 """Compares the history network with the fit, and writes its page: `python tools/history_report.py`.
 
-`--simulated N` scores both on N fresh histories of the one model, `--bench SETS` on sets of `python -m bench.make`,
-`--ledger LEDGER` forward in time on the flights of a ledger; each writes figures alone into `docs/measured/`, with
-`--network FOLDER` those of a network that is not shipped. Without
-options `docs/history-network.md` is written from these and from the card of the shipped network.
+`--simulated N` scores both on N new histories from the model, `--bench SETS` on sets of `python -m bench.make`, and
+`--ledger LEDGER` forward in time on the flights of a ledger. Each writes only figures into `docs/measured/`. `--network
+FOLDER` selects a network other than the shipped one. Without options, `docs/history-network.md` is written from these
+figures and the card of the shipped network.
 """
 
 import argparse

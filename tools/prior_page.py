@@ -8,25 +8,25 @@ from tools.markdown import WRITTEN_BY
 
 SOURCES = {
     "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
-    "thrust": "log of delivered over certified impulse; lots within 2 to 3% (NFPA 1125 allows 10% in a test)",
-    "mass": "log of the mass flown over the mass written down: altimeter, recovery, wadding",
-    "stretch": "log of the burn over the certified one",
-    "delay": "log of the delay over the printed one (NFPA 1125: within 20%, at most 3 s)",
-    "tilt": "launch angle of a single flight, in units of 5 degrees, squared",
-    "apogee": "log of the apogee over what drag, thrust and mass make of it",
-    "top_speed": "log of what the device shows over the simulated one",
+    "thrust": "log ratio of delivered to certified impulse; lots within 2 to 3% (NFPA 1125 allows 10% in a test)",
+    "mass": "log ratio of flown to recorded mass: altimeter, recovery, wadding",
+    "stretch": "log ratio of actual to certified burn time",
+    "delay": "log ratio of actual to rated delay (NFPA 1125: within 20%, at most 3 s)",
+    "tilt": "squared launch angle of a single flight, in units of (5 degrees)²",
+    "apogee": "log ratio of apogee to the one from drag, thrust and mass",
+    "top_speed": "log ratio of the readout to the simulated one",
     "burn_time": "as top speed",
     "peak_accel": "as top speed",
     "coast_to_apogee": "as top speed",
-    "apogee_to_eject": "what the device shows less the simulated one [s]",
-    "coast_drag": "log of drag in a log over the simulated one; 15 degrees from vertical it is 3.5% more",
-    "burn_impulse": "log of impulse over mass in a log over the simulated one; 15 degrees from vertical 3% less",
+    "apogee_to_eject": "readout minus the simulated one [s]",
+    "coast_drag": "log ratio of drag in a log to the simulated one; 15 degrees off vertical adds 3.5%",
+    "burn_impulse": "log ratio of impulse per mass in a log to the simulated one; 15 degrees off vertical takes off 3%",
 }
-"""What a random effect is of, and where the figure that learning begins from is from."""
+"""Definition of each random effect, and the source of its starting figure."""
 
 
 def prior_table() -> str:
-    """Every prior and noise figure of the model, with its source, and how forecasts with it fared."""
+    """Every prior and noise figure of the model with its source, and the scores of forecasts."""
     card, given = learned(), certified()
     names = list(dict.fromkeys([*card.sds, *given.sds]))
     rows = [_random_effect(name, card, given) for name in names]
@@ -49,8 +49,8 @@ def prior_table() -> str:
 
 The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
 rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
-deviations of these effects are the hyperprior. *Start* has the round figures from which the fit starts. *Learned* is the
-result of fitting real flights, `fieldkit/data/hyperprior.json`; forecasts use it. *Search* is the hyperprior of the
+deviations of these effects are the hyperprior. *Start* has the round figures from which the fit starts. *Learned* is
+the result of fitting real flights, `fieldkit/data/hyperprior.json`; forecasts use it. *Search* is the hyperprior of the
 loop: motors, masses and devices match their specifications, so that an effect and not the plain model explains a
 difference. {WRITTEN_BY}
 
@@ -67,10 +67,10 @@ variation among fleets plus the standard deviation of the overall mean. *Logged*
 of a log.
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
-its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the noise
-of its readouts ({card.reading.log_sd:g}, a judgment, because the open flights come from one device). Single flights and
-readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces
-these figures.
+its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the
+noise of its readouts ({card.reading.log_sd:g}, a judgment, because the open flights come from one device). Single
+flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
+readout replaces these figures.
 
 | readout | learned | search |
 |---|---|---|
@@ -81,8 +81,8 @@ The log frontal area of a rocket without a recorded diameter has a standard devi
 {card.opening[0]:g} ± {card.opening[1]:g} s.
 
 [The effects](effects.md) have the priors of their strengths, and [the trained ensembles](models.md) those of the
-networks' simulated flights. The card of the history network has the hyperprior of its training; the field ensemble, which
-warns about unusual flights, has a separate prior.
+networks' simulated flights. The card of the history network has the hyperprior of its training; the field ensemble,
+which warns about unusual flights, has a separate prior.
 
 ## Training data
 
@@ -112,9 +112,9 @@ def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
     yield """
 ## Held-out rockets
 
-Each flight of a rocket is forecast from the earlier ones, with a hyperprior learned without that rocket. Earlier flights
-of the flyer's other rockets are used. All figures are in percent of the flown apogee; the interval score is for the 90%
-interval."""
+Each flight of a rocket is forecast from the earlier ones, with a hyperprior learned without that rocket. Earlier
+flights of the flyer's other rockets are used. All figures are in percent of the flown apogee; the interval score is for
+the 90% interval."""
     for flyer, tables in scores.items():
         for title, rows in tables.items():
             yield f"\n### {flyer.replace('_', ' ')}: {title}\n"

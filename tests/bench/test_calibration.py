@@ -55,7 +55,7 @@ def test_the_summary_compares_forecasts_with_the_plain_model_the_truth_given_and
             one("null", "none", 10.0, 10.0, None, 10),
         ]
     )
-    assert "error with the true effect given: 1.41 (geometric), in the worst kind 2.00 (wear)" in said
-    assert "more than 5% above that of the plain model: 1 of 3" in said
-    assert "coverage after by kind: 70% (wear) to 100%" in said
-    assert "interval score after over before: 1.00, over the ideal: 3.17 (geometric)" in said
+    assert "the fit with the true effect: 1.41 (geometric mean), highest 2.00 (wear)" in said
+    assert "more than 5% above the plain model's: 1 of 3" in said
+    assert "coverage after by scenario: 70% (wear) to 100%" in said
+    assert "interval score after relative to before: 1.00, to the ideal: 3.17 (geometric mean)" in said
