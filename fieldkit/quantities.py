@@ -1,5 +1,6 @@
 """Formatting of numbers for flyers: in their units, with significant digits only."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -60,6 +61,16 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
     return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
+
+
+_STATED = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+
+
+def in_system(note: str, system: str) -> str:
+    """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`."""
+    if "m" not in SYSTEMS[system]:
+        return note
+    return _STATED.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, measure, number, spelled, unit_of
+from fieldkit.quantities import ShownUnits, in_system, measure, number, spelled, unit_of
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def lines(one: FileView, system: str = "SI") -> Iterator[str]:
     if len(one.shown) > MOST_FLIGHTS:
         yield f"  and {len(one.shown) - MOST_FLIGHTS} more flights; --json lists them all"
     for note in one.notes:
-        yield f"  note      {note}"
+        yield f"  note      {in_system(note, system)}"
     count = len(one.flights)
     yield f"  would store {count} flight{'' if count == 1 else 's'}, {one.rejected} rejected"
 

@@ -34,7 +34,7 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
     changes |= {} if rules is None else {"rules": rules}
     for key in SITE_LENGTHS[1:]:
         if key in changes and changes[key] <= 0:
-            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than zero")
+            raise BadValue(f"{name}: found a {key} that is not above zero, expected a positive length")
     saved = ledger.draft(SITES) or {}
     saved[name] = saved.get(name, {}) | changes
     ledger.change_draft(SITES, saved, "site", name)

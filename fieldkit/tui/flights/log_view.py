@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import measure, spelled, unit_of
+from fieldkit.quantities import in_system, measure, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
@@ -45,7 +45,7 @@ class LogLook:
 
 def looks_at(file: "FileView", system: str) -> list[LogLook]:
     """A look at each flight of a file, and at each simulation; one without a curve if there is none."""
-    whole = _file_facts(file)
+    whole = _file_facts(file, system)
     shown = [
         LogLook(
             f"{file.file} · {one.flight.flight_id}" if len(file.shown) > 1 else file.file,
@@ -69,7 +69,7 @@ def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
-def _file_facts(file: "FileView") -> list[Hanging]:
+def _file_facts(file: "FileView", system: str) -> list[Hanging]:
     """Why a file was read in this format, its columns, and what would be stored."""
     columns = [
         (
@@ -86,7 +86,7 @@ def _file_facts(file: "FileView") -> list[Hanging]:
         ("rows", f"{file.rows} used, {file.dropped} dropped"),
         ("stores", stored),
     ]
-    notes = [("!", note) for note in file.notes]
+    notes = [("!", in_system(note, system)) for note in file.notes]
     blocks = [cards.lines("How it was read", read), cards.lines("Columns", columns)]
     return blocks + ([cards.lines("Notes", notes)] if notes else [])
 

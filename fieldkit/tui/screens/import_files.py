@@ -134,8 +134,9 @@ class ImportScreen(PageScreen):
 
     def _examined(self, look: Look) -> None:
         self._look = look
-        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given))
-        parts = (left_out(look), what_it_holds(look, self.resources.settings.units))
+        system = self.resources.settings.units
+        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given, system))
+        parts = (left_out(look), what_it_holds(look, system))
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
     @on(Table.Chosen, "#files")
