@@ -63,14 +63,14 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
 
 
-_STATED = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+_NOTE_FIGURE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
 
 
 def in_system(note: str, system: str) -> str:
     """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`."""
     if "m" not in SYSTEMS[system]:
         return note
-    return _STATED.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
+    return _NOTE_FIGURE.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
 
 
 @dataclass(frozen=True, slots=True)

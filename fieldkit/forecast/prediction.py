@@ -95,17 +95,18 @@ class Prediction:
 
 
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:
-    """The same as np.quantile, which is slower and imports numpy's masked arrays."""
+    """The same as np.quantile, in the unit of the values; np.quantile is slower and imports masked arrays."""
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))
 
 
 def interval_width(draws: Float[Array, "draw"]) -> float:
-    """Distance from the 5% to the 95% quantile; 0 without draws."""
+    """Distance from the 5% to the 95% quantile, in the unit of the draws; 0 without draws."""
     return float(np.ptp(quantiles(draws, LEVELS))) if len(draws) else 0.0
 
 
 def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    """Draws of an apogee stretched around their median in the logarithm; draws that stay on the pad do not change."""
+    """Draws of an apogee stretched around their median in the logarithm; draws that stay on the pad do not change.
+    [m]"""
     flown = apogee > 0
     if factor == 1.0 or not flown.any():
         return apogee
@@ -114,6 +115,6 @@ def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "dra
 
 
 def median(values: Float[Array, "draw"]) -> float | None:
-    """The median of the draws with a value; None if there are none."""
+    """The median of the draws with a value, in their unit; None if there are none."""
     finite = values[np.isfinite(values)]
     return float(quantiles(finite, LEVELS)[1]) if len(finite) else None

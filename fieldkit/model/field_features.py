@@ -65,14 +65,14 @@ def _log(ratio: Array) -> Array:
 
 
 def features(observed: Observed) -> Float[Array, "flight feature"]:
-    """The features for the ensemble, one column for each of `FEATURES`, without nan."""
+    """The features for the ensemble, one column for each of `FEATURES`, without nan. [1]"""
     columns = _columns(observed)
     return np.nan_to_num(np.stack([columns[name] for name in FEATURES], axis=-1), nan=0.0)
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
     """Each readout relative to its closed-form value, one column for each of `INDEPENDENT_READOUTS`; nan if missing.
-    The ensemble predicts each from the others to find one that disagrees.
+    [1] The ensemble predicts each from the others to find one that disagrees.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         motor, nominal = _nominal(observed)

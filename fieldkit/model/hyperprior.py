@@ -71,11 +71,11 @@ class Hyperprior:
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def sd(self, quantity: str, level: str) -> float:
-        """Standard deviation of one random effect; 0 if the model lacks it."""
+        """Standard deviation of one random effect; 0 if the model lacks it. [1] or [s]"""
         return self.sds.get(f"{quantity}.{level}", 0.0)
 
     def mean(self, quantity: str) -> float:
-        """Mean of a quantity over all flyers."""
+        """Mean of a quantity over all flyers. [1] or [s]"""
         return self.means.get(quantity, 0.0)
 
     def fleet_sd(self, quantity: str) -> float:

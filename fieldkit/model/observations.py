@@ -59,15 +59,15 @@ class Observed:
         return len(self.motor)
 
     def figure(self, name: str) -> Float[Array, "flight"]:
-        """One figure of all motors."""
+        """One figure of all motors, in SI."""
         return self.motor[:, FIGURES.index(name)]
 
     def given(self, name: str) -> Float[Array, "flight"]:
-        """One declared field of all flights, nan if it was not recorded."""
+        """One declared field of all flights in SI; nan if it was not recorded."""
         return self.declared[:, DECLARED_FIELDS.index(name)]
 
     def readout(self, name: str) -> Float[Array, "flight"]:
-        """One readout of all flights, nan if it is missing."""
+        """One readout of all flights in SI; nan if it is missing."""
         return self.readouts[:, READOUT_NAMES.index(name)]
 
     def rows(self, which: Any) -> "Observed":
@@ -92,7 +92,7 @@ class Observed:
 
 @cache
 def figures(motor: Motor) -> Float[Array, "figure"]:
-    """The figures of a motor, in the order of `FIGURES`."""
+    """The figures of a motor in SI, in the order of `FIGURES`."""
     middle, variance = motor.moments
     return np.array(
         [

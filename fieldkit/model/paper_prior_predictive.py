@@ -30,7 +30,7 @@ class PaperDraws:
 
     @property
     def features(self) -> Float[Array, "flight feature"]:
-        """Features of the paper's ensemble."""
+        """Features of the paper's ensemble, in SI."""
         return paper_features(self.apogee, self.motor, self.dry_mass)
 
 

@@ -28,7 +28,7 @@ class Scale:
 
     @property
     def log_prior(self) -> Float[Array, "scale"]:
-        """Log prior weight of each value of the grid, not normalized."""
+        """Log prior weight of each value of the grid, not normalized. [nat]"""
         return np.asarray(-0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2)
 
 

@@ -52,7 +52,7 @@ def shown(
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:
-    """The sum of all terms that act on one property."""
+    """The sum of all terms that act on one property, in the unit of the property."""
     acting = [i for i, term in enumerate(model.terms) if isinstance(term.bends, str) and term.bends == bends]
     if not acting:
         return np.zeros((len(values), len(model.flights)))

@@ -61,7 +61,7 @@ class Goal:
         return None if self.rule is None else float(self.rule.points(apogee, duration).mean())
 
     def cost(self, apogee: Figures, duration: Figures) -> float:
-        """What is to be as small as can be."""
+        """The quantity to minimize, in the unit of the goal."""
         if self.aim == "points":
             return self.points(apogee, duration) or 0.0
         blurred = max(BAND_SMOOTHING, SEARCH_SMOOTHING * float(apogee.std()))

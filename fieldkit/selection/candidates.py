@@ -145,7 +145,7 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
 
 
 def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
-    """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows."""
+    """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows. [1]"""
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since in names else 0

@@ -42,7 +42,7 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
 
 
 def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """A column of the user's table, nan for cells that are not numbers."""
+    """A column of the user's table in its unit; nan for cells that are not numbers."""
     return np.array([_number(flight.extra.get(name, "")) for flight in flights])
 
 

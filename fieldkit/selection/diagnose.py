@@ -84,7 +84,7 @@ class Diagnosis:
 
     @property
     def confidence(self) -> float:
-        """Posterior probability that the verdict is right."""
+        """Posterior probability that the verdict is right. [1]"""
         return self.verdict.confidence
 
     @property

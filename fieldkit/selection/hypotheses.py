@@ -74,7 +74,7 @@ class SetPosterior:
 
     @cached_property
     def probability(self) -> Float[Array, "hypothesis"]:
-        """Posterior probability of each hypothesis."""
+        """Posterior probability of each hypothesis. [1]"""
         weight = np.array([one.log_weight for one in self.hypotheses])
         return np.asarray(np.exp(weight - np.logaddexp.reduce(weight)))
 
@@ -96,16 +96,16 @@ class SetPosterior:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def any_of(self, names: Collection[str]) -> float:
-        """Posterior probability that at least one of these effects is present."""
+        """Posterior probability that at least one of these effects is present. [1]"""
         return sum(chance for members, chance in self.sets.items() if members & set(names))
 
     def all_of(self, names: Collection[str]) -> float:
-        """Posterior probability that all of these effects are present, alone or with others."""
+        """Posterior probability that all of these effects are present, alone or with others. [1]"""
         return sum(chance for members, chance in self.sets.items() if set(names) <= members)
 
     @property
     def nothing(self) -> float:
-        """Posterior probability that the plain model lacks no effect and no pattern."""
+        """Posterior probability that the plain model lacks no effect and no pattern. [1]"""
         return self.sets.get(frozenset(), 0.0)
 
     def best(self, members: Members | None = None) -> Hypothesis:

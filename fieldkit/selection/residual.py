@@ -53,20 +53,20 @@ SHUFFLES = 2000
 
 
 def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
-    """Every readout of every flight minus its leave-one-out forecast, in expected standard deviations. nan if it was
-    not recorded or is not used in the fit.
+    """Every readout of every flight minus its leave-one-out forecast, in expected standard deviations. [1] nan if it
+    was not recorded or is not used in the fit.
     """
     return standardised(diagnosis.base.left_out, diagnosis.data.seen)
 
 
 def standardised(left_out: LeaveOneOut, seen: Flags) -> Float[Array, "flight readout"]:
-    """Leave-one-out residuals averaged over the scales of scatter; nan if not observed."""
+    """Leave-one-out residuals averaged over the scales of scatter; nan if not observed. [1]"""
     residual = np.einsum("sf,sfo->fo", forecasts_of(left_out).weight, left_out.residual)
     return np.where(seen, residual, np.nan)
 
 
 def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
-    """The residuals of the apogee."""
+    """The residuals of the apogee. [1]"""
     return readout_residuals(diagnosis)[:, 0]
 
 
@@ -196,7 +196,7 @@ def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
 
 
 def ranks(values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """The rank of each value, starting at 1; equal values have their mean rank."""
+    """The rank of each value, starting at 1; equal values have their mean rank. [1]"""
     _, kind, count = np.unique(values, return_inverse=True, return_counts=True)
     return np.asarray((np.cumsum(count) - (count - 1) / 2)[kind])
 

@@ -27,7 +27,7 @@ FREEDOM = 4.0
 
 def log_density(draws: Float[Array, "draw"], flown: float) -> float:
     """Log density of the logarithm of an apogee, from a kernel around the logarithm of each draw; -inf without a
-    spread. The bandwidth is Silverman's (Density Estimation, 1986, equation 3.31).
+    spread. [nat] The bandwidth is Silverman's (Density Estimation, 1986, equation 3.31).
     """
     logs = np.log(draws[draws > 0])
     if len(logs) < 2 or not np.ptp(logs) > 0 or not flown > 0:
@@ -48,7 +48,7 @@ def prior_counts(ways: int) -> Float[Array, "way"]:
 
 
 def stacking_weights(log_scores: Float[Array, "flight way"], prior: Float[Array, "way"]) -> Float[Array, "way"]:
-    """Weights of the methods from their log densities of the flights, by expectation-maximization.
+    """Weights of the methods from their log densities of the flights, by expectation-maximization. [1]
 
     They maximize sum log(sum w exp(score)) + sum prior log w; a Dirichlet distribution of concentration 1 + `prior`.
     """
@@ -69,7 +69,7 @@ def log_scores(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], flown: float
 ) -> Float[Array, "way"]:
     """Log density of a flight in the forecasts of the model and of each of `STACKED_RIVALS`; a missing rival gets the
-    model's."""
+    model's. [nat]"""
     own = log_density(draws, flown)
     found = [log_density(rivals[name], flown) if _spread(rivals, name) else own for name in STACKED_RIVALS]
     return np.asarray([own, *found], float)
@@ -77,7 +77,7 @@ def log_scores(
 
 def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]:
     """Weights of the model and of each of `STACKED_RIVALS` from the log scores of earlier flights; with too few, the
-    model has all the weight."""
+    model has all the weight. [1]"""
     if len(earlier) < MIN_FORECASTS_TO_STACK:
         return np.asarray(np.eye(1 + len(STACKED_RIVALS))[0])
     return stacking_weights(np.array(earlier), prior_counts(1 + len(STACKED_RIVALS)))
@@ -86,14 +86,14 @@ def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]
 def mixed_in(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], weights: Float[Array, "way"]
 ) -> Float[Array, "draw"]:
-    """The stacked forecast; the weight of a missing rival goes to the model."""
+    """The stacked forecast; the weight of a missing rival goes to the model. [m]"""
     return stacked(draws, [rivals[name] if _spread(rivals, name) else draws for name in STACKED_RIVALS], weights)
 
 
 def stacked(
     draws: Float[Array, "draw"], rivals: Sequence[Float[Array, "_"]], weights: Float[Array, "way"]
 ) -> Float[Array, "draw"]:
-    """Equally likely values of the mixture in ascending order, as many as the model's draws.
+    """Equally likely values of the mixture in ascending order, as many as the model's draws. [m]
 
     Each method contributes values in proportion to its weight, rounded, at evenly spaced levels of its distribution.
     """

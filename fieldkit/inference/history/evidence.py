@@ -48,7 +48,7 @@ class Trials:
 
     @property
     def weight(self) -> Float[Array, "trial"]:
-        """Log evidence with the candidate's own prior."""
+        """Log evidence with the candidate's own prior. [nat]"""
         return np.asarray(self.log_bayes + self.log_share)
 
 
@@ -199,8 +199,8 @@ def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
 
 
 def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
-    """Log Bayes factor of each trial given each other trial; on the diagonal, of the trial alone. Strengths are treated
-    as normal, without bounds.
+    """Log Bayes factor of each trial given each other trial; on the diagonal, of the trial alone. [nat] Strengths are
+    treated as normal, without bounds.
     """
     some = list(rows)
     gram = trials.shift[:, some].T @ trials.weighed[:, some]

@@ -139,7 +139,7 @@ def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Arr
 
 
 def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
-    """Variance of each plan's log apogee given the terms: scatter and reading."""
+    """Variance of each plan's log apogee given the terms: scatter and reading. [1]"""
     model, near, plans = linear.model, linear.near, slice(linear.flown, None)
     scatter = model.hyperprior.scales()[0][:, None]
     reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
@@ -157,6 +157,6 @@ def _mixture(
 
 
 def acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
-    """The weight of each term on one property of each flight."""
+    """The weight of each term on one property of each flight. [1]"""
     acting = [term.weight * (term.bends == bends) for term in terms]
     return np.array(acting, float).reshape(len(terms), flights)

@@ -128,7 +128,7 @@ def drag_term(model: Model) -> int:
 def slopes(
     terms: Sequence[Term], moved: Mapping[str, Float[Array, "flight readout"]]
 ) -> Float[Array, "flight readout term"]:
-    """Derivatives of the readouts with respect to terms, from the result of `moved_at`."""
+    """Derivatives of the readouts per unit of each term, from the result of `moved_at`."""
     names = {id(effect): started(name, 0) for name, effect in effects().items()}
     known = {**moved, **_OF_READOUTS}
     found = np.empty((*moved[""].shape, len(terms)))

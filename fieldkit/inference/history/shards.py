@@ -68,7 +68,7 @@ class HistoryTable:
     truths: Float[Array, "history truth"]
 
     def truth(self, name: str) -> Float[Array, "history"]:
-        """One column of `TRUTHS`."""
+        """One column of `TRUTHS`, in its unit."""
         return self.truths[:, TRUTHS.index(name)]
 
     def rows(self, which: Any) -> "HistoryTable":
@@ -92,7 +92,7 @@ def summarized(
 
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:
-    """A history as a row: features, effects, truths."""
+    """A history as a row: features, effects, truths, in their units."""
     said, seen = made.baseline, made.data.seen
     truths = {
         "unexplained": one.unexplained,

@@ -125,7 +125,7 @@ def _drawn(
 def log_prior(
     model: Model, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> Float[Array, "draw scale"]:
-    """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`."""
+    """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`. [nat]"""
     low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
     precision, log_det = (part[scales] for part in prior_precision(model))
     off = terms - mean
@@ -151,7 +151,7 @@ def log_likelihood(
     fit: Fit, scales: Int[Integers, "scale"], flown: Float[Array, "draw flight readout"]
 ) -> Float[Array, "draw scale flight"]:
     """Log likelihood of every flight of a fit, with multivariate Student t noise around the compared readouts of each
-    draw, up to the constant of a normal."""
+    draw, up to the constant of a normal. [nat]"""
     from scipy.special import gammaln
 
     model, near = fit.model, fit.tangent

@@ -79,7 +79,7 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
-    """Variance of a flight's compared apogee around its expectation: scatter and reading."""
+    """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
     scatter = result.model.hyperprior.scales()[0]
     spread = result.tangent.scatter_slope[:, 0]
     expected = replace(result.data, sd=_expected_sd(result))

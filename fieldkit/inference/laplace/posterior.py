@@ -27,7 +27,7 @@ NEGLIGIBLE_TAIL_SDS = 7.0
 
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
-    """Marginal prior standard deviation of every term for every pair of scales."""
+    """Marginal prior standard deviation of every term for every pair of scales, in the unit of the term."""
     scatter, reading, _ = model.hyperprior.scales()
     by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
     sds = [term.sd * by[term.scaled_by] for term in model.terms]
@@ -53,7 +53,7 @@ def prior_precision(
 
 
 def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight readout"]:
-    """Residual variance of each readout after terms and scatter, before outliers are weighted."""
+    """Residual variance of each readout after terms and scatter, before outliers are weighted. [1] or [s^2]"""
     scatter, reading, _ = model.hyperprior.scales()
     variance = reading[:, None, None] ** 2 * data.sd**2
     variance[..., 0] = data.sd[:, 0] ** 2 + (scatter[:, None] * apogee_scatter(model)) ** 2
@@ -104,7 +104,7 @@ class Fit:
 
     @property
     def weights(self) -> Float[Array, "scale"]:
-        """Posterior weight of each pair of scales."""
+        """Posterior weight of each pair of scales. [1]"""
         return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
 
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
@@ -231,7 +231,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
 
 
 def bounds_log_mass(model: Model) -> float:
-    """Log prior mass inside the bounds of all terms together."""
+    """Log prior mass inside the bounds of all terms together. [nat]"""
     return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
 
 

@@ -43,7 +43,7 @@ class Ensemble:
         return mean, spread
 
     def members(self, features: Float[Array, "flight feature"]) -> Float[Array, "flight member part"]:
-        """All outputs of each member of a density ensemble."""
+        """All outputs of each member of a density ensemble. [1]"""
         parts: Array = self.session.run(("parts",), {"features": np.asarray(features, np.float64)})[0]
         return parts
 

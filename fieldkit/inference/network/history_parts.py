@@ -26,7 +26,7 @@ def width(effects: int) -> int:
 
 
 def quantile_steps() -> Float[Array, "step"]:
-    """The offset of raw outputs that makes zeros the steps between standard normal quantiles."""
+    """The offset of raw outputs that makes zeros the steps between standard normal quantiles. [1]"""
     return np.asarray(np.log(np.expm1(np.diff(STANDARD))))
 
 
@@ -71,7 +71,7 @@ def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryA
 
 
 def monotone(raw: Float[Array, "*many level"]) -> Float[Array, "*many level"]:
-    """Quantiles in ascending order, from the median and the steps to both sides."""
+    """Quantiles in ascending order, from the median and the steps to both sides. [1]"""
     inner = np.delete(raw, MEDIAN, axis=-1) + quantile_steps()
     steps = np.logaddexp(0.0, inner)
     middle = raw[..., MEDIAN : MEDIAN + 1]
@@ -81,7 +81,8 @@ def monotone(raw: Float[Array, "*many level"]) -> Float[Array, "*many level"]:
 
 
 def quantile_draws(quantiles: Sequence[float] | Array, count: int) -> Float[Array, "draw"]:
-    """Equally likely values of a distribution with these quantiles at `LEVELS` and normal tails."""
+    """Equally likely values of a distribution with these quantiles at `LEVELS` and normal tails, in the unit of the
+    quantiles."""
     levels = (np.arange(count) + 0.5) / count
     normal = np.array([NormalDist().inv_cdf(float(level)) for level in levels])
     known, standard = np.asarray(quantiles, float), np.array(STANDARD)

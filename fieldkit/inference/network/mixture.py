@@ -47,7 +47,7 @@ class Mixture:
         return Mixture(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     def log_density(self, values: Float[Array, "*draw #flight 2"]) -> Float[Array, "*draw #flight"]:
-        """Log density of the two parameters; -inf outside their intervals."""
+        """Log density of the two parameters; -inf outside their intervals. [nat]"""
         place = (values - self.low) / (self.high - self.low)
         inside: Flags = np.all((place > 0) & (place < 1), axis=-1)
         place = np.where(inside[..., None], place, 0.5)
@@ -61,7 +61,7 @@ class Mixture:
         return np.asarray(np.where(inside, total - stretch, -np.inf))
 
     def draws(self, rng: np.random.Generator, count: int) -> Float[Array, "draw flight 2"]:
-        """Draws of the two parameters."""
+        """Draws of the two parameters, in the unit of their intervals."""
         ladder = np.cumsum(self.weight, axis=-1)
         part = (rng.uniform(size=(count, len(self), 1)) * ladder[:, -1:] > ladder).sum(axis=-1)
         flight = np.arange(len(self))
@@ -101,7 +101,7 @@ class Margin:
         return Margin(self.values[which], self.below[which])
 
     def quantiles(self, levels: Float[Array, "level"]) -> Float[Array, "flight level"]:
-        """The quantiles at these probabilities."""
+        """The quantiles at these probabilities, in the unit of the parameter."""
         return np.stack([np.interp(levels, row, at) for row, at in zip(self.below, self.values, strict=True)])
 
     def moments(self) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
@@ -116,7 +116,7 @@ class Margin:
         return mean, np.sqrt((share * (middle - mean[:, None]) ** 2).sum(axis=1))
 
     def rank(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-        """The cumulative probability at one value per flight."""
+        """The cumulative probability at one value per flight. [1]"""
         rows = zip(values, self.values, self.below, strict=True)
         return np.array([np.interp(value, at, row) for value, at, row in rows])
 
@@ -148,6 +148,6 @@ def joined(parts: Sequence[Mixture]) -> Mixture:
 def logits(
     values: Float[Array, "flight 2"], low: Float[Array, "flight 2"], high: Float[Array, "flight 2"]
 ) -> Float[Array, "flight 2"]:
-    """Parameters on the logit scale of the mixture; the ends of an interval are limited to 14."""
+    """Parameters on the logit scale of the mixture; the ends of an interval are limited to 14. [1]"""
     place = np.clip((values - low) / (high - low), 1e-6, 1 - 1e-6)
     return np.asarray(np.log(place / (1 - place)))

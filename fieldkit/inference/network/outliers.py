@@ -31,7 +31,7 @@ class PredictedReadouts:
 
     @property
     def distance(self) -> Float[Array, "flight seen"]:
-        """Distance from the prediction, in standard deviations; 0 if the readout is missing."""
+        """Distance from the prediction, in standard deviations; 0 if the readout is missing. [1]"""
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 

@@ -23,7 +23,7 @@ DRAWS = 16
 
 def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
     """The root of the excess of a readout's recorded variance over the usual noise, on the scale of `shown`; 0 if there
-    is none.
+    is none. [1]
     """
     if observed.sd is None:
         return np.zeros((len(observed), len(INDEPENDENT_READOUTS)))

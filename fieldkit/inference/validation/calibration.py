@@ -96,7 +96,7 @@ def _histogram(rank: Float[Array, "flight"]) -> dict[str, Any]:
 def expected_coverage(
     rng: np.random.Generator, density: Mixture, truth: Float[Array, "flight 2"]
 ) -> Float[Array, "flight"]:
-    """Fraction of each posterior that is nearer to a random point than the truth is; uniform if it is right.
+    """Fraction of each posterior that is nearer to a random point than the truth is; uniform if it is right. [1]
 
     Source: Lemos, Coogan, Hezaveh and Perreault-Levasseur, "Sampling-based accuracy testing of posterior
     estimators for general inference", 2023 (TARP).

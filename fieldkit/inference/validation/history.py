@@ -75,7 +75,7 @@ def _coverage(quantiles: Array, truth: Array, low: float, high: float) -> float:
 
 
 def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach."""
+    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach. [1]"""
     levels = np.array(LEVELS)
     ends = np.r_[0.0, 0.5 * (levels[1:] + levels[:-1]), 1.0]
     miss = truth[:, None] - quantiles
@@ -83,7 +83,7 @@ def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "histo
 
 
 def ranks(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Where each truth lies in its forecast, from 0 to 1, between levels by interpolation."""
+    """Where each truth lies in its forecast, from 0 to 1, between levels by interpolation. [1]"""
     known = np.r_[DEEP_TAIL, LEVELS, 1 - DEEP_TAIL]
     found = []
     for row, value in zip(quantiles, truth, strict=True):
@@ -146,7 +146,7 @@ def _presence(chance: Array, there: Array, evidence: Array) -> dict[str, float]:
 
 
 def auc(score: Float[Array, "history"], there: Float[Array, "history"]) -> float:
-    """Probability that a history with the effect scores above one without, ties by half."""
+    """Probability that a history with the effect scores above one without, ties by half. [1]"""
     from scipy.stats import rankdata
 
     present = there > 0.5

@@ -120,7 +120,7 @@ class Exact:
     log_weight: Float[Array, "node"]
 
     def log_posterior(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "cell"]:
-        """Log probability of each cell after some of the readouts of one flight."""
+        """Log probability of each cell after some of the readouts of one flight. [nat]"""
         grid = self.readouts[flights.motor[row], flights.config[row]]
         each = np.zeros(grid.shape[:-1]) + self.log_weight[:, None]
         for name in names:
@@ -133,7 +133,7 @@ class Exact:
         return np.asarray(log - top - np.log(np.exp(log - top).sum()))
 
     def medians(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "2"]:
-        """Medians of Cd and alpha after some of the readouts of one flight: the least mean absolute error."""
+        """Medians of Cd and alpha after some of the readouts of one flight: the least mean absolute error. [1]"""
         share = np.exp(self.log_posterior(flights, row, names))
         return np.array([_median(values, share) for values in (self.cd, self.alpha)])
 

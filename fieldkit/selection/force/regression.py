@@ -49,11 +49,11 @@ class Regression:
     drag: "FreeDrag | None" = None
 
     def left(self, names: Sequence[str]) -> Float[Array, "time"]:
-        """The residual after the terms with these names."""
+        """The residual after the terms with these names. [1]"""
         return _left(self.wanted, [self.columns[name] for name in names])
 
     def cost(self, names: Sequence[str]) -> float:
-        """The information criterion of these terms without the penalty for choosing them; lower is better."""
+        """The information criterion of these terms without the penalty for choosing them; lower is better. [1]"""
         left = self.left(names)
         return self.worth * log(left @ left) + len(names) * log(self.worth)
 
@@ -69,7 +69,8 @@ class Regression:
         return unit * (inverse @ (basis.T @ self.wanted)), unit * np.sqrt(np.diag(inverse) * scatter)
 
     def random_draw_sd(self, names: Sequence[str], scatters: Mapping[str, float]) -> Float[Array, "term"]:
-        """Standard deviations of these terms' coefficients due to the scatter of single flights, given by name.
+        """Standard deviations of these terms' coefficients due to the scatter of single flights, given by name, in the
+        unit of the term.
 
         Coefficients are linear in the force: one standard deviation along a column moves them by that multiple of
         their fit to the column.
@@ -98,7 +99,7 @@ class FreeDrag:
     shares: frozenset[str]
 
     def unit(self, names: Sequence[str]) -> Float[Array, "term"]:
-        """The ratio of the model's drag to the climb's for terms that are fractions of it; 1 for the others."""
+        """The ratio of the model's drag to the climb's for terms that are fractions of it; 1 for the others. [1]"""
         value, *_ = np.linalg.lstsq(np.stack([*self.given, *(self.whole[n] for n in names)], axis=-1), self.force)
         factor = 1 / max(1 + float(value[self.place]), LEAST_DRAG)
         return np.array([factor if name in self.shares else 1.0 for name in names])
@@ -144,7 +145,7 @@ def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]
 
 
 def price(terms: int, candidates: int) -> float:
-    """The penalty for one more term, from the increase in the number of possible choices."""
+    """The penalty for one more term, from the increase in the number of possible choices. [1]"""
     return 2 * CANDIDATE_COUNT_WEIGHT * log((candidates - terms) / (terms + 1))
 
 

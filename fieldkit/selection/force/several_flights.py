@@ -50,7 +50,7 @@ class Mean:
 
     @property
     def sd(self) -> float:
-        """The larger of both."""
+        """The larger of both, in the unit of the term."""
         return max(self.shown, self.lucky)
 
     def stands_clear(self, candidates: int) -> bool:
