@@ -36,7 +36,7 @@ PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
 
 
 class FlightScreen(PageScreen):
-    """A flight opened from the table; `turn_to` says which, any number of times."""
+    """A flight opened from the table; `turn_to` sets the flight and can be called again."""
 
     NAME = "flights"
     TITLE = "Flight"
@@ -102,7 +102,7 @@ class FlightScreen(PageScreen):
         self._text: list[str] = []
 
     def turn_to(self, id: str) -> None:
-        """Show another flight: the old contents are cleared, the new ones come as they are read."""
+        """Show another flight: the old contents are cleared, and the new ones appear as they are read."""
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
@@ -266,14 +266,14 @@ class FlightScreen(PageScreen):
 
 @dataclass(frozen=True, slots=True)
 class Hills:
-    """Drag and thrust as they are drawn: their places, what stands above them, the densities; and doubts about them."""
+    """The plots of drag and thrust: positions, headings and densities, with warnings."""
 
     drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
     warnings: tuple[str, ...]
 
 
 def hills(flight: Flight, resources: "Resources") -> Hills:
-    """The posterior of a flight as it is drawn. Raises FieldkitError if it can have none."""
+    """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
     from fieldkit.tui.widgets.plots import draw_density
 
     said = drag_facts(flight, resources.ledger, resources.motors)

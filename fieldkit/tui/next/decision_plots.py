@@ -1,4 +1,4 @@
-"""The pictures of the screen Decide: delays about apogee, hills of apogees and points, forecasts and what was flown."""
+"""The pictures of the screen Decide: delays around apogee, densities of apogees and points, forecasts and results."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from fieldkit.tui.next.answer import Answer
 
 MAX_DRAWN_FORECASTS = 24
-"""Forecasts that are drawn, the newest."""
+"""Number of latest forecasts to draw."""
 
 
 def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
-    """When each delay fires, about apogee."""
+    """When each delay fires, relative to apogee."""
     rows = tuple(
         Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
         for one in sorted(judged.delays, key=lambda one: one.delay)
@@ -32,7 +32,7 @@ def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
 
 
 def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, system: str) -> "Answer":
-    """The hill of the apogee with that mass, and the target on it."""
+    """The density of the apogee at that mass, with the target."""
     from fieldkit.planning.quantiles import three
     from fieldkit.tui.widgets.plots import draw_density
 
@@ -42,7 +42,7 @@ def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, s
 
 
 def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
-    """The hill of the points of a flight."""
+    """The density of the points of a flight."""
     from fieldkit.planning.quantiles import three
     from fieldkit.tui.widgets.plots import draw_density
 
@@ -63,7 +63,7 @@ def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", syst
 
 
 def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "Answer":
-    """Each flight beside its forecast from those before it, the newest first."""
+    """Each flight with its forecast from the earlier ones, the newest first."""
     last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
     drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
     return _against_flown(answer, drawn, system)
