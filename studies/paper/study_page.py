@@ -154,7 +154,7 @@ def _remains(study: Study) -> Iterator[str]:
 
 
 def _after(study: Study) -> str:
-    """What the loop's choice, made again without each flight, makes of that."""
+    """The result with the loop repeated without each flight."""
     after = study.left_out_after
     if not study.loop.accepted:
         return ""
