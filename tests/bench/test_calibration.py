@@ -1,4 +1,4 @@
-"""The reliability diagram: probabilities that are right have no calibration error, and overconfident ones have."""
+"""The reliability diagram: right probabilities have no calibration error, and overconfident ones have one."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.fast
 
 
 def results(sharpened: float) -> list[Result]:
-    """Two thousand sets in which an effect is there as often as its probability says, before that is sharpened."""
+    """Two thousand sets in which an effect is present with its probability, before that is made overconfident."""
     rng = np.random.default_rng(5)
     found = []
     for number, chance in enumerate(rng.uniform(0, 1, 2000)):

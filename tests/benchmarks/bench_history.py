@@ -1,9 +1,9 @@
 """The history network compared with the fit, on twenty flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
 
-Processor time on one core from flights that were read: what the model lacks beside the search of the loop, the next
-apogee beside the fit, that of two hundred motors beside the fit of as many, one more readout of a flight that is being
-typed beside a whole quick forecast, and of either the network alone.
+Processor time on one core from flights in memory: the quick search relative to the loop, the next apogee and the
+apogees of two hundred motors relative to the fit, one more readout of a flight being entered relative to a whole quick
+forecast, and the network without its features.
 """
 
 import time

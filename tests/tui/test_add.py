@@ -1,4 +1,4 @@
-"""Typing a flight in on the screen: few keys, nothing lost, nothing refused before it is saved."""
+"""Entering a flight on the screen: few keys, nothing is lost, nothing is refused before saving."""
 
 import asyncio
 from datetime import UTC, datetime

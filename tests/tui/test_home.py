@@ -1,4 +1,4 @@
-"""The page that opens first: what is next, the first steps with an empty ledger, and weather typed once a day."""
+"""The first page: the next flight, the first steps with an empty ledger, and the weather of the day."""
 
 from datetime import datetime
 from pathlib import Path

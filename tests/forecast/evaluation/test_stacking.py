@@ -1,4 +1,4 @@
-"""Weights go to who forecast better, slowly, and a mixture is what it says."""
+"""Weights move slowly to the better method, and the mixture follows its weights."""
 
 import numpy as np
 import pytest

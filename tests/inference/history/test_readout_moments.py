@@ -1,4 +1,4 @@
-"""What a plan will show beside its apogee, by the linear fit and with the network's Cd and alpha."""
+"""Forecasts of other readouts of a plan by the linear fit and with the network's Cd and alpha."""
 
 import numpy as np
 import pytest
