@@ -94,7 +94,7 @@ class Panels(Container):
         """Show the findings."""
         self.found = found
         self.show_verdict(system)
-        self.show_residuals(0)
+        self.show_residuals(0, system)
         self.show_marks(0)
         rows = ranking_rows(found.diagnosis)
         heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
@@ -105,12 +105,12 @@ class Panels(Container):
         if self.found is not None:
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
 
-    def show_residuals(self, turn: int) -> None:
+    def show_residuals(self, turn: int, system: str) -> None:
         """Residuals against a column, flight by flight."""
         from fieldkit.tui.widgets.plots import Plot
 
         if self.found is not None:
-            said, points, ticks = residual_points(self.found, turn)
+            said, points, ticks = residual_points(self.found, turn, system)
             self.query_one("#against", Static).update(Content(said))
             self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 

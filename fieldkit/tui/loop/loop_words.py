@@ -79,11 +79,14 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
         yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90%"
 
 
-def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
+def residual_points(
+    found: "Findings", turn: int, system: str = "SI"
+) -> tuple[str, list[tuple[float, float]], list[str]]:
     """Residuals against the column with the `turn`-th strongest correlation: its title, the points, and labels of the
     axis if the column is not numeric."""
     import numpy as np
 
+    from fieldkit.presentation.condition_axis import in_units
     from fieldkit.selection.residual import columns_of, kinds_of, residuals
 
     diagnosis = found.diagnosis
@@ -100,9 +103,11 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
         seen = "they correlate" if pattern.p < PATTERN_P_VALUE else "no pattern"
         tested = f"{seen}, p {pattern.p:.2f}"
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
-    places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
+    title, places = in_units(name, numbers[name], system) if name in numbers else (name, None)
+    if places is None:
+        places = np.array([float(ticks.index(kind)) for kind in kinds[name]])
     points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
-    return f"residual / expected scatter, vs. {name.replace('_', ' ')}: {tested}", points, ticks
+    return f"residual / expected scatter, vs. {title}: {tested}", points, ticks
 
 
 def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:

@@ -114,6 +114,7 @@ class LoopScreen(PageScreen):
         self.panels.show_versions(standing, self.resources.settings.units)
         accepted = self._accepted_version is not None and self._accepted_version == standing.used
         self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
 
     async def action_look(self) -> None:
         """Search for missing effects, and show how far that is; nothing is changed."""
@@ -149,7 +150,7 @@ class LoopScreen(PageScreen):
         self._effect = self._panel = 0
         self._accepted_version = None
         self.panels.show(found, self.resources.settings.units)
-        self.panels.show_residuals(self._against)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
         self._front()
 
     def _front(self) -> None:
@@ -169,7 +170,7 @@ class LoopScreen(PageScreen):
     def action_covariate(self) -> None:
         """Residuals against the next column."""
         self._against += 1
-        self.panels.show_residuals(self._against)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
         self.action_panel(PANELS.index("Residuals"))
 
     def action_effect(self) -> None:

@@ -34,7 +34,7 @@ Draw = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
 
 def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """Leave-one-out errors, flown minus forecast, before and after, against the column of the verdict."""
-    diagnosis, against = found.diagnosis, axis(found)
+    diagnosis, against = found.diagnosis, axis(found, shown.system)
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     sides = [("before", diagnosis.forecasts_before, BEFORE_COLOR)]
     if diagnosis.effect != "none":
