@@ -194,9 +194,10 @@ def _hidden(season: Season) -> dict[str, object]:
 def make(
     folder: Path, names: Iterable[str], per_scenario: int, seed: int, truth: str, first: int = 0
 ) -> list[dict[str, object]]:
-    """Write sets of the named scenarios into a folder, in shuffled order, and return their labels. With RocketPy,
-    scenarios that it cannot simulate are left out. The first set of each scenario has the strength level `first`; the
-    next ones cycle through the levels.
+    """Write sets of the named scenarios into a folder, in shuffled order, and return their labels.
+
+    With RocketPy, scenarios that it cannot simulate are left out. The first set of each scenario has the strength level
+    `first`; the next ones cycle through the levels.
     """
     folder.mkdir(parents=True, exist_ok=True)
     labels: list[dict[str, object]] = []

@@ -30,8 +30,10 @@ def descent(
 def opening(
     start: Float[Array, "six"], since: float, ejected: float, launch: Launch
 ) -> tuple[Float[Array, "step"], Float[Array, "six step"]]:
-    """Times and states (position, velocity) from `since` until the rocket descends steadily or lands. It is a point
-    mass with gravity, wind, and from `ejected` on the drag of a parachute that fills within `launch.opening`.
+    """Times and states (position, velocity) from `since` until the rocket descends steadily or lands.
+
+    It is a point mass with gravity, wind, and from `ejected` on the drag of a parachute that fills within
+    `launch.opening`.
     """
     air, mass = launch.air, launch.dry_mass + launch.motor.total_mass - launch.motor.propellant_mass
     body = launch.drag.cd * launch.drag.power_off * np.pi / 4 * launch.airframe.diameter**2

@@ -1,5 +1,6 @@
-"""A vertical flight of a point mass, with which a flyer would choose motors and delays. It is also a check of the rigid
-rocket, which must agree with it without wind on a vertical rail.
+"""A vertical flight of a point mass, with which a flyer would choose motors and delays.
+
+It is also a check of the rigid rocket, which must agree with it without wind on a vertical rail.
 """
 
 import math

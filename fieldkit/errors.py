@@ -10,8 +10,9 @@ class FieldkitError(Exception):
 
 
 class DamagedLog(FieldkitError):
-    """A log, or one row of it, does not match its format. `source`, `row` and `column` are the position; a parser gives
-    the row, and its caller adds the source.
+    """A log, or one row of it, does not match its format.
+
+    `source`, `row` and `column` are the position; a parser gives the row, and its caller adds the source.
     """
 
     def __init__(

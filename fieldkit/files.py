@@ -29,9 +29,10 @@ _BINARY = getattr(os, "O_BINARY", 0)
 
 
 def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
-    """The bytes of a file of unknown origin, up to a size limit, by default `MAX_FILE_SIZE`. Devices and pipes in a
-    folder are not opened, because they may block or never end. Input from a shell, such as /dev/stdin, is read to its
-    end unless `plain`. Raises OSError, also for a file that is too large.
+    """The bytes of a file of unknown origin, up to a size limit, by default `MAX_FILE_SIZE`.
+
+    Devices and pipes in a folder are not opened, because they may block or never end. Input from a shell, such as
+    /dev/stdin, is read to its end unless `plain`. Raises OSError, also for a file that is too large.
     """
     most = MAX_FILE_SIZE if most is None else most
     about = file.stat()
@@ -64,8 +65,10 @@ def _poured(file: Path, most: int) -> bytes | None:
 
 def check_target(file: Path, *, force: bool = False) -> None:
     """Raise FieldkitError for a path that must not be written: a folder, a file of fieldkit, and any existing file
-    without `force`. Files of fieldkit are every ledger (also a damaged or deleted one, recognized by its backups), its
-    journals and backups, and the flyer's settings and additions, under any name and through links.
+    without `force`.
+
+    Files of fieldkit are every ledger (also a damaged or deleted one, recognized by its backups), its journals and
+    backups, and the flyer's settings and additions, under any name and through links.
     """
     try:
         target = file.resolve()
@@ -88,9 +91,10 @@ def is_taken(file: Path) -> bool:
 
 
 def write(file: Path, content: bytes, *, force: bool = False) -> None:
-    """Write a requested file atomically; an existing one is replaced only with `force`. A link stays, and its target is
-    written. A device or a pipe receives the bytes directly. Raises FieldkitError if the file cannot be written, also
-    for a file of fieldkit; see `check_target`.
+    """Write a requested file atomically; an existing one is replaced only with `force`.
+
+    A link stays, and its target is written. A device or a pipe receives the bytes directly. Raises FieldkitError if the
+    file cannot be written, also for a file of fieldkit; see `check_target`.
     """
     write_all({file: content}, force=force)
 
@@ -226,8 +230,9 @@ def _same(one: Path, other: Path) -> bool:
 
 
 def replace(file: Path, content: bytes) -> None:
-    """Replace a file of fieldkit atomically: a kill or a power cut leaves the old file or the new one. Raises
-    FieldkitError if it cannot be written.
+    """Replace a file of fieldkit atomically: a kill or a power cut leaves the old file or the new one.
+
+    Raises FieldkitError if it cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

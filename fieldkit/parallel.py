@@ -1,7 +1,9 @@
 """Resumable parallel jobs: each result is saved in a folder as soon as it is done, so that an interrupted job can
-continue. Workers are Dask's, from the extra `cluster`: processes of this computer, or a scheduler's on any number of
-machines. If a worker is lost, another one repeats its item. A scheduler runs whatever code it receives: use it only on
-a trusted network or with Dask's security keys. Any other executor works too.
+continue.
+
+Workers are Dask's, from the extra `cluster`: processes of this computer, or a scheduler's on any number of machines. If
+a worker is lost, another one repeats its item. A scheduler runs whatever code it receives: use it only on a trusted
+network or with Dask's security keys. Any other executor works too.
 """
 
 import os
@@ -25,6 +27,7 @@ _LOCAL_ADDRESS = re.compile(r"local(?::(\d{1,3}))?")
 @contextmanager
 def workers(where: str) -> Iterator[Executor]:
     """Workers: `local` or `local:4` for processes of this computer, or else those of the scheduler at an address.
+
     Raises FieldkitError if Dask is not installed or the scheduler does not answer, BadValue for zero workers.
     """
     try:
@@ -72,8 +75,9 @@ def _end_with_parent() -> None:
 def done(
     work: Callable[[Item], bytes], items: Mapping[str, Item], folder: Path, pool: Executor
 ) -> Iterator[tuple[str, bytes]]:
-    """The name and result of each item when it is done, saved results of an earlier run first. Names are file names. An
-    exception in an item is raised here; earlier results stay saved.
+    """The name and result of each item when it is done, saved results of an earlier run first.
+
+    Names are file names. An exception in an item is raised here; earlier results stay saved.
     """
     folder.mkdir(parents=True, exist_ok=True)
     there = [name for name in items if (folder / name).exists()]

@@ -14,8 +14,9 @@ DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons"
 
 
 def data_folder() -> Path:
-    """The folder of the user's data, created if possible. If it cannot be created, there is nothing to read, and
-    writing reports the reason.
+    """The folder of the user's data, created if possible.
+
+    If it cannot be created, there is nothing to read, and writing reports the reason.
     """
     folder = _data_path()
     with suppress(OSError):

@@ -1,7 +1,8 @@
-"""Text from a log or a table, made safe for a terminal, a spreadsheet and Markdown. The ledger stores the original
-text; screens and messages show it through `printable`, exported tables through `as_cell`, and Markdown through
-`as_markdown`. Square brackets do not change: code that uses rich has to wrap text in `rich.text.Text` or
-`rich.markup.escape`.
+"""Text from a log or a table, made safe for a terminal, a spreadsheet and Markdown.
+
+The ledger stores the original text; screens and messages show it through `printable`, exported tables through
+`as_cell`, and Markdown through `as_markdown`. Square brackets do not change: code that uses rich has to wrap text in
+`rich.text.Text` or `rich.markup.escape`.
 """
 
 import re
@@ -23,9 +24,10 @@ def _picture(char: str) -> str:
 
 
 def printable(text: str) -> str:
-    """The text on one line, unable to move the cursor or change colors or the writing direction. Line breaks and tabs
-    become spaces; an escape sequence shows as `␛[31m`, an invisible or direction-changing character as its number,
-    `<U+202E>`. Other text is unchanged.
+    """The text on one line, unable to move the cursor or change colors or the writing direction.
+
+    Line breaks and tabs become spaces; an escape sequence shows as `␛[31m`, an invisible or direction-changing
+    character as its number, `<U+202E>`. Other text is unchanged.
     """
     return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANK)))
 

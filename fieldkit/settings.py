@@ -19,8 +19,10 @@ THEMES = ("field", "sun", "night", "terminal")
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The settings. `target` is the apogee that motors are compared with, or None. [m] `rail_length` [m] and
-    `rail_angle` [rad] are the defaults for plans without a rail.
+    """The settings.
+
+    `target` is the apogee that motors are compared with, or None. [m] `rail_length` [m] and `rail_angle` [rad] are the
+    defaults for plans without a rail.
     """
 
     units: str = UNITS[0]

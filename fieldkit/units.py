@@ -1,7 +1,8 @@
-"""Conversions between the units that flyers write and the SI units used inside. A number is converted on the line where
-it enters or leaves the program. A column name or a typed value carries its unit as a suffix (`apogee_ft`, `923ft`);
-which units are allowed follows from the quantity, so the `g` of `dry_mass_g` is a gram and the `g` of `peak_accel_g` is
-the acceleration of free fall.
+"""Conversions between the units that flyers write and the SI units used inside.
+
+A number is converted on the line where it enters or leaves the program. A column name or a typed value carries its unit
+as a suffix (`apogee_ft`, `923ft`); which units are allowed follows from the quantity, so the `g` of `dry_mass_g` is a
+gram and the `g` of `peak_accel_g` is the acceleration of free fall.
 """
 
 import re
@@ -135,8 +136,9 @@ MAX_TYPED_VALUE = 1e30
 
 
 def unit(quantity: str, suffix: str) -> Unit:
-    """The unit of a quantity with this suffix in any case. Raises BadValue with the allowed units for an unknown
-    suffix.
+    """The unit of a quantity with this suffix in any case.
+
+    Raises BadValue with the allowed units for an unknown suffix.
     """
     units = UNITS[quantity]
     try:

@@ -76,8 +76,10 @@ def rank(draws: Float[Array, "draw"], truth: float, rng: np.random.Generator) ->
 
 
 def uniformity(ranks: Float[Array, "forecast"], seed: int = 0) -> float:
-    """p-value of the ranks' uniformity. [1] At each of `PLACES` the number of ranks below is binomial; the statistic is
-    the least likely point, compared with sets of uniform ranks of the same size.
+    """p-value of the ranks' uniformity. [1]
+
+    At each of `PLACES` the number of ranks below is binomial; the statistic is the least likely point, compared with
+    sets of uniform ranks of the same size.
     """
     from scipy.stats import binom
 

@@ -1,6 +1,7 @@
-"""Ledgers drawn from the generative model of a flight: several rockets of one flyer with known true parameters. Shared
-terms (the flyer's fleet, motor types) are drawn once per ledger, other terms for each rocket, and scatter, reading
-errors and their Student t tails for each flight, exactly as in the likelihood of the fit.
+"""Ledgers drawn from the generative model of a flight: several rockets of one flyer with known true parameters.
+
+Shared terms (the flyer's fleet, motor types) are drawn once per ledger, other terms for each rocket, and scatter,
+reading errors and their Student t tails for each flight, exactly as in the likelihood of the fit.
 """
 
 from collections.abc import Mapping, Sequence

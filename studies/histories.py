@@ -1,6 +1,7 @@
-"""Every rocket of a ledger: the effect in its history, and the improvement of later forecasts. Each flight is forecast
-from the earlier ones only, by the plain model and by the model after the loop on the earlier flights. The loop runs
-again before every flight, without information from later ones.
+"""Every rocket of a ledger: the effect in its history, and the improvement of later forecasts.
+
+Each flight is forecast from the earlier ones only, by the plain model and by the model after the loop on the earlier
+flights. The loop runs again before every flight, without information from later ones.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,9 +31,10 @@ DRAWS = 600
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """One rocket: the verdict from all its flights, and the relative errors of later forecasts. `before` and `after`
-    are forecast over flown apogee, minus one; `inside` is whether the flight was in the 90% interval, before and after;
-    `said` is the verdict at each of these flights.
+    """One rocket: the verdict from all its flights, and the relative errors of later forecasts.
+
+    `before` and `after` are forecast over flown apogee, minus one; `inside` is whether the flight was in the 90%
+    interval, before and after; `said` is the verdict at each of these flights.
     """
 
     rocket: str
@@ -111,6 +113,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
     """The histories as a page of Markdown; `unnamed` numbers the rockets and leaves out the places of effects.
+
     `forecasts` are those of every flight from the earlier ones, by the model and its rivals.
     """
     return "\n".join([*_lines(found, unnamed), *_learning(forecasts)]) + "\n"

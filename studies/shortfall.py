@@ -1,8 +1,10 @@
 """Why measured flights fall short of their simulation: the contribution of each cause, and which causes can be
-distinguished. Causes are added one after the other to a model of all rockets of a ledger, and every flight is forecast
-from the earlier flights of all rockets. No prior mean of a cause comes from flights: causes start at the values of
-certificates, scales and devices, with the standard deviations of the learned hyperprior, so their estimates come from
-earlier flights only.
+distinguished.
+
+Causes are added one after the other to a model of all rockets of a ledger, and every flight is forecast from the
+earlier flights of all rockets. No prior mean of a cause comes from flights: causes start at the values of certificates,
+scales and devices, with the standard deviations of the learned hyperprior, so their estimates come from earlier flights
+only.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,5 +1,7 @@
-"""Annotated shapes are checked in tests; ordinary runs have no cost. Checks double the run time of the engine, so test
-modules of whole runs turn them off (`CHECK_SHAPES = False`); the functions they call are checked in other modules.
+"""Annotated shapes are checked in tests; ordinary runs have no cost.
+
+Checks double the run time of the engine, so test modules of whole runs turn them off (`CHECK_SHAPES = False`); the
+functions they call are checked in other modules.
 """
 
 import gc

@@ -116,8 +116,9 @@ LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minu
 
 
 def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, **named: (all, named)) -> Any:
-    """A cached function, so that results are not recomputed for every app. `asked` returns the key from the arguments,
-    by default all of them. Results are shared and must not be changed.
+    """A cached function, so that results are not recomputed for every app.
+
+    `asked` returns the key from the arguments, by default all of them. Results are shared and must not be changed.
     """
     answers: dict[bytes, Any] = {}
 
@@ -179,9 +180,10 @@ async def opened(
 
 
 async def calm(pilot: Pilot[None]) -> None:
-    """Wait until all workers are idle, all messages are handled and nothing is deferred to the next paint. Checking the
-    queues is cheap and shows messages still bubbling from a widget to its screen; a final round through all widgets
-    checks that none is still being handled.
+    """Wait until all workers are idle, all messages are handled and nothing is deferred to the next paint.
+
+    Checking the queues is cheap and shows messages still bubbling from a widget to its screen; a final round through
+    all widgets checks that none is still being handled.
     """
     quiet = 0
     while quiet < 2:
@@ -206,8 +208,9 @@ def _all_read(pilot: Pilot[None]) -> bool:
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
-    """Press keys one after the other, each when the app is idle again; `_` only waits. Letters of one text are sent
-    without waiting in between.
+    """Press keys one after the other, each when the app is idle again; `_` only waits.
+
+    Letters of one text are sent without waiting in between.
     """
     for key, after in zip_longest(keys or ("_",), keys[1:], fillvalue="_"):
         if key != "_":

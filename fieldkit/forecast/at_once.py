@@ -36,8 +36,9 @@ def prepare_at_once(
     ensemble: "Ensemble | None" = None,
 ) -> PreparedHistory:
     """The part of a history that does not depend on readouts, from a rocket's flights in the order flown, at least one,
-    and plans. `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without
-    a dry mass.
+    and plans.
+
+    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
     return prepared(history, response_of(history), quick_candidates)
@@ -79,8 +80,9 @@ def forecast_at_once(
     shared: SharedPrior | None = None,
     ensemble: "Ensemble | None" = None,
 ) -> QuickAnswer:
-    """The network's forecast of a plan from the flights of its rocket in the order flown, at least one. Flights with an
-    anomaly tag count as flown and are not used. Other arguments and errors as in `prepare_at_once`.
+    """The network's forecast of a plan from the flights of its rocket in the order flown, at least one.
+
+    Flights with an anomaly tag count as flown and are not used. Other arguments and errors as in `prepare_at_once`.
     """
     used = [flight.clean for flight, _ in flown]
     ready = prepare_at_once(flown, [plan], used, shared=shared, ensemble=ensemble)
@@ -94,9 +96,10 @@ def forecasts_at_once(
     shared: SharedPrior | None = None,
     ensemble: "Ensemble | None" = None,
 ) -> list[QuickAnswer]:
-    """The network's forecasts of alternative plans that differ only in their motors, in their order. All are simulated
-    in one batch; motors flown before and new ones are summarized separately. Other arguments and errors as in
-    `forecast_at_once`.
+    """The network's forecasts of alternative plans that differ only in their motors, in their order.
+
+    All are simulated in one batch; motors flown before and new ones are summarized separately. Other arguments and
+    errors as in `forecast_at_once`.
     """
     known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
     kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
@@ -119,9 +122,10 @@ def each_at_once(
     *,
     ensemble: "Ensemble | None" = None,
 ) -> list[QuickAnswer]:
-    """The network's answer for each single flight, of any rockets, with the plan to repeat it. `shared` is the
-    information from the other rockets of each flyer. Flights are simulated in batches. Flights with an anomaly tag are
-    used like any other. Other arguments and errors as in `forecast_at_once`.
+    """The network's answer for each single flight, of any rockets, with the plan to repeat it.
+
+    `shared` is the information from the other rockets of each flyer. Flights are simulated in batches. Flights with an
+    anomaly tag are used like any other. Other arguments and errors as in `forecast_at_once`.
     """
     found: list[QuickAnswer] = []
     for first in range(0, len(flown), BATCH):

@@ -60,9 +60,11 @@ def model_name(accepted: Sequence[Place]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class FittedForecast:
-    """Posterior draws of every term for the simulation of planned flights. `model` is the model of the planned flights,
-    and `at` the center of the posterior. `rests_on` counts the flights in the fit, and `name` is the model's name;
-    `rng` draws the scatter of single flights. `left_out` is as in `Prediction`.
+    """Posterior draws of every term for the simulation of planned flights.
+
+    `model` is the model of the planned flights, and `at` the center of the posterior. `rests_on` counts the flights in
+    the fit, and `name` is the model's name; `rng` draws the scatter of single flights. `left_out` is as in
+    `Prediction`.
     """
 
     model: Model
@@ -88,13 +90,14 @@ def predict(
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
-    """Predict planned flights of one rocket from its flights in the order flown. The plans are flown one after the
-    other, which matters only to effects that grow from flight to flight. With `averaged`, the forecast is a mixture
-    over sets of accepted effects, weighted by their probabilities. Flights with an anomaly tag count as flown and are
-    not used in the fit; outliers have little weight. Recorded wind acts with the prior of its effect, accepted or not,
-    unless `declared` is False. `cds` are the drag coefficients of designs by configuration, which replace the prior
-    mean of any rocket [1]. `shared` is the information from the flyer's other rockets; `hyperprior` is by default the
-    learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    """Predict planned flights of one rocket from its flights in the order flown.
+
+    The plans are flown one after the other, which matters only to effects that grow from flight to flight. With
+    `averaged`, the forecast is a mixture over sets of accepted effects, weighted by their probabilities. Flights with
+    an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
+    prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
+    configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
+    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
@@ -221,9 +224,10 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
 def fly_ahead(
     fitted: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
-    """Simulate the planned flights with the posterior draws, one batch of draws per flight. With `paired`, all flights
-    share random draws, so that they differ only by their plans. `delay_sd` is the relative standard deviation of delays
-    around their rating, instead of the model's. [1]
+    """Simulate the planned flights with the posterior draws, one batch of draws per flight.
+
+    With `paired`, all flights share random draws, so that they differ only by their plans. `delay_sd` is the relative
+    standard deviation of delays around their rating, instead of the model's. [1]
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scatter_scale = fitted.scales[:, :1]

@@ -25,9 +25,10 @@ _MIN_SCALE = 1e-3
 def closed_form(
     motor: dict[str, Array], dry_mass: Array, drag_area: Array, thrust: Array, density: Array
 ) -> dict[str, Array]:
-    """Top speed [m/s], apogee [m] and coast time [s] of a vertical flight at constant thrust, mass and air density. The
-    height gained during the burn is scaled by how early the thrust comes. Source: Fehskens and Malewicki (Malewicki,
-    Model Rocket Altitude Prediction Charts, 1967).
+    """Top speed [m/s], apogee [m] and coast time [s] of a vertical flight at constant thrust, mass and air density.
+
+    The height gained during the burn is scaled by how early the thrust comes. Source: Fehskens and Malewicki
+    (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     empty = dry_mass + motor["casing"]
     mass = empty + 0.5 * motor["propellant"]
@@ -72,7 +73,9 @@ def features(observed: Observed) -> Float[Array, "flight feature"]:
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
     """Each readout relative to its closed-form value, one column for each of `INDEPENDENT_READOUTS`; nan if missing.
-    [1] The ensemble predicts each from the others to find one that disagrees.
+    [1]
+
+    The ensemble predicts each from the others to find one that disagrees.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         motor, nominal = _nominal(observed)

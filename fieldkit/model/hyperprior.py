@@ -80,7 +80,9 @@ class Hyperprior:
 
     def fleet_sd(self, quantity: str) -> float:
         """Standard deviation of a flyer's fleet mean: variation among flyers plus the uncertainty of the overall mean.
-        [1], [s] It is 0 for a quantity that does not vary among flyers.
+        [1], [s]
+
+        It is 0 for a quantity that does not vary among flyers.
         """
         between = self.sd(quantity, "fleet")
         return float(np.hypot(between, self.mean_sds.get(quantity, 0.0))) if between else 0.0
@@ -231,8 +233,9 @@ def certified() -> Hyperprior:
 
 @cache
 def learned() -> Hyperprior:
-    """The hyperprior in use: the flyer's from `fieldkit learn --keep`, otherwise the one shipped with fieldkit. Raises
-    DamagedModel if the card cannot be read.
+    """The hyperprior in use: the flyer's from `fieldkit learn --keep`, otherwise the one shipped with fieldkit.
+
+    Raises DamagedModel if the card cannot be read.
     """
     own = hyperprior_file()
     if own.exists():

@@ -81,7 +81,9 @@ def measure(rng: np.random.Generator, truth: Truth) -> Observed:
 
 def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
     """The standard deviation of the error that `measure` adds to each readout, in SI; infinite for average
-    acceleration. The variance of a Student t with `TAIL` degrees of freedom is `TAIL` / (`TAIL` - 2).
+    acceleration.
+
+    The variance of a Student t with `TAIL` degrees of freedom is `TAIL` / (`TAIL` - 2).
     """
     size = np.nan_to_num(observed.readouts, nan=0.0)
     noise = [NOISE[name] for name in READOUT_NAMES]

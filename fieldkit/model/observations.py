@@ -45,9 +45,10 @@ weighted by thrust."""
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """Recorded flights in SI, one entry per flight, nan for "not recorded". `motor` has a column for each of `FIGURES`,
-    `declared` for each of `DECLARED_FIELDS`, and `readouts` for each of `READOUT_NAMES`. `sd` has the recorded standard
-    deviation of each readout; None if none is recorded.
+    """Recorded flights in SI, one entry per flight, nan for "not recorded".
+
+    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED_FIELDS`, and `readouts` for each of
+    `READOUT_NAMES`. `sd` has the recorded standard deviation of each readout; None if none is recorded.
     """
 
     motor: Float[Array, "flight figure"]
@@ -124,7 +125,9 @@ def diameter_range(
     motor_diameter: Float[Array, "flight"], dry_mass: Float[Array, "flight"]
 ) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
     """Smallest and largest body diameter for a motor and a mass; the prior is uniform in the logarithm between them.
-    [m] The body is at least as wide as the motor and a wall, at most five motors wide, and no lighter than the lightest
+    [m]
+
+    The body is at least as wide as the motor and a wall, at most five motors wide, and no lighter than the lightest
     kits of its diameter: 7 g at 20 mm, growing with the square to 105 g at 77 mm.
     """
     slim = np.maximum(MIN_PRIOR_DIAMETER, motor_diameter + 0.001)

@@ -59,8 +59,9 @@ def reading_sd(
 
 
 def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
-    """The recorded standard deviation of each readout, as compared; nan if there is none. [1] or [s] For a readout
-    compared by its logarithm it is the relative standard deviation.
+    """The recorded standard deviation of each readout, as compared; nan if there is none. [1] or [s]
+
+    For a readout compared by its logarithm it is the relative standard deviation.
     """
     found = np.stack(
         [np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED_READOUTS], axis=-1
@@ -72,9 +73,10 @@ def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
 
 
 def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1] A
-    flight without the readout takes the value of the last earlier flight with it, or else of the first flight with it,
-    because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
+    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
+
+    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
+    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
     """
     shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
     own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])

@@ -31,10 +31,11 @@ Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One parameter: what it changes, its prior, and how strongly it acts on each flight. `bends` is a property of the
-    flight, the name of a readout (a bias of the reading, as a ratio), or an effect. `low` and `high` truncate the
-    prior. `scaled_by` names the scale that multiplies its standard deviation, if there is one: a rocket with much
-    scatter is known less well, and a noisy device has a larger bias.
+    """One parameter: what it changes, its prior, and how strongly it acts on each flight.
+
+    `bends` is a property of the flight, the name of a readout (a bias of the reading, as a ratio), or an effect. `low`
+    and `high` truncate the prior. `scaled_by` names the scale that multiplies its standard deviation, if there is one:
+    a rocket with much scatter is known less well, and a noisy device has a larger bias.
     """
 
     name: str
@@ -142,8 +143,10 @@ def base_model(
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket without effects: every random effect of the hyperprior for which there is a group. `flown`
-    is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts from 0.
+    """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
+
+    `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
+    from 0.
     """
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())

@@ -25,8 +25,10 @@ class SharedPrior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Message:
-    """The normal likelihood of the shared terms from one rocket's flights. Its logarithm is -x'Px/2 + x'h plus a
-    constant, if x is the terms minus their hyperprior means, P the `precision` and h the `shift`.
+    """The normal likelihood of the shared terms from one rocket's flights.
+
+    Its logarithm is -x'Px/2 + x'h plus a constant, if x is the terms minus their hyperprior means, P the `precision`
+    and h the `shift`.
     """
 
     names: tuple[str, ...]
@@ -35,8 +37,9 @@ class Message:
 
 
 def combined(prior: SharedPrior, messages: Sequence[Message]) -> SharedPrior:
-    """The independent prior of the shared terms updated with the messages of some rockets by Bayes' rule. The prior has
-    to name every term of every message: other terms are dropped without being integrated over.
+    """The independent prior of the shared terms updated with the messages of some rockets by Bayes' rule.
+
+    The prior has to name every term of every message: other terms are dropped without being integrated over.
     """
     place = {name: i for i, name in enumerate(prior.names)}
     precision = np.linalg.inv(prior.covariance)

@@ -27,8 +27,9 @@ off the rail by less than 2% (twice that in wind), a small part of the scatter o
 def shown(
     model: Model, values: Float[Array, "draw term"], scatter: Mapping[str, Float[Array, "draw flight"]]
 ) -> dict[str, Float[Array, "draw flight"]]:
-    """Altimeter readouts of every flight, in SI, and a few figures that it does not show. `scatter` acts on single
-    flights. A flight that does not leave the pad is nan throughout.
+    """Altimeter readouts of every flight, in SI, and a few figures that it does not show.
+
+    `scatter` acts on single flights. A flight that does not leave the pad is nan throughout.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)

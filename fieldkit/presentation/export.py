@@ -25,8 +25,9 @@ def csv_table(flights: Sequence[Flight]) -> str:
 
 
 def document(flight: Flight) -> dict[str, object]:
-    """A flight as JSON: numbers in the unit of their column, None for "not recorded", otherwise text. Standard
-    deviations, sources of readouts and values from logs are included if they are recorded.
+    """A flight as JSON: numbers in the unit of their column, None for "not recorded", otherwise text.
+
+    Standard deviations, sources of readouts and values from logs are included if they are recorded.
     """
     row: dict[str, object] = dict(table_row(flight))
     for column in COLUMNS:

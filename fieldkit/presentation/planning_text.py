@@ -37,8 +37,9 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str 
 
 
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:
-    """The coast time, and every delay from best to worst; `fast` is the speed limit at ejection [m/s]. `tool` is the
-    delay drilling tool; figures are in the units of a `system`.
+    """The coast time, and every delay from best to worst; `fast` is the speed limit at ejection [m/s].
+
+    `tool` is the delay drilling tool; figures are in the units of a `system`.
     """
     shown = ShownUnits(system)
     said = judged.forecast

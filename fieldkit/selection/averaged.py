@@ -46,8 +46,10 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
-    """Forecasts of every flight from the earlier ones, by the plain model and averaged. `seen` marks the flights with
-    `MIN_EARLIER_FLIGHTS` before them; `chosen` is the most probable set at each flight, empty for none.
+    """Forecasts of every flight from the earlier ones, by the plain model and averaged.
+
+    `seen` marks the flights with `MIN_EARLIER_FLIGHTS` before them; `chosen` is the most probable set at each flight,
+    empty for none.
     """
 
     before: Forecasts
@@ -69,6 +71,7 @@ class _Said:
 
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
     """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
+
     If the importance weights are unreliable, the fit is repeated without the flight.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
@@ -142,7 +145,9 @@ def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
 
 def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead:
     """Forecasts of every flight from the earlier ones by the most probable hypotheses, weighted by the earlier flights
-    alone. The points of linearization, the weights of outlier flights and the set of hypotheses come from all flights.
+    alone.
+
+    The points of linearization, the weights of outlier flights and the set of hypotheses come from all flights.
     """
     some = _followed(posterior)
     said = []

@@ -39,9 +39,10 @@ Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """One way to extend a model: its terms, and the starting points of their fit. `place.effect` is empty for a
-    pattern. `starts` are values of the first term, each a starting point. `log_share` is the log of its fraction of the
-    prior odds of its effect.
+    """One way to extend a model: its terms, and the starting points of their fit.
+
+    `place.effect` is empty for a pattern. `starts` are values of the first term, each a starting point. `log_share` is
+    the log of its fraction of the prior odds of its effect.
     """
 
     place: Place
@@ -88,6 +89,7 @@ def background_terms(model: Model) -> list[Term]:
 
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, on all flights and in each group in which it may differ.
+
     `used_in_fit` marks the flights used in the fit: an effect may start only between them.
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}

@@ -1,5 +1,6 @@
-"""The search for effects that a rocket's model lacks, alone and together, weighted by evidence and averaged. The
-reported errors are leave-one-out: each flight is forecast by fits and weights without it.
+"""The search for effects that a rocket's model lacks, alone and together, weighted by evidence and averaged.
+
+The reported errors are leave-one-out: each flight is forecast by fits and weights without it.
 """
 
 from collections.abc import Sequence
@@ -33,9 +34,11 @@ _NOT_YET = "; held-out flights do not show it yet: check again after more flight
 
 @dataclass(frozen=True, slots=True)
 class Ranked:
-    """An effect (without a name for patterns) with its places, the best first. `log_bayes` is its log Bayes factor
-    alone against the plain model, averaged over its places by their prior; `probability` is the probability that it is
-    present, alone or with others; `score` is the leave-one-out score of its best place alone.
+    """An effect (without a name for patterns) with its places, the best first.
+
+    `log_bayes` is its log Bayes factor alone against the plain model, averaged over its places by their prior;
+    `probability` is the probability that it is present, alone or with others; `score` is the leave-one-out score of its
+    best place alone.
     """
 
     effect: str
@@ -61,7 +64,9 @@ class Plain:
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
     """The result of the search: the plain model, everything tried, the verdict, and leave-one-out errors before and
-    after. `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses.
+    after.
+
+    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses.
     """
 
     model: Model
@@ -117,9 +122,11 @@ def diagnose(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Evaluate everything that could be missing from a model, using the flights in the fit. `given` are effects that
-    are present whatever the evidence, and `declined` those that are absent. Raises UnknownEffect for an unknown effect,
-    or one that these flights cannot show. Flights are simulated with the coarse settings of forecasts.
+    """Evaluate everything that could be missing from a model, using the flights in the fit.
+
+    `given` are effects that are present whatever the evidence, and `declined` those that are absent. Raises
+    UnknownEffect for an unknown effect, or one that these flights cannot show. Flights are simulated with the coarse
+    settings of forecasts.
     """
     model = replace(model, coarse=True)
     truth, seen = data.values[:, 0], data.seen[:, 0]

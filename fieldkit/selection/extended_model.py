@@ -21,9 +21,10 @@ def rocket_model(
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket with its accepted effects and patterns; other arguments as in `base_model`. Patterns come
-    from the first `flown` flights, by default from all. With the certified hyperprior, the effects that every rocket
-    has are terms of the model; the learned hyperprior has them in its random effects.
+    """The model of a rocket with its accepted effects and patterns; other arguments as in `base_model`.
+
+    Patterns come from the first `flown` flights, by default from all. With the certified hyperprior, the effects that
+    every rocket has are terms of the model; the learned hyperprior has them in its random effects.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
     if hyperprior.kind == "certified":

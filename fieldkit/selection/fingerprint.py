@@ -22,9 +22,10 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class FingerprintMark:
-    """One readout: the effect's shift and the observed one, both in expected standard deviations. `sd` is the standard
-    deviation of the observed one. `fitted` is False for readouts that the fit does not use, which are compared with the
-    plain model's simulations in units of their own scatter. nan if nothing was recorded.
+    """One readout: the effect's shift and the observed one, both in expected standard deviations.
+
+    `sd` is the standard deviation of the observed one. `fitted` is False for readouts that the fit does not use, which
+    are compared with the plain model's simulations in units of their own scatter. nan if nothing was recorded.
     """
 
     readout: str

@@ -19,9 +19,10 @@ Members = frozenset[str]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hypothesis:
-    """Effects, each in one place, and the fit of the model with them; no effects for the plain model. `log_prior` is
-    the log ratio of its prior probability to the plain model's. `correction` is the correction of the fit's log
-    evidence by importance sampling, and `sampled` the result of the sampling, if it was done.
+    """Effects, each in one place, and the fit of the model with them; no effects for the plain model.
+
+    `log_prior` is the log ratio of its prior probability to the plain model's. `correction` is the correction of the
+    fit's log evidence by importance sampling, and `sampled` the result of the sampling, if it was done.
     """
 
     candidates: tuple[Candidate, ...]

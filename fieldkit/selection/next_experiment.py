@@ -39,9 +39,10 @@ ENOUGH_EVIDENCE_FRACTION = 0.9
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A proposed flight or measurement, its expected log Bayes factor, and the readouts to record. `subject` is the
-    motor to fly, or the quantity to measure. `first` and `second` are the two explanations' forecasts of the apogee;
-    nan for a measurement.
+    """A proposed flight or measurement, its expected log Bayes factor, and the readouts to record.
+
+    `subject` is the motor to fly, or the quantity to measure. `first` and `second` are the two explanations' forecasts
+    of the apogee; nan for a measurement.
     """
 
     what: str

@@ -23,8 +23,9 @@ FAMILY_PROBABILITY = 1 - NO_EFFECT_PROBABILITY ** (1 / (len(FAMILIES) + 1))
 
 
 def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> dict[str, float]:
-    """Prior probability that each effect, and something unexplained, is present, by their names in verdicts. Forms of
-    an effect share its probability. `catalogue` is by default every installed effect.
+    """Prior probability that each effect, and something unexplained, is present, by their names in verdicts.
+
+    Forms of an effect share its probability. `catalogue` is by default every installed effect.
     """
     known = effects() if catalogue is None else catalogue
     family = {effect.form_of or name: effect.family for name, effect in known.items()}

@@ -13,8 +13,9 @@ PATTERN_SDS = {"drag": 0.2, "mass": 0.1}
 
 
 def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
-    """Candidates for a model whose first flights, those in `used_in_fit`, have flown; the rest are plans. Each acts on
-    plans as if they flew next. Only the full search tries patterns with several components.
+    """Candidates for a model whose first flights, those in `used_in_fit`, have flown; the rest are plans.
+
+    Each acts on plans as if they flew next. Only the full search tries patterns with several components.
     """
     flown = len(used_in_fit)
     past = np.array([*used_in_fit, *[False] * (len(model.flights) - flown)], bool)

@@ -1,5 +1,7 @@
-"""The quick search for missing effects of a rocket by the history network. The probabilities come from the network.
-Strengths, evidence and leave-one-out errors come from one linear fit, with each effect in its most probable place.
+"""The quick search for missing effects of a rocket by the history network.
+
+The probabilities come from the network. Strengths, evidence and leave-one-out errors come from one linear fit, with
+each effect in its most probable place.
 """
 
 from collections.abc import Sequence
@@ -49,9 +51,10 @@ class QuickCandidate:
 
 @dataclass(frozen=True, slots=True)
 class QuickLook:
-    """The network's answer for a rocket; `candidates` are in descending order of probability. `effect`, `confidence`,
-    `why` and `also` are as in a verdict of the loop. `before` are the plain model's leave-one-out errors. `untrained`
-    are installed effects that the network was not trained with.
+    """The network's answer for a rocket; `candidates` are in descending order of probability.
+
+    `effect`, `confidence`, `why` and `also` are as in a verdict of the loop. `before` are the plain model's
+    leave-one-out errors. `untrained` are installed effects that the network was not trained with.
     """
 
     rocket: str

@@ -33,9 +33,11 @@ class Pattern:
 
 @dataclass(frozen=True, slots=True)
 class ResidualDistribution:
-    """The distribution of one readout's residuals, in units of their expected scatter. `bias` and `spread` are mean and
-    standard deviation (0 and 1 if the model is right), and `autocorrelation` is at lag 1. Each has a p-value: by
-    Student's t, by chi-squared, and by shuffling the flights. nan if fewer than four flights have the readout.
+    """The distribution of one readout's residuals, in units of their expected scatter.
+
+    `bias` and `spread` are mean and standard deviation (0 and 1 if the model is right), and `autocorrelation` is at lag
+    1. Each has a p-value: by Student's t, by chi-squared, and by shuffling the flights. nan if fewer than four flights
+    have the readout.
     """
 
     readout: str
@@ -119,8 +121,9 @@ def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
 
 
 def fingerprint(trial: Trial) -> dict[str, float]:
-    """The shift of each readout by an effect at its fitted strength, averaged over its flights. Shifts are relative
-    (0.05 is 5% more) except for the time from apogee to ejection [s].
+    """The shift of each readout by an effect at its fitted strength, averaged over its flights.
+
+    Shifts are relative (0.05 is 5% more) except for the time from apogee to ejection [s].
     """
     fit = trial.fit
     mean, _ = fit.moments()

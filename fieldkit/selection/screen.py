@@ -32,9 +32,10 @@ Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float
 
 @dataclass(frozen=True, slots=True)
 class Screened:
-    """The candidates of every effect to fit, each with its promising starts. `steps` are the readouts around each of
-    these starts, by place, from the smaller model and the separate simulation of the effect, so that the first step of
-    a fit needs no further simulations.
+    """The candidates of every effect to fit, each with its promising starts.
+
+    `steps` are the readouts around each of these starts, by place, from the smaller model and the separate simulation
+    of the effect, so that the first step of a fit needs no further simulations.
     """
 
     families: dict[str, list[Candidate]]
@@ -44,8 +45,10 @@ class Screened:
 def screened(
     families: Mapping[str, Sequence[Candidate]], near: Fit, worth: Mapping[str, float] | None = None
 ) -> Screened:
-    """The candidates to fit. The prior of omitted places is added to the fitted ones in proportion to their
-    probability. Effects whose log Bayes factor against the model is below their `worth` are left out.
+    """The candidates to fit.
+
+    The prior of omitted places is added to the fitted ones in proportion to their probability. Effects whose log Bayes
+    factor against the model is below their `worth` are left out.
     """
     columns = _columns(families, near)
     found = {}

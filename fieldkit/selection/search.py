@@ -88,9 +88,10 @@ def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> l
 def checked(
     posterior: SetPosterior, on_progress: ReportProgress = no_op, window: float = SAMPLED_WINDOW
 ) -> SetPosterior:
-    """The posterior with the evidence of its probable hypotheses checked by the simulator. A hypothesis is probable if
-    its log odds against the best are within `window`. Other places of a set get the correction of its best one;
-    improbable sets get the correction of their largest checked subset.
+    """The posterior with the evidence of its probable hypotheses checked by the simulator.
+
+    A hypothesis is probable if its log odds against the best are within `window`. Other places of a set get the
+    correction of its best one; improbable sets get the correction of their largest checked subset.
     """
     best = posterior.best().log_weight
     likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
@@ -158,9 +159,10 @@ def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> M
 def _expanded(
     parents: Sequence[Hypothesis], data: Data, others: Families, best: float
 ) -> dict[Members, list[Hypothesis]]:
-    """Each other effect added to a set, with the set's effects in their most probable places. The relative evidence of
-    its other places is assumed to be the same as without the added effect. `best` is the log weight of the most
-    probable set.
+    """Each other effect added to a set, with the set's effects in their most probable places.
+
+    The relative evidence of its other places is assumed to be the same as without the added effect. `best` is the log
+    weight of the most probable set.
     """
     parent = max(parents, key=lambda one: one.log_weight)
     elsewhere = _weight(parents) - parent.log_weight

@@ -31,8 +31,9 @@ class Trial:
         return bends.unit if isinstance(bends, Effect) else ""
 
     def strength(self) -> tuple[float, float]:
-        """Posterior mean and standard deviation of the strength, in the effect's unit. For an effect with a strength in
-        every group, it is the root mean square over the groups.
+        """Posterior mean and standard deviation of the strength, in the effect's unit.
+
+        For an effect with a strength in every group, it is the root mean square over the groups.
         """
         names = [term.name for term in self.candidate.terms]
         index = [self.fit.model.names.index(name) for name in names]
@@ -55,7 +56,9 @@ def try_all(
     on_progress: Callable[[float], None] | None = None,
 ) -> list[Trial]:
     """Fit the candidates of every effect in parallel, each from all its starts, starting at the end point of a smaller
-    model. Candidates with negligible evidence compared with the best of their effect are dropped.
+    model.
+
+    Candidates with negligible evidence compared with the best of their effect are dropped.
     """
     families = worthy.families
     if not families:

@@ -17,6 +17,7 @@ SMOOTHLY = ", smoothly"
 @dataclass(frozen=True, slots=True)
 class Leftover:
     """Flights that differ from the others: which ones, by what fraction of the apogee, and its standard deviation.
+
     `amount` and `sd` refer to a ratio of apogees minus one; `where` marks the flights.
     """
 

@@ -34,10 +34,11 @@ def close_loop(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a rocket's flights and from now on predict with an average over all probable effects. `given` are
-    effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be absent. A
-    version is saved only if it differs from the current one. Raises NoFlights for fewer than four clean flights with an
-    apogee, UnknownEffect for a given effect that these flights cannot show.
+    """Diagnose a rocket's flights and from now on predict with an average over all probable effects.
+
+    `given` are effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be
+    absent. A version is saved only if it differs from the current one. Raises NoFlights for fewer than four clean
+    flights with an apogee, UnknownEffect for a given effect that these flights cannot show.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -63,8 +64,9 @@ def look(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Findings:
-    """Diagnose a rocket and collect everything for a report, including the evidence of its flights' logs. Nothing
-    changes unless `accept`. Raises the errors of `close_loop`.
+    """Diagnose a rocket and collect everything for a report, including the evidence of its flights' logs.
+
+    Nothing changes unless `accept`. Raises the errors of `close_loop`.
     """
     diagnosis = close_loop(
         ledger,
@@ -100,7 +102,9 @@ def _same(one: Averaged, other: Averaged) -> bool:
 
 def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
     """The record of a model version: effects with strengths, the sets in the average, the flights used, errors, a
-    digest. `left` is the unexplained pattern.
+    digest.
+
+    `left` is the unexplained pattern.
     """
     payload: dict[str, Any] = {
         "effects": [

@@ -23,8 +23,9 @@ from fieldkit.services.inferred import FlightInference
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """The results of each step: one entry per flight, or one per motor and configuration. `by_paper` is the answer of
-    the reference paper's ensemble, `inferred` ours.
+    """The results of each step: one entry per flight, or one per motor and configuration.
+
+    `by_paper` is the answer of the reference paper's ensemble, `inferred` ours.
     """
 
     rocket: str

@@ -63,11 +63,12 @@ class NextFlight:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """A diagnosis of a rocket with all figures for a report. `left_out` are leave-one-out errors, `forward` are errors
-    of forecasts from earlier flights. `fingerprints` are those of the accepted effects, or else of the most likely.
-    `tests` would distinguish the most probable explanation from the next. `next_flight` has the forecasts of the flight
-    after the last. `unexplained` is set if the verdict is "unexplained". `testimony` is the evidence of logs of the
-    climb, which the verdict does not use.
+    """A diagnosis of a rocket with all figures for a report.
+
+    `left_out` are leave-one-out errors, `forward` are errors of forecasts from earlier flights. `fingerprints` are
+    those of the accepted effects, or else of the most likely. `tests` would distinguish the most probable explanation
+    from the next. `next_flight` has the forecasts of the flight after the last. `unexplained` is set if the verdict is
+    "unexplained". `testimony` is the evidence of logs of the climb, which the verdict does not use.
     """
 
     rocket: str

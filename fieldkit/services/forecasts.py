@@ -33,8 +33,10 @@ Which = Literal["before", "after"]
 
 
 def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket that can be simulated, in order, each with its motor. Clusters, staged flights, flights
-    without a dry mass and implausible flights are left out; the ledger has a note on each implausible one.
+    """The flights of a rocket that can be simulated, in order, each with its motor.
+
+    Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a note on
+    each implausible one.
     """
     flights = ledger.flights(rocket)
     ledger.remark(*implausible_flights(flights, motors))

@@ -1,6 +1,7 @@
-"""Drag and thrust of single flights, from the forecast model or from an ensemble with a separate prior. Each flight is
-used alone, with the message of the user's other rockets: the history network gets a history with one flight. The field
-ensemble, which uses only the flight, warns about readouts far from its training data.
+"""Drag and thrust of single flights, from the forecast model or from an ensemble with a separate prior.
+
+Each flight is used alone, with the message of the user's other rockets: the history network gets a history with one
+flight. The field ensemble, which uses only the flight, warns about readouts far from its training data.
 """
 
 from collections.abc import Iterator, Sequence

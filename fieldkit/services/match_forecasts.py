@@ -15,10 +15,11 @@ from fieldkit.services.provenance import plan_changes, plan_parts
 def made_for(
     flights: Sequence[Flight], predictions: Sequence[StoredPrediction], motors: Catalogue
 ) -> list[StoredPrediction | None]:
-    """The forecast of each flight from before it flew; None if there is none. The latest forecast that names the flight
-    has priority. Otherwise it is a forecast for the same rocket, configuration and motor from the two weeks before the
-    flight: the one with the most similar mass and conditions, then the latest. Forecasts that used the flight are
-    excluded.
+    """The forecast of each flight from before it flew; None if there is none.
+
+    The latest forecast that names the flight has priority. Otherwise it is a forecast for the same rocket,
+    configuration and motor from the two weeks before the flight: the one with the most similar mass and conditions,
+    then the latest. Forecasts that used the flight are excluded.
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}

@@ -23,8 +23,9 @@ MIN_FLIGHTS = 4
 
 @dataclass(frozen=True, slots=True)
 class QuickForecast:
-    """A plan, completed from the last flight, and the network's answer for it. `check` compares the answer with the
-    model; if the check fails, `fitted` is the fit's forecast.
+    """A plan, completed from the last flight, and the network's answer for it.
+
+    `check` compares the answer with the model; if the check fails, `fitted` is the fit's forecast.
     """
 
     plan: Flight

@@ -19,8 +19,9 @@ from fieldkit.services.imports import read_file, recordings_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A recorded flight: its name, its kind, its samples and measured values. `reading` is None for a flight with
-    readouts only.
+    """A recorded flight: its name, its kind, its samples and measured values.
+
+    `reading` is None for a flight with readouts only.
     """
 
     name: str
@@ -64,8 +65,10 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
 def recordings(
     ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[ColumnChoice] = ()
 ) -> list[Recording]:
-    """The flights of a file, or the flight of the ledger with an id, as recordings to compare. Flights without a log
-    have only their readouts. Raises FieldkitError if there is neither such a file nor such a flight.
+    """The flights of a file, or the flight of the ledger with an id, as recordings to compare.
+
+    Flights without a log have only their readouts. Raises FieldkitError if there is neither such a file nor such a
+    flight.
     """
     path = Path(what)
     if path.is_file():

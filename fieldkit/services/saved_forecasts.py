@@ -24,9 +24,10 @@ LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
 
 @dataclass(frozen=True, slots=True)
 class SavedForecast:
-    """A saved prediction, its flight, and what changed before that flight was added. `changes` are phrases, empty if
-    all inputs are unchanged. `over` means that no flight will be compared with it anymore, because a later prediction
-    replaced it or two weeks have passed.
+    """A saved prediction, its flight, and what changed before that flight was added.
+
+    `changes` are phrases, empty if all inputs are unchanged. `over` means that no flight will be compared with it
+    anymore, because a later prediction replaced it or two weeks have passed.
     """
 
     made: StoredPrediction

@@ -34,8 +34,9 @@ def replayed(
     hyperprior: Hyperprior | None = None,
     on_progress: ReportProgress = no_op,
 ) -> list[Forecast]:
-    """Forecasts of every clean flight of a ledger from all rockets' earlier flights, in the order flown. With `rocket`,
-    only its flights are forecast, and only they determine corrections and stacking weights.
+    """Forecasts of every clean flight of a ledger from all rockets' earlier flights, in the order flown.
+
+    With `rocket`, only its flights are forecast, and only they determine corrections and stacking weights.
     """
     known = ledger.flights()
     ledger.remark(*implausible_flights(known, motors))
@@ -52,8 +53,10 @@ def read_hyperprior(path: Path) -> Hyperprior:
 
 
 def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) -> list[Forecast]:
-    """Predictions of clean flights with an apogee, in the order flown. The rivals use the same data as the prediction:
-    the rocket's flights at that time, other rockets' earlier flights, and the plan at that time.
+    """Predictions of clean flights with an apogee, in the order flown.
+
+    The rivals use the same data as the prediction: the rocket's flights at that time, other rockets' earlier flights,
+    and the plan at that time.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
     known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean] if scored else []

@@ -29,9 +29,10 @@ SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
 
 @dataclass(frozen=True, slots=True)
 class TypedEstimate:
-    """The network's estimate from a rocket's flights and the one being entered. `cd` (on the body's frontal area) [1],
-    `alpha` [1] and `next_apogee` [m] are for repeating the flight. All are None if `needs` names missing inputs, or
-    `odd` gives the reason the figures are impossible.
+    """The network's estimate from a rocket's flights and the one being entered.
+
+    `cd` (on the body's frontal area) [1], `alpha` [1] and `next_apogee` [m] are for repeating the flight. All are None
+    if `needs` names missing inputs, or `odd` gives the reason the figures are impossible.
     """
 
     needs: tuple[str, ...] = ()
@@ -65,9 +66,10 @@ def set_up(flight: Flight) -> Flight:
 
 
 class TypedFlight:
-    """The flight being entered, together with its rocket's flights in a ledger. Results that do not depend on readouts
-    are cached, so that a readout costs one linear pass and one run of the network. Thread-safe; calls are answered one
-    at a time.
+    """The flight being entered, together with its rocket's flights in a ledger.
+
+    Results that do not depend on readouts are cached, so that a readout costs one linear pass and one run of the
+    network. Thread-safe; calls are answered one at a time.
     """
 
     def __init__(self, ledger: Ledger, motors: Catalogue) -> None:

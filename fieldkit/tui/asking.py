@@ -60,10 +60,12 @@ class AskingScreen(Screen[None]):
         alone: bool = False,
         engine: Sequence[str] = ENGINE,
     ) -> None:
-        """Run work in a worker and pass its result to `answer`. A newer request of a group drops an older one, or waits
-        for it if `in_turn`. An error becomes a notice; an unexpected one also a crash file. Threads cannot be stopped,
-        so dropped work runs to its end or to its next call of `go_on`. Long requests run `alone`, one at a time, the
-        newest next. A request that needs only part of the `engine` does not wait for the rest.
+        """Run work in a worker and pass its result to `answer`.
+
+        A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
+        unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
+        of `go_on`. Long requests run `alone`, one at a time, the newest next. A request that needs only part of the
+        `engine` does not wait for the rest.
         """
 
         def with_engine() -> T:

@@ -33,8 +33,9 @@ def gone(terminal: int) -> bool:
 
 def never_outlive(terminal: int) -> None:
     """End this process soon after the other end is gone, whatever keeps it alive: a computing thread, an open question,
-    an event loop left idle by a write error. Typed text is already saved, and an incomplete change of the ledger is
-    rolled back.
+    an event loop left idle by a write error.
+
+    Typed text is already saved, and an incomplete change of the ledger is rolled back.
     """
     Thread(target=_end_after, args=(terminal,), name="hangup", daemon=True).start()
 

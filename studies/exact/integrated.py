@@ -1,7 +1,9 @@
 """The exact posterior of simulated flights with all random inputs integrated out, a lower bound of the error of any
-method. The random inputs of a flight have a normal prior and an exact likelihood (`likelihood`). The posterior is
-integrated by importance sampling from a mixture of proposals (Owen and Zhou, Safe and effective importance sampling,
-2000), for many flights at once. It is slow and serves to evaluate the ensemble.
+method.
+
+The random inputs of a flight have a normal prior and an exact likelihood (`likelihood`). The posterior is integrated by
+importance sampling from a mixture of proposals (Owen and Zhou, Safe and effective importance sampling, 2000), for many
+flights at once. It is slow and serves to evaluate the ensemble.
 """
 
 from collections.abc import Sequence
@@ -110,8 +112,9 @@ def _weighed(
     free: slice,
     count: int,
 ) -> tuple[Float[Array, "flight draw latent"], Float[Array, "flight draw"]]:
-    """New draws, the same number from each proposal, and their log weights. Draws used to fit a proposal are not
-    reused: they would bias the evidence low.
+    """New draws, the same number from each proposal, and their log weights.
+
+    Draws used to fit a proposal are not reused: they would bias the evidence low.
     """
     drawn = np.concatenate([proposal.draw(rng, count) for proposal in proposals], axis=1)
     values = np.broadcast_to(start[:, None], (*drawn.shape[:2], LATENTS)).copy()
@@ -124,7 +127,9 @@ def _weighed(
 
 def _defences(normal: _Proposal) -> list[_Proposal]:
     """Proposals from the full prior, and from the prior with Cd and alpha near their likely values, which cover all
-    mass. Without them, part of the evidence is missed if rare scatter occurred.
+    mass.
+
+    Without them, part of the evidence is missed if rare scatter occurred.
     """
     size = normal.mean.shape[1]
     whole = np.broadcast_to(np.eye(size), normal.root.shape).copy()
@@ -141,8 +146,9 @@ def _defences(normal: _Proposal) -> list[_Proposal]:
 def _starts(
     rng: np.random.Generator, one: Problem, start: Float[Array, "flight latent"], free: slice
 ) -> list[Float[Array, "flight latent"]]:
-    """Starting points: the middle of the prior and likely prior draws. Rare events, such as an early ejection, have a
-    zero derivative in the middle of the prior.
+    """Starting points: the middle of the prior and likely prior draws.
+
+    Rare events, such as an early ejection, have a zero derivative in the middle of the prior.
     """
     pilots = np.broadcast_to(start[:, None], (len(one), PILOTS, LATENTS)).copy()
     pilots[..., PARAMETERS:] = rng.normal(size=pilots[..., PARAMETERS:].shape)

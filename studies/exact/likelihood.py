@@ -1,7 +1,8 @@
-"""The exact likelihood of simulated flights as a function of their standard normal inputs. Every random property of a
-simulated flight is a function of these inputs: Cd and alpha of the first two, the errors of the accelerometer of the
-next two, winds, motors and so on of the rest. Given all inputs, a readout is the simulated value plus noise, the sum of
-two Student t, rounded to the device's resolution.
+"""The exact likelihood of simulated flights as a function of their standard normal inputs.
+
+Every random property of a simulated flight is a function of these inputs: Cd and alpha of the first two, the errors of
+the accelerometer of the next two, winds, motors and so on of the rest. Given all inputs, a readout is the simulated
+value plus noise, the sum of two Student t, rounded to the device's resolution.
 """
 
 from collections.abc import Sequence
@@ -177,8 +178,9 @@ def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[A
 
 
 def _bins(observed: Observed) -> dict[str, tuple[Array, Array]]:
-    """Bounds of each readout before rounding; nan if it was not recorded. Average acceleration is speed over burn time,
-    so it narrows the bounds of the burn time.
+    """Bounds of each readout before rounding; nan if it was not recorded.
+
+    Average acceleration is speed over burn time, so it narrows the bounds of the burn time.
     """
     found = {}
     for name in READOUT_NAMES:

@@ -1,6 +1,7 @@
-"""Steps from the paper's physics to certified motors in real air, and the change of the errors by each step. The
-estimator is the same in all steps: the exact posterior mean of Cd and alpha under the paper's prior, given the apogee
-alone. So only the physics changes the errors.
+"""Steps from the paper's physics to certified motors in real air, and the change of the errors by each step.
+
+The estimator is the same in all steps: the exact posterior mean of Cd and alpha under the paper's prior, given the
+apogee alone. So only the physics changes the errors.
 """
 
 from collections.abc import Callable

@@ -175,6 +175,7 @@ def rules(flights: Reference) -> list[Rule]:
 
 def scatter(flights: Reference) -> dict[str, float]:
     """The pooled scatter of valid flights of one motor and configuration, and the resulting minimum error of any rule.
+
     `sd_m` has `degrees_of_freedom`. With normal scatter of this size, a perfect forecast of the mean has the mean
     absolute error `perfect_mae_m`, and the mean of two earlier flights `two_peers_mae_m`.
     """

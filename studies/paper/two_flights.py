@@ -67,9 +67,10 @@ READOUT_SCATTER = {
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """An effect on the lighter flight: the strength that explains it, and its plausibility. `strength` is nan if none
-    does. `away` is its distance from the prior mean in prior standard deviations. `shows` are the altimeter's readouts
-    of that flight.
+    """An effect on the lighter flight: the strength that explains it, and its plausibility.
+
+    `strength` is nan if none does. `away` is its distance from the prior mean in prior standard deviations. `shows` are
+    the altimeter's readouts of that flight.
     """
 
     effect: str
@@ -157,8 +158,9 @@ TESTABLE_CONDITIONS = ("", "wind")
 
 
 def _causes(heavy: Flight, light: Flight) -> list[Cause]:
-    """Every registered effect, and a separate drag for the lighter configuration. Effects that need an unrecorded
-    condition are left out; for wind, the required speed is computed.
+    """Every registered effect, and a separate drag for the lighter configuration.
+
+    Effects that need an unrecorded condition are left out; for wind, the required speed is computed.
     """
     area = _area(heavy, 1.0)
     flown_between = int(light.flight_id) - int(heavy.flight_id)

@@ -1,8 +1,9 @@
-"""Hamiltonian Monte Carlo on many chains at once, with a force that need not be the exact gradient. Leapfrog steps
-preserve volume and are reversible for any force that depends only on the position. With the exact energy in the
-acceptance step, the density stays invariant: an approximate gradient lowers only the acceptance rate (Neal, MCMC Using
-Hamiltonian Dynamics, 2011, section 5.5; Zhang, Shahbaba and Zhao, Hamiltonian Monte Carlo Acceleration Using Surrogate
-Functions, 2017).
+"""Hamiltonian Monte Carlo on many chains at once, with a force that need not be the exact gradient.
+
+Leapfrog steps preserve volume and are reversible for any force that depends only on the position. With the exact energy
+in the acceptance step, the density stays invariant: an approximate gradient lowers only the acceptance rate (Neal, MCMC
+Using Hamiltonian Dynamics, 2011, section 5.5; Zhang, Shahbaba and Zhao, Hamiltonian Monte Carlo Acceleration Using
+Surrogate Functions, 2017).
 """
 
 from collections.abc import Callable

@@ -52,8 +52,9 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """Draws of the posterior of terms and scales, and the convergence of the chains. `r_hat` and `effective` are the
-    worst of the figures: split R-hat, and the effective number of draws.
+    """Draws of the posterior of terms and scales, and the convergence of the chains.
+
+    `r_hat` and `effective` are the worst of the figures: split R-hat, and the effective number of draws.
     """
 
     terms: Float[Array, "draw term"]
@@ -76,9 +77,10 @@ def target_of(case: Case, result: Fit, readouts: Readouts | None = None, *, stud
 
 
 def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> Sampled:
-    """Draws of an exact posterior from all chains in the order drawn. Positions are scaled by the approximate width of
-    the posterior (a constant mass matrix). Chains that did not mix continue with the exact force from their last
-    positions, and their earlier draws are dropped.
+    """Draws of an exact posterior from all chains in the order drawn.
+
+    Positions are scaled by the approximate width of the posterior (a constant mass matrix). Chains that did not mix
+    continue with the exact force from their last positions, and their earlier draws are dropped.
     """
     scatter, reading, _ = result.model.hyperprior.scales()
     scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))

@@ -26,7 +26,9 @@ DIGITS = 4
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A case, quantiles of `FIGURES` from the exact sampler and from a sampler of the linear model, and some exact
-    draws. `excess_crps` is that of the fit's forecast of the apogee at the time of sampling [1].
+    draws.
+
+    `excess_crps` is that of the fit's forecast of the apogee at the time of sampling [1].
     """
 
     name: str
@@ -55,9 +57,10 @@ def off(said: Float[Array, "level figure"], reference: Float[Array, "level figur
 
 
 def excess_crps(said: Float[Array, "draw"], exact: Float[Array, "draw"]) -> float:
-    """Relative excess of a forecast's expected CRPS over the exact forecast's. [1] With the truth drawn from the exact
-    forecast, the difference is the integral of the squared difference of their distribution functions, and the exact
-    forecast's CRPS is the integral of F (1 - F).
+    """Relative excess of a forecast's expected CRPS over the exact forecast's. [1]
+
+    With the truth drawn from the exact forecast, the difference is the integral of the squared difference of their
+    distribution functions, and the exact forecast's CRPS is the integral of F (1 - F).
     """
     grid = np.sort(np.concatenate([said, exact]))
     by = [np.searchsorted(np.sort(draws), grid[:-1], side="right") / len(draws) for draws in (said, exact)]

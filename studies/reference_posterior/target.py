@@ -1,6 +1,7 @@
-"""The exact posterior of a rocket's model as a density of coordinates with a standard normal prior. Terms, the random
-effects of every flight, and the two scales are all sampled, without integration or linearization, and residuals are
-Student t. The simulator has the settings of forecasts, not the coarse ones.
+"""The exact posterior of a rocket's model as a density of coordinates with a standard normal prior.
+
+Terms, the random effects of every flight, and the two scales are all sampled, without integration or linearization, and
+residuals are Student t. The simulator has the settings of forecasts, not the coarse ones.
 """
 
 from dataclasses import dataclass, replace
@@ -211,9 +212,10 @@ class Target:
 def target(
     model: Model, data: Data, at: Float[Array, "term"], readouts: Readouts | None = None, *, student: bool = True
 ) -> Target:
-    """The posterior of a model without effects; `at` is the point of the force's linearization. `readouts` are by
-    default the simulator's. A seen readout that the simulator does not give there is not compared, as in the fit.
-    Raises ValueError for a model with a launch angle or with effects.
+    """The posterior of a model without effects; `at` is the point of the force's linearization.
+
+    `readouts` are by default the simulator's. A seen readout that the simulator does not give there is not compared, as
+    in the fit. Raises ValueError for a model with a launch angle or with effects.
     """
     kinds = tuple(STEP_SIZES)
     if any(term.bends not in (*kinds, *OBSERVED_READOUTS) for term in model.terms) or any(

@@ -1,5 +1,6 @@
-"""The whole bench of undeclared effects: present effects are found, absent ones are not, and forecasts improve. Rates
-have to meet their promise within chance at the 1% level.
+"""The whole bench of undeclared effects: present effects are found, absent ones are not, and forecasts improve.
+
+Rates have to meet their promise within chance at the 1% level.
 """
 
 import sys

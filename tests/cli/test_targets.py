@@ -1,5 +1,6 @@
-"""Files that commands may write: never one of fieldkit's data files, and no existing file without confirmation. The
-commands and their files come from the command tree, so that a new command is included automatically.
+"""Files that commands may write: never one of fieldkit's data files, and no existing file without confirmation.
+
+The commands and their files come from the command tree, so that a new command is included automatically.
 """
 
 import ast

@@ -1,5 +1,6 @@
-"""The app as a state machine: keys, pages and another program's changes in any order, shrunk to a minimal example. In
-every state there are no unexpected errors, the app runs, and its ledger is sound.
+"""The app as a state machine: keys, pages and another program's changes in any order, shrunk to a minimal example.
+
+In every state there are no unexpected errors, the app runs, and its ledger is sound.
 """
 
 import asyncio

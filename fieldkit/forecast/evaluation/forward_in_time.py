@@ -156,8 +156,9 @@ def next_weights(rows: Sequence[Forecast]) -> dict[str, float]:
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
-    """The forecasts in the order flown, each with its interval corrected by the results of earlier flights. The
-    correction uses the forecasts of all rockets given, because one rocket rarely has enough.
+    """The forecasts in the order flown, each with its interval corrected by the results of earlier flights.
+
+    The correction uses the forecasts of all rockets given, because one rocket rarely has enough.
     """
     found: list[Forecast] = []
     surprises: list[float] = []

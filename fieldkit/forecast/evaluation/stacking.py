@@ -27,7 +27,9 @@ FREEDOM = 4.0
 
 def log_density(draws: Float[Array, "draw"], flown: float) -> float:
     """Log density of the logarithm of an apogee, from a kernel around the logarithm of each draw; -inf without a
-    spread. [nat] The bandwidth is Silverman's (Density Estimation, 1986, equation 3.31).
+    spread. [nat]
+
+    The bandwidth is Silverman's (Density Estimation, 1986, equation 3.31).
     """
     logs = np.log(draws[draws > 0])
     if len(logs) < 2 or not np.ptp(logs) > 0 or not flown > 0:

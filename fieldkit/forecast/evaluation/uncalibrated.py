@@ -1,5 +1,6 @@
-"""The forecast without calibration: one simulation with a certified motor and a typical drag coefficient. It uses
-nothing learned from flights, so the yardstick stays the same when the model changes.
+"""The forecast without calibration: one simulation with a certified motor and a typical drag coefficient.
+
+It uses nothing learned from flights, so the yardstick stays the same when the model changes.
 """
 
 from collections.abc import Sequence

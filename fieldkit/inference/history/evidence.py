@@ -61,8 +61,10 @@ def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weights:
-    """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales. `sharp` is the
-    inverse covariance of single flights, and `pulled` the inverse covariance of all readouts times the residual.
+    """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
+
+    `sharp` is the inverse covariance of single flights, and `pulled` the inverse covariance of all readouts times the
+    residual.
     """
 
     fit: Fit
@@ -199,8 +201,9 @@ def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
 
 
 def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
-    """Log Bayes factor of each trial given each other trial; on the diagonal, of the trial alone. [nat] Strengths are
-    treated as normal, without bounds.
+    """Log Bayes factor of each trial given each other trial; on the diagonal, of the trial alone. [nat]
+
+    Strengths are treated as normal, without bounds.
     """
     some = list(rows)
     gram = trials.shift[:, some].T @ trials.weighed[:, some]

@@ -1,6 +1,7 @@
 """The features of the history network: evidence, forecasts and residuals of linear fits, in the same order for any
-history and independent of the order in which a day's flights are listed. They come from two fits: one with the
-hyperprior for effects, one with the hyperprior for forecasts.
+history and independent of the order in which a day's flights are listed.
+
+They come from two fits: one with the hyperprior for effects, one with the hyperprior for forecasts.
 """
 
 from collections.abc import Sequence

@@ -17,8 +17,9 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """Mean and standard deviation of log apogee, log Cd and log alpha of plans. `parameter_sd` is the part of
-    `apogee_sd` that more flights would reduce; `cd` refers to the reference area. [1]
+    """Mean and standard deviation of log apogee, log Cd and log alpha of plans.
+
+    `parameter_sd` is the part of `apogee_sd` that more flights would reduce; `cd` refers to the reference area. [1]
     """
 
     apogee: Float[Array, "plan"]

@@ -43,9 +43,10 @@ WALKING_SCALE_WEIGHT = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One of several parallel fits: its terms of a common model and its starting point. Lanes far behind the best of
-    their `kind` are abandoned. `near` is a known linearization at `start`, which saves the simulations of the first
-    step.
+    """One of several parallel fits: its terms of a common model and its starting point.
+
+    Lanes far behind the best of their `kind` are abandoned. `near` is a known linearization at `start`, which saves the
+    simulations of the first step.
     """
 
     terms: tuple[int, ...]
@@ -63,10 +64,11 @@ def fit(
     near: bool = False,
     outlier_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearized at its mean; `start` is the starting point. Without one, the best
-    of several fits from different opening times of the parachute is returned, because readouts have a kink when
-    ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With `outlier_flights`, the
-    noise of single flights follows a Student t.
+    """The posterior of a model given data, linearized at its mean; `start` is the starting point.
+
+    Without one, the best of several fits from different opening times of the parachute is returned, because readouts
+    have a kink when ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With
+    `outlier_flights`, the noise of single flights follows a Student t.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)

@@ -79,8 +79,9 @@ class FieldPosterior:
 def infer_field(
     flights: Sequence[Flight], found: Sequence[Found], ensemble: "Ensemble | None" = None
 ) -> FieldPosterior:
-    """Drag and thrust of flights from any of their readouts, by default with the shipped ensemble. Raises
-    ImpossibleFlight for a flight without a dry mass.
+    """Drag and thrust of flights from any of their readouts, by default with the shipped ensemble.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     return infer_observed(observe(flights, found), ensemble or load_field())
 
@@ -127,8 +128,9 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
 
 
 def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
-    """The density of the logarithm of drag area and alpha, without checks. For a flight with an unusually uncertain
-    readout it is averaged over the possible values of that readout.
+    """The density of the logarithm of drag area and alpha, without checks.
+
+    For a flight with an unusually uncertain readout it is averaged over the possible values of that readout.
     """
     outputs = ensemble.members(features(observed))
     vague = (excess_sd(observed) > 0).any(axis=1)
@@ -151,8 +153,10 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
 
 
 def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
-    """Means and standard deviations of Cd if only the drag area is known. The priors of Cd and diameter are uniform in
-    their logarithms, so given a drag area the logarithm of Cd is uniform over the possible range of both.
+    """Means and standard deviations of Cd if only the drag area is known.
+
+    The priors of Cd and diameter are uniform in their logarithms, so given a drag area the logarithm of Cd is uniform
+    over the possible range of both.
     """
     slim, wide = diameter_range(observed.figure("diameter"), observed.given("dry_mass"))
     number = np.arange(STRATA)

@@ -15,8 +15,9 @@ Model = Literal["field", "paper"]
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble they come from. `warnings`
-    are the reasons to doubt them.
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble they come from.
+
+    `warnings` are the reasons to doubt them.
     """
 
     flight: Flight

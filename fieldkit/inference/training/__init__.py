@@ -14,8 +14,10 @@ RECIPES = ("paper", "field", "history")
 
 
 def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
-    """The function that trains by a recipe into a folder. The folder is checked first, because importing torch takes
-    seconds. Raises FieldkitError if the extra is not installed or the folder cannot be used.
+    """The function that trains by a recipe into a folder.
+
+    The folder is checked first, because importing torch takes seconds. Raises FieldkitError if the extra is not
+    installed or the folder cannot be used.
     """
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:

@@ -98,8 +98,9 @@ class TrainingPlan:
 def fit(
     observe: Callable[[], Batch], plan: TrainingPlan, progress: Progress | None = None
 ) -> tuple[Members, Scale, Scale]:
-    """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features. `observe()`
-    returns new observations of the same flights. Each member sees them in a different order.
+    """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
+
+    `observe()` returns new observations of the same flights. Each member sees them in a different order.
     """
     batch = observe()
     count = len(batch.features)

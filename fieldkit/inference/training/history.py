@@ -137,8 +137,9 @@ def fit_history(
     progress: Callable[[int, int, float], None],
 ) -> tuple[HistoryMembers, Float[Array, "feature"], Float[Array, "feature"], list[float]]:
     """Members trained by one cycle of AdamW, each with a different order of the histories, at the epoch with the lowest
-    validation loss; the mean and standard deviation that scale their features; and the validation losses. `state` is
-    the file of an unfinished run. Runs on a GPU if there is one.
+    validation loss; the mean and standard deviation that scale their features; and the validation losses.
+
+    `state` is the file of an unfinished run. Runs on a GPU if there is one.
     """
     device = "cuda" if torch.cuda.is_available() else "cpu"
     mean, sd = train.features.mean(axis=0), train.features.std(axis=0) + 1e-3

@@ -68,8 +68,9 @@ class Network:
 
 
 def network(members: int, widths: tuple[int, ...], ranges: Float[Array, "output 2"], drop: float) -> Network:
-    """An untrained network; `widths` runs from the number of features to the last hidden layer. Weights and biases
-    start uniform within one over the root of the number of inputs, as in torch's layers.
+    """An untrained network; `widths` runs from the number of features to the last hidden layer.
+
+    Weights and biases start uniform within one over the root of the number of inputs, as in torch's layers.
     """
 
     def uniform(*shape: int, inputs: int) -> Tensor:

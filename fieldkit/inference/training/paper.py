@@ -35,9 +35,10 @@ HELD_OUT = 2000
 def train_paper(
     out: Path, *, seed: int = 1, n_train: int = 10_000, schedule: str = "quick", progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`. The same seed gives
-    the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or a folder that
-    already contains an ensemble.
+    """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`.
+
+    The same seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or
+    a folder that already contains an ensemble.
     """
     plan = _checked(schedule, n_train)
     claim(out)

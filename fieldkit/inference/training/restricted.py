@@ -34,8 +34,9 @@ def train_restricted(
     burn_sd: float = 0.0,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Train on the restricted problem, and return the distance of the ensemble from the exact posterior. `burn_sd` is
-    the standard deviation of the log burn time. [1]
+    """Train on the restricted problem, and return the distance of the ensemble from the exact posterior.
+
+    `burn_sd` is the standard deviation of the log burn time. [1]
     """
     rng = np.random.default_rng(seed)
     flights, clean = restricted_draws(rng, n_train, burn_sd)

@@ -1,5 +1,6 @@
-"""The state of an unfinished training as a sequence of arrays, so that reading it runs no code. The first contains the
-bytes of a JSON document with everything except tensors, and the names of the tensors.
+"""The state of an unfinished training as a sequence of arrays, so that reading it runs no code.
+
+The first contains the bytes of a JSON document with everything except tensors, and the names of the tensors.
 """
 
 import io

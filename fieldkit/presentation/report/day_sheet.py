@@ -52,8 +52,9 @@ height. [1]"""
 
 
 def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: str, system: str = "SI") -> bytes:
-    """The sheet as a picture, or as a PDF with as many pages as the plans need, in the units of a system. Raises
-    BadValue for a picture with more flights than fit on a page.
+    """The sheet as a picture, or as a PDF with as many pages as the plans need, in the units of a system.
+
+    Raises BadValue for a picture with more flights than fit on a page.
     """
     kind, shown = suffix.lstrip("."), ShownUnits(system)
     if kind != "pdf" and len(planned) > ROWS:

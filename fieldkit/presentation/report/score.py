@@ -29,8 +29,9 @@ def check_picture(path: Path) -> None:
 
 
 def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
-    """Draw each available report as a row of three pictures, to a file of the type of its suffix. Raises FieldkitError
-    if the file cannot be written, or exists and `force` is False.
+    """Draw each available report as a row of three pictures, to a file of the type of its suffix.
+
+    Raises FieldkitError if the file cannot be written, or exists and `force` is False.
     """
     from matplotlib.figure import Figure
 

@@ -19,9 +19,10 @@ STEP = 0.001
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClimbTrack:
-    """A measured vertical climb on one clock, in SI units. `push` is thrust minus drag over mass, as an axial
-    accelerometer measures it, with its standard deviation; heights are above the pad. `burning` is true up to burnout.
-    `window` is the averaging time of each push [s].
+    """A measured vertical climb on one clock, in SI units.
+
+    `push` is thrust minus drag over mass, as an axial accelerometer measures it, with its standard deviation; heights
+    are above the pad. `burning` is true up to burnout. `window` is the averaging time of each push [s].
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -87,7 +88,9 @@ def _thrust(
     time: Float[Array, "time"], rocket: RocketInputs, window: float
 ) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"], Flags]:
     """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether the motor burns, at times from
-    lift-off. Thrust is averaged over the same window [s] as the measurement.
+    lift-off.
+
+    Thrust is averaged over the same window [s] as the measurement.
     """
     motor, factor = rocket.motor, rocket.thrust_factor
     full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass

@@ -40,8 +40,9 @@ class Point:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightForce:
-    """The missing force in one flight's log, its explanation by that flight alone, and a few points of it. `source` are
-    the channels from which the push was computed.
+    """The missing force in one flight's log, its explanation by that flight alone, and a few points of it.
+
+    `source` are the channels from which the push was computed.
     """
 
     flight_id: str

@@ -21,6 +21,7 @@ LogVerdict = Literal["", "agrees", "more", "another effect", "cannot tell", "not
 @dataclass(frozen=True, slots=True, eq=False)
 class LogEvidence:
     """The missing force of the flights whose logs show it, their common law, and its comparison with the verdict.
+
     `silent` are the flights whose logs do not show it, each with the reason.
     """
 
@@ -37,7 +38,9 @@ class LogEvidence:
 
 def compare_with_logs(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> LogEvidence:
     """The evidence of the logs of clean flights, by flight id; instead of a log there may be the reason it cannot be
-    read. They are compared with the plain model, with its drag fitted to the readouts of all flights.
+    read.
+
+    They are compared with the plain model, with its drag fitted to the readouts of all flights.
     """
     model, fit = diagnosis.base.fit.model, diagnosis.base.fit
     mean, _ = fit.moments()

@@ -47,9 +47,10 @@ class Law:
 
 
 def missing_force(track: ClimbTrack, rocket: RocketInputs, guard: float = 0.0) -> Missing:
-    """Measured minus modeled push at every sample of the climb, with the clock aligned to the thrust curve. Samples
-    within `guard` [s] of burnout are left out: if acceleration was computed from heights, smoothing has mixed thrust
-    and drag there.
+    """Measured minus modeled push at every sample of the climb, with the clock aligned to the thrust curve.
+
+    Samples within `guard` [s] of burnout are left out: if acceleration was computed from heights, smoothing has mixed
+    thrust and drag there.
     """
     time = track.time_from_liftoff
     burnout = float(time[track.burning].max(initial=-np.inf))

@@ -1,6 +1,7 @@
-"""Sparse regression on one climb: the residual of a choice of terms, and its extended information criterion. Terms are
-added while the extended Bayesian information criterion falls (Chen and Chen, Biometrika 95, 2008), which has a penalty
-for the number of candidates. Samples that a smoother has correlated count by their effective number.
+"""Sparse regression on one climb: the residual of a choice of terms, and its extended information criterion.
+
+Terms are added while the extended Bayesian information criterion falls (Chen and Chen, Biometrika 95, 2008), which has
+a penalty for the number of candidates. Samples that a smoother has correlated count by their effective number.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -36,10 +37,11 @@ class ChosenTerm:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regression:
-    """The missing force of a climb and the terms that it could show, in standard deviations of a sample. Free terms are
-    projected out of all of them: a shift of the clock during the burn, and those given. `worth` is the effective number
-    of independent samples in the record, and `spent` the number of free parameters. `drag` describes the drag if it is
-    free.
+    """The missing force of a climb and the terms that it could show, in standard deviations of a sample.
+
+    Free terms are projected out of all of them: a shift of the clock during the burn, and those given. `worth` is the
+    effective number of independent samples in the record, and `spent` the number of free parameters. `drag` describes
+    the drag if it is free.
     """
 
     wanted: Float[Array, "time"]
@@ -106,8 +108,9 @@ class FreeDrag:
 
 
 def regression(missing: Missing, terms: Sequence[ForceTerm], free: Collection[str] = ()) -> Regression:
-    """The regression of a missing force on the terms that act along its climb. Terms named in `free` are projected out
-    first and not tested.
+    """The regression of a missing force on the terms that act along its climb.
+
+    Terms named in `free` are projected out first and not tested.
     """
     sd, burning = missing.track.push_sd, missing.track.burning.sum() > 3
     whole = {term.name: term.column(missing) / sd for term in terms}

@@ -24,9 +24,10 @@ INTERVAL_LEVEL = 0.98
 
 @dataclass(frozen=True, slots=True)
 class Common:
-    """A recurring term: its mean over the flights and the standard deviation of the mean. `gain` is its reduction of
-    the criterion without the flight that supports it most; it reduces the criterion in `flights` of the `seen` flights
-    that could show it. `also` are terms that would do nearly as well in its place.
+    """A recurring term: its mean over the flights and the standard deviation of the mean.
+
+    `gain` is its reduction of the criterion without the flight that supports it most; it reduces the criterion in
+    `flights` of the `seen` flights that could show it. `also` are terms that would do nearly as well in its place.
     """
 
     term: ForceTerm

@@ -17,8 +17,9 @@ Column = Callable[[Missing], Float[Array, "time"]]
 
 @dataclass(frozen=True, slots=True)
 class ForceTerm:
-    """One physical term of the library: its description, its effect (empty for none), and its unit. `random_draw_sd` is
-    the standard deviation of the scatter of single flights in it, in its unit.
+    """One physical term of the library: its description, its effect (empty for none), and its unit.
+
+    `random_draw_sd` is the standard deviation of the scatter of single flights in it, in its unit.
     """
 
     name: str

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """The result of an import: ids of the new flights, notes, and flights to which files were added. `implausible` are
-    the notes on new flights that are physically impossible; `unusable` counts the rejected files without any usable
-    content.
+    """The result of an import: ids of the new flights, notes, and flights to which files were added.
+
+    `implausible` are the notes on new flights that are physically impossible; `unusable` counts the rejected files
+    without any usable content.
     """
 
     ids: tuple[str, ...]
@@ -61,8 +62,9 @@ def take_in(
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Add gathered files to a ledger as one change; `choices` are those used in gathering. With `motors`, new flights
-    that are impossible on their motor are named in the notes.
+    """Add gathered files to a ledger as one change; `choices` are those used in gathering.
+
+    With `motors`, new flights that are impossible on their motor are named in the notes.
     """
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)

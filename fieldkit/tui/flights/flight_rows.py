@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, eq=False)
 class Row:
-    """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later. `stale` means
-    that inputs of the forecast had changed when the flight was added.
+    """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later.
+
+    `stale` means that inputs of the forecast had changed when the flight was added.
     """
 
     id: str

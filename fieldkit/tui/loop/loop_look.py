@@ -51,8 +51,9 @@ def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
 
 
 def look(resources: "Resources", rocket: str, on_progress: ReportProgress) -> "Findings":
-    """Search for effects that a rocket's model lacks, with its flights and their logs; nothing changes. Raises
-    NoFlights if there are too few flights.
+    """Search for effects that a rocket's model lacks, with its flights and their logs; nothing changes.
+
+    Raises NoFlights if there are too few flights.
     """
     from fieldkit.services import close_loop
 

@@ -87,8 +87,9 @@ class Plan:
 
 
 def read_plan(resources: "Resources") -> Plan | None:
-    """The saved plan, or else one for the last flown rocket with a known mass; None if nothing has flown. Raises
-    ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
+    """The saved plan, or else one for the last flown rocket with a known mass; None if nothing has flown.
+
+    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
     """
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.paths import data_folder

@@ -1,6 +1,7 @@
 """The response of flights, the one-pass fit, and closed-form evidence, compared with the simulator and with full fits
-with the effect. Evidence agrees to 0.01 nat, because the bound of the parachute's opening time is treated for its term
-alone.
+with the effect.
+
+Evidence agrees to 0.01 nat, because the bound of the parachute's opening time is treated for its term alone.
 """
 
 from dataclasses import replace

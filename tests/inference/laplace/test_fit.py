@@ -53,8 +53,9 @@ def truths() -> np.ndarray[Any, Any]:
 
 @cache
 def seasons() -> tuple[Data, ...]:
-    """The observations of every set: simulated flights with the model's scatter and reading errors. A launch angle can
-    only lower a flight; the fit treats it as normal scatter, and so do these.
+    """The observations of every set: simulated flights with the model's scatter and reading errors.
+
+    A launch angle can only lower a flight; the fit treats it as normal scatter, and so do these.
     """
     rng = np.random.default_rng(22)
     scatter_scale, reading_scale, log_prior = CERTIFIED_PRIOR.scales()
