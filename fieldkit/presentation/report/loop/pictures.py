@@ -22,6 +22,7 @@ from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
+from fieldkit.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -182,15 +183,15 @@ def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUni
                 scale = shown.speed_factor if name == "speed" else 1.0
                 panel.errorbar(
                     [getattr(point, name) / scale for point in points],
-                    [point.force for point in points],
-                    yerr=[NINE_OF_TEN * point.sd for point in points],
+                    [point.force / STANDARD_GRAVITY for point in points],
+                    yerr=[NINE_OF_TEN * point.sd / STANDARD_GRAVITY for point in points],
                     fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
                     label=phase if number == 0 else None,
                 )  # fmt: skip
     for panel, title in zip(panels, ("time from lift-off [s]", f"speed [{shown.speed_unit}]"), strict=True):
         panel.axhline(0, color=INK_COLOR, linewidth=1)
         panel.set_xlabel(title)
-    panels[0].set_ylabel("missing force per mass [m/s²]")
+    panels[0].set_ylabel("missing force per mass [g]")
     panels[1].legend(loc="best", fontsize=8)
 
 
