@@ -1,4 +1,4 @@
-"""The air the truth flies in, and the one an altimeter believes in."""
+"""The true air of a simulation, and the standard air that an altimeter assumes."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ GAS = 287.05287
 """Specific gas constant of dry air. [J/(kg K)]"""
 GRAVITY = 9.80665
 LAPSE = 0.0065
-"""Fall of temperature with height in the troposphere. [K/m]"""
+"""Temperature lapse rate in the troposphere. [K/m]"""
 SEA_TEMPERATURE = 288.15
 SEA_PRESSURE = 101325.0
 POWER = GRAVITY / (GAS * LAPSE)

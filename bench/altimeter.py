@@ -1,14 +1,13 @@
 """An AltimeterTwo in the nose: what its display shows after a flight.
 
-The height comes from the pressure, by the standard atmosphere, from zero at the pad. So warm air makes
-it read low. Speed and accelerations come from the accelerometer.
+The height above the pad is computed from the pressure with the standard atmosphere, so it reads low in warm air. Speed
+and accelerations come from the accelerometer.
 
-Scatter: 1 m is 12 Pa, the noise and drift of a barometric sensor over a flight; 0.3 % is a tenth of what the
-makers of such sensors state as the absolute error, the part that differs from flight to flight. Speed is an
-integrated acceleration: 1 %. Accelerations: 2.5 %, from vibration and the mounting. Times: 0.05 s, a sample of
-20 Hz. The average acceleration is what the device computes from its own speed and time: 1 % beside them,
-which with the rounding gives the spread seen in a journal of 116 flights (10th to 90th percentile of the ratio
-0.957 to 1.036).
+Scatter: 1 m is 12 Pa, the noise and drift of a barometric sensor over a flight; 0.3% is a tenth of the absolute error
+in the data sheets of such sensors, as the part that varies from flight to flight. Speed is an integrated acceleration:
+1%. Accelerations: 2.5%, from vibration and the mounting. Times: 0.05 s, a sample of 20 Hz. The device computes the
+average acceleration from its speed and time, with an additional 1%; with rounding this reproduces the spread in a
+journal of 116 flights (10th to 90th percentile of the ratio 0.957 to 1.036).
 """
 
 from dataclasses import dataclass
@@ -32,22 +31,22 @@ RESOLUTION = {
     "descent_speed_mps": MPH,
     "duration_s": 0.1,
 }
-"""The ten readouts in the order of the display, and the last digit each shows."""
+"""The ten readouts in the order of the display, with their resolutions."""
 
 
 @dataclass(frozen=True, slots=True)
 class Altimeter:
-    """A device: the gain of its barometer, and how much its readings scatter (0: an ideal device)."""
+    """A device: the gain of its barometer, and the scale of its noise (0 for an ideal device)."""
 
     gain: float = 1.0
     noise: float = 1.0
 
 
 def exact_readouts(track: Track, air: Air, gain: float = 1.0) -> dict[str, float]:
-    """The ten readouts of a device without noise and with endless digits; no ejection: not in it.
+    """The ten readouts of a device without noise and rounding; readouts of the ejection are missing if there was none.
 
-    Burn time runs from lift-off to top speed, the average acceleration is top speed over it, the peak is net
-    of gravity and under thrust, coasting runs from top speed to apogee.
+    Burn time is from lift-off to top speed, the average acceleration is top speed over burn time, the peak acceleration
+    is net of gravity and under thrust, and the coast is from top speed to apogee.
     """
     height = barometric_height(track.height, air) * gain
     top = int(np.nanargmax(track.speed))
@@ -74,7 +73,7 @@ def exact_readouts(track: Track, air: Air, gain: float = 1.0) -> dict[str, float
 
 
 def readouts(track: Track, air: Air, device: Altimeter, rng: np.random.Generator) -> dict[str, float]:
-    """The ten readouts as displayed: with scatter, and rounded to the last digit."""
+    """The ten readouts as displayed, with noise and rounding."""
     true = exact_readouts(track, air, device.gain)
     jitter = dict(zip(RESOLUTION, rng.standard_normal(len(RESOLUTION)) * device.noise, strict=True))
     shown: dict[str, float] = {}
@@ -96,7 +95,7 @@ def readouts(track: Track, air: Air, device: Altimeter, rng: np.random.Generator
 
 
 def barometric_height(height: Float[Array, "*n"], air: Air) -> Float[Array, "*n"]:
-    """What a barometer zeroed at the pad takes a height for. [m]"""
+    """The height that a barometer zeroed at the pad shows at a true height. [m]"""
     station = station_pressure(air.qnh, air.elevation)
     return np.asarray(pressure_altitude(pressure(height, air.temperature, station)) - pressure_altitude(station))
 

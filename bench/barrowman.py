@@ -1,4 +1,4 @@
-"""Where the air pushes a rocket sideways: slope and station of the normal force.
+"""Slope and center of pressure of the normal force on a rocket.
 
 Source: J. S. Barrowman, The Practical Calculation of the Aerodynamic Characteristics of Slender
 Finned Vehicles, 1967.
@@ -9,11 +9,11 @@ import math
 from bench.world import Airframe
 
 NOSE_SLOPE = 2.0
-"""Of any slender nose. [1/rad]"""
+"""Slope of the normal force of any slender nose. [1/rad]"""
 OGIVE_CENTRE = 0.466
 """Center of pressure of an ogive as a fraction of its length. [1]"""
 GYRATION = 0.27
-"""Radius of gyration of a rocket without its motor, as a part of its length. [1]"""
+"""Radius of gyration of a rocket without its motor, as a fraction of its length. [1]"""
 
 
 def fin_slope(frame: Airframe) -> float:
@@ -26,7 +26,7 @@ def fin_slope(frame: Airframe) -> float:
 
 
 def fin_centre(frame: Airframe) -> float:
-    """Station at which the fins push. [m]"""
+    """Station of the fins' normal force. [m]"""
     chords = frame.root + frame.tip
     back = frame.sweep / 3 * (frame.root + 2 * frame.tip) / chords
     return frame.length - frame.root + back + (chords - frame.root * frame.tip / chords) / 6

@@ -1,7 +1,7 @@
-"""Whether probabilities mean what they say: how often what was held probable was there.
+"""Calibration of probabilities: how often effects with a given probability were present.
 
-Of every set each effect and `unexplained` is a case, its posterior probability beside whether it is in the label. The
-expected calibration error is the mean difference of the two over bins of probability, weighed by their cases (Naeini,
+In every set each effect and `unexplained` is a case: its posterior probability, and whether it is in the label. The
+expected calibration error is the mean difference of the two over bins of probability, weighted by their cases (Naeini,
 Cooper and Hauskrecht, AAAI 2015).
 """
 
@@ -16,12 +16,12 @@ from bench.result import Result, effects
 BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
 """Ends of the bins of probability. [1]"""
 WORTH_SAYING = 0.05
-"""Probability from which on a case counts in the second error: most effects are not there and known not to be. [1]"""
+"""Minimum probability of a case in the second error, because most effects are absent and have a low probability. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Bin:
-    """Cases whose probabilities lie between two ends: how many, the mean probability, and how many were there."""
+    """Cases with probabilities in an interval: their number, mean probability, and the fraction present."""
 
     low: float
     high: float
@@ -31,7 +31,7 @@ class Bin:
 
 
 def cases(results: Sequence[Result]) -> list[tuple[float, bool]]:
-    """Every probability that was given, and whether what it is of was there."""
+    """Every probability, and whether its effect was present."""
     return [
         (chance, name in effects(result.label)) for result in results for name, chance in result.probabilities.items()
     ]
@@ -58,11 +58,11 @@ def calibration_lines(results: Sequence[Result]) -> Iterator[str]:
     if not cases(results):
         return
     bins = reliability(results)
-    yield "| probability | cases | in the mean | there |"
+    yield "| probability | cases | mean | present |"
     yield "|---|---|---|---|"
     for one in bins:
         yield f"| {one.low:.0%} to {one.high:.0%} | {one.cases} | {one.expected:.0%} | {one.found:.0%} |"
     yield ""
     said = [one for one in bins if one.low >= WORTH_SAYING]
     beyond = f", {calibration_error(said):.1%} from {WORTH_SAYING:.0%} on" if said else ""
-    yield f"expected calibration error: {calibration_error(bins):.1%} of all{beyond}"
+    yield f"expected calibration error: {calibration_error(bins):.1%} of all cases{beyond}"

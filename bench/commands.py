@@ -1,5 +1,5 @@
-"""What benches of the whole product share: their options, and its commands, run as a user does. Nothing of it is
-imported."""
+"""Common parts of benches of the whole product: options, and running its commands as a user does. Nothing of the
+product is imported."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ class CommandFailed(Exception):
 
 
 def sets_parser(description: str | None) -> argparse.ArgumentParser:
-    """A command line that names a folder of sets and how the product is called."""
+    """A command line with a folder of sets and the command of the product."""
     parser = argparse.ArgumentParser(description=(description or "").partition("\n")[0])
     parser.add_argument("sets", type=Path)
     parser.add_argument("--command", type=shlex.split, default=[sys.executable, "-m", "fieldkit.cli.main"])
@@ -25,13 +25,13 @@ def sets_parser(description: str | None) -> argparse.ArgumentParser:
 
 
 def read_labels(sets: Path, limit: int | None = None) -> list[dict[str, Any]]:
-    """What is true of the first sets of a folder."""
+    """The labels of the first sets of a folder."""
     labels: list[dict[str, Any]] = json.loads((sets / "labels.json").read_text())
     return labels[:limit]
 
 
 def run(command: Sequence[str], folder: Path, *arguments: str, timeout: float | None = None) -> Any:
-    """What a command prints as JSON, on the ledger of a folder. Raises CommandFailed, subprocess.TimeoutExpired."""
+    """The JSON output of a command on the ledger of a folder. Raises CommandFailed, subprocess.TimeoutExpired."""
     whole = [*command, "--ledger", str(folder / "ledger.db"), *arguments, "--json"]
     done = subprocess.run(whole, capture_output=True, text=True, timeout=timeout)
     if done.returncode:

@@ -1,4 +1,4 @@
-"""`python -m bench.compare`: the two truths side by side on a dozen launches, fast minus RocketPy."""
+"""`python -m bench.compare`: the two simulators on a dozen launches, fast minus RocketPy."""
 
 import sys
 from dataclasses import replace
@@ -34,7 +34,7 @@ def _launch(name: str, diameter: float, length: float, mass: float, margin: floa
 
 
 def main() -> None:
-    """Print a row per launch: RocketPy's readout, and by how much the fast truth differs."""
+    """Print a row per launch: RocketPy's readout and the difference of the fast simulator."""
     out = sys.stdout.write
     out(f"{'motor':6} {'wind':>4} {'tilt':>5} | {'apogee m':>16} {'speed m/s':>16} {'coast s':>14}\n")
     every = launches()

@@ -1,7 +1,7 @@
-"""Effects as they truly are: each bends the launches of a season and says what it did.
+"""The true effects: each modifies the launches of a season and returns its true parameters.
 
-`bend(rng, strength, flights)` gives the bent flights and the true parameters. What the flyer wrote down
-(`declared`) is touched only if the effect is about it.
+`bend(rng, strength, flights)` returns the modified flights and the true parameters. It changes the recorded values
+(`declared`) only if the effect is about them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -43,7 +43,7 @@ def _middle(rng: np.random.Generator, flights: Sequence[Flown]) -> Flown:
 
 
 def none(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Nothing: the declared world is the true one."""
+    """No effect: the declared conditions are true."""
     return list(flights), {}
 
 
@@ -69,7 +69,7 @@ def wind(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) ->
 
 
 def launch_angle(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """A rail tilted by `strength` degrees, on every flight or at one site, written down nowhere."""
+    """A rail tilted by `strength` degrees on every flight or at one site, not recorded."""
     sites = sorted({f.site for f in flights})
     site = _one(rng, sites) if len(sites) > 1 and rng.random() < 0.5 else "all"
     tilt, heading = float(np.radians(strength)), float(rng.uniform(0, 2 * np.pi))
@@ -96,7 +96,7 @@ def early_ejection(
 
 
 def air_density(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """One site truly lies at `strength` meters: nobody wrote its elevation down, or a wrong one."""
+    """One site is at `strength` meters, and its elevation is not recorded or wrong."""
     site = _one(rng, [f.site for f in flights])
     wrong = bool(rng.random() < 0.3)
     bent = []
@@ -127,7 +127,7 @@ def hot_days(rng: np.random.Generator, strength: float, flights: Sequence[Flown]
 
 
 def mass_offset(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """One configuration weighs more or less than was written down, by the part `strength`."""
+    """One configuration weighs more or less than recorded, by the fraction `strength`."""
     config, part = _one(rng, [f.config for f in flights]), _sign(rng) * strength
 
     def change(launch: Launch) -> Launch:
@@ -137,7 +137,7 @@ def mass_offset(rng: np.random.Generator, strength: float, flights: Sequence[Flo
 
 
 def motor_thrust(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """One motor type, or a later lot of it, has more or less impulse by the part `strength`."""
+    """One motor type, or a later lot of it, has more or less impulse, by the fraction `strength`."""
     motor, part = _one(rng, [f.motor for f in flights]), _sign(rng) * strength
     start = _middle(rng, flights).when if rng.random() < 0.3 else flights[0].when
 
@@ -154,7 +154,7 @@ def motor_thrust(rng: np.random.Generator, strength: float, flights: Sequence[Fl
 
 
 def thrust_curve(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """The burn is longer by the part `strength` at the same impulse, on one motor or all."""
+    """The burn is longer by the fraction `strength` at the same impulse, on one motor or all."""
     motor = _one(rng, [f.motor for f in flights]) if rng.random() < 0.5 else "all"
 
     def change(launch: Launch) -> Launch:
@@ -166,13 +166,13 @@ def thrust_curve(rng: np.random.Generator, strength: float, flights: Sequence[Fl
 
 
 def mach_drag(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Drag rises toward Mach 1, by the part `strength` at its highest."""
+    """Drag rises toward Mach 1, by the fraction `strength` at its maximum."""
     bent = _each(flights, lambda x: replace(x, drag=replace(x.drag, mach_rise=strength)), lambda f: True)
     return bent, {"rise": strength}
 
 
 def base_drag(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Drag is higher by the part `strength` once the motor is out."""
+    """Drag is higher by the fraction `strength` after burnout."""
     bent = _each(flights, lambda x: replace(x, drag=replace(x.drag, power_off=1 + strength)), lambda f: True)
     return bent, {"after_burnout": strength}
 
@@ -180,7 +180,7 @@ def base_drag(rng: np.random.Generator, strength: float, flights: Sequence[Flown
 def altimeter_scale(
     rng: np.random.Generator, strength: float, flights: Sequence[Flown]
 ) -> tuple[list[Flown], Parameters]:
-    """The barometer reads heights too high or too low by the part `strength`, always or from some day on."""
+    """The barometer reads heights too high or too low by the fraction `strength`, always or from some day on."""
     gain = 1 + _sign(rng) * strength
     start = _middle(rng, flights).when if rng.random() < 0.25 else flights[0].when
     bent = [replace(f, gain=gain) if f.when >= start else f for f in flights]
@@ -188,7 +188,7 @@ def altimeter_scale(
 
 
 def wear(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Drag grows by the part `strength` of the first flight's with every flight."""
+    """Drag grows with every flight by the fraction `strength` of the first flight's drag."""
     bent = [
         replace(f, launch=replace(f.launch, drag=replace(f.launch.drag, cd=f.launch.drag.cd * (1 + strength * i))))
         for i, f in enumerate(flights)
@@ -199,7 +199,7 @@ def wear(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) ->
 def rail_friction(
     rng: np.random.Generator, strength: float, flights: Sequence[Flown]
 ) -> tuple[list[Flown], Parameters]:
-    """The rail holds the rocket back with `strength` times its weight."""
+    """Friction on the rail is `strength` times the rocket's weight."""
 
     def change(launch: Launch) -> Launch:
         return replace(launch, friction=strength * 9.80665 * (launch.dry_mass + launch.motor.total_mass))
@@ -208,7 +208,7 @@ def rail_friction(
 
 
 def hour_bias(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """Thermals: the air rises by up to `strength` m/s in mid-afternoon and not at all in the morning."""
+    """Thermals: the air rises at up to `strength` m/s in mid-afternoon and not at all in the morning."""
 
     def change(flown: Flown) -> Flown:
         hour = flown.when.hour + flown.when.minute / 60
@@ -219,7 +219,7 @@ def hour_bias(rng: np.random.Generator, strength: float, flights: Sequence[Flown
 
 
 def bad_day(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """On one day, rain on the rocket: drag higher by the part `strength`."""
+    """Rain on the rocket on one day: drag is higher by the fraction `strength`."""
     day = _middle(rng, flights).when.date()
 
     def change(launch: Launch) -> Launch:
@@ -229,7 +229,7 @@ def bad_day(rng: np.random.Generator, strength: float, flights: Sequence[Flown])
 
 
 def drag_step(rng: np.random.Generator, strength: float, flights: Sequence[Flown]) -> tuple[list[Flown], Parameters]:
-    """After a repair, drag is higher by the part `strength` for good."""
+    """After a repair, drag stays higher by the fraction `strength`."""
     start = _middle(rng, flights).when
 
     def change(launch: Launch) -> Launch:
@@ -241,7 +241,7 @@ def drag_step(rng: np.random.Generator, strength: float, flights: Sequence[Flown
 def third_payload(
     rng: np.random.Generator, strength: float, flights: Sequence[Flown]
 ) -> tuple[list[Flown], Parameters]:
-    """Every third flight carries a payload that nobody weighed, of the part `strength` of the dry mass."""
+    """Every third flight carries a payload that nobody weighed, the fraction `strength` of the dry mass."""
     bent = [
         replace(f, launch=replace(f.launch, dry_mass=f.launch.dry_mass * (1 + strength))) if i % 3 == 2 else f
         for i, f in enumerate(flights)
@@ -257,4 +257,4 @@ EFFECTS: Mapping[str, Bend] = {
         third_payload,
     )
 }  # fmt: skip
-"""Every bend by its name."""
+"""Every effect by its name."""

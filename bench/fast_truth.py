@@ -1,10 +1,10 @@
-"""A rigid rocket in three dimensions that does not roll: the truth by the hundred.
+"""A fast simulator of a rigid rocket in three dimensions without roll, for hundreds of flights.
 
-Every flight of a batch goes through one Runge-Kutta step at a time. The state is position, velocity, the
-direction of the axis and its rate of turning. Weathercocking is not a rule here: air from the side pushes on
-nose and fins (Barrowman), each at its own local velocity, and the axis turns because these act behind the
-center of mass. Rail, fuel burned, thrust, drag by Mach and Reynolds number, sheared wind, updraft and an opening
-parachute are the rest. Checked against RocketPy in `bench.compare`.
+Every flight of a batch goes through one Runge-Kutta step at a time. The state is position, velocity, the direction of
+the axis and its rate of turning. Weathercocking follows from the physics: crossflow acts on nose and fins (Barrowman),
+each at its local velocity, and turns the axis because these forces act behind the center of mass. The simulator also
+has the rail, burned propellant, thrust, drag by Mach and Reynolds number, wind shear, updraft and an opening parachute.
+Checked against RocketPy in `bench.compare`.
 """
 
 from collections.abc import Sequence
@@ -23,16 +23,16 @@ FINE, COARSE = 0.004, 0.02
 TABLE = 400
 """Points of a resampled thrust curve."""
 BATCH = 400
-"""Flights that share a step; those of like length fly together."""
+"""Number of flights in a batch; flights of similar duration are grouped."""
 
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """The launches of a batch as arrays over flights."""
+    """The launches of a batch as arrays."""
 
     thrust: Float[Array, "flight point"]
     spent: Float[Array, "flight point"]
-    """Part of the propellant that is gone. [1]"""
+    """Burned fraction of the propellant. [1]"""
     exhaust: Float[Array, "flight"]
     """Impulse per mass of propellant. [m/s]"""
     burn: Float[Array, "flight"]
@@ -134,7 +134,7 @@ def mach_factor(mach: Float[Array, "*n"], rise: Float[Array, "*n"] | float) -> F
 
 
 def _lookup(table: Float[Array, "flight point"], part: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """A resampled curve at a part of the burn; its last value after it."""
+    """A resampled curve at a fraction of the burn; its last value after burnout."""
     place = np.clip(part, 0, 1) * (TABLE - 1)
     low = np.minimum(place.astype(np.int64), TABLE - 2)
     rows = np.arange(len(table))
@@ -215,7 +215,7 @@ class _Steps:
 
 
 def _integrate(b: Batch) -> _Steps:
-    """Every flight from ignition until its parachute is open and it comes down."""
+    """Every flight from ignition until it descends under its open parachute."""
     state = np.zeros((4, 3, len(b.burn)))
     state[2] = b.axis
     rows = []
@@ -238,7 +238,7 @@ def _integrate(b: Batch) -> _Steps:
 
 
 def _track(launch: Launch, b: Batch, steps: _Steps, i: int) -> Track:
-    """One flight out of a batch, its descent added."""
+    """One flight of a batch, with its descent."""
     height = steps.height[:, i]
     down = np.flatnonzero((height < 0) & (steps.time > b.burn[i]))
     stop = int(down[0]) if len(down) else _hanging(steps, b, i)
@@ -264,7 +264,7 @@ def _track(launch: Launch, b: Batch, steps: _Steps, i: int) -> Track:
 
 
 def _hanging(steps: _Steps, b: Batch, i: int) -> int:
-    """The step at which a flight has hung on its open parachute for a second and sinks."""
+    """The step at which a flight has descended under its open parachute for a second."""
     settled = steps.time > b.ejection[i] + b.opening[i] + 1.0
     sinking = np.concatenate([[False], np.diff(steps.height[:, i]) < 0])
     ready = np.flatnonzero(settled & sinking)

@@ -1,7 +1,7 @@
-"""Seasons and flights to put effects into: everything honest, nothing hidden yet.
+"""Seasons and flights before effects are added.
 
-A `Flown` is a flight as planned by an all-knowing flyer (`launch`), its random draws (`scatter`) and what is
-written down of it (`declared`). Effects change the launch and leave random draws and records alone.
+A `Flown` is the true launch without scatter (`launch`), its random draws (`scatter`) and its record (`declared`).
+Effects change the launch, not the draws and records.
 """
 
 from collections.abc import Mapping
@@ -29,12 +29,12 @@ class Scatter:
     delay: float = 1.0
     wind: float = 1.0
     lean: tuple[float, float] = (0.0, 0.0)
-    """Downwind and across. [rad]"""
+    """Launch angle downwind and across. [rad]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Flown:
-    """One flight before it is flown."""
+    """One flight before its simulation."""
 
     launch: Launch
     scatter: Scatter
@@ -44,14 +44,14 @@ class Flown:
     site: str
     declared: Mapping[str, str | float]
     coast: float
-    """From burnout to apogee, if nothing ejects before. [s]"""
+    """Time from burnout to apogee without an earlier ejection. [s]"""
     gain: float = 1.0
-    """Of the altimeter's barometer."""
+    """Gain of the altimeter's barometer. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Season:
-    """The flights of one rocket in time order; the last `future` of them are yet to come."""
+    """The flights of one rocket in time order; the last `future` of them are later flights for evaluation."""
 
     rocket: str
     flights: tuple[Flown, ...]
@@ -114,7 +114,7 @@ def scattered(flown: Flown) -> Launch:
 
 
 def _days(rng: np.random.Generator, needs: Needs, conditions: str, total: int) -> list[tuple[_Day, int]]:
-    """Flying days with their weather, and how many flights each has."""
+    """Days with their weather and numbers of flights."""
     number = max(needs.sites, int(rng.integers(1, 4)))
     names = [str(s) for s in rng.choice(SITES, number, replace=False)]
     high = needs.high if conditions == "all" else 120.0
@@ -172,7 +172,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
 
 
 def _luck(rng: np.random.Generator, factor: float) -> Scatter:
-    """Honest scatter: thrust 2.5 %, drag 2 %, scale 1 g, delay 7 %, gusts 15 %, a launch angle up to 2 degrees."""
+    """Ordinary scatter: thrust 2.5%, drag 2%, scale 1 g, delay 7%, gusts 15%, a launch angle up to 2 degrees."""
     thrust, stretch, drag, mass, delay, wind = rng.standard_normal(6)
     lean, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))
     return Scatter(
@@ -187,7 +187,7 @@ def _luck(rng: np.random.Generator, factor: float) -> Scatter:
 
 
 def _declared(launch: Launch, choice: Combination, conditions: str) -> dict[str, str | float]:
-    """What the flyer writes down, in the units of the flight table."""
+    """The flyer's record, in the units of the flight table."""
     row: dict[str, str | float] = {
         "motor": launch.motor.printed(choice.delay),
         "dry_mass_g": round(launch.dry_mass * 1000),

@@ -1,8 +1,8 @@
-"""`python -m bench.forward SETS`: how often forecasts hold, forward in time, before and after their correction.
+"""`python -m bench.forward SETS`: coverage of forecasts forward in time, before and after their correction.
 
-Each set's history and later flights go into a ledger of their own, and `fieldkit score` forecasts every flight from
-the earlier ones, with the plain model: what the set hides is not declared, so the model is wrong in most of them.
-Nothing of the product is imported.
+Each set's history and later flights go into a separate ledger, and `fieldkit score` forecasts every flight from the
+earlier ones with the plain model. The effect in a set is not declared, so the model is wrong in most of them. Nothing
+of the product is imported.
 """
 
 import sys
@@ -15,7 +15,7 @@ from bench.commands import read_labels, run, sets_parser
 
 
 def score_set(command: Sequence[str], folder: Path, name: str) -> dict[str, Any]:
-    """What `fieldkit score` says of all flights of a set. Raises CommandFailed."""
+    """The output of `fieldkit score` for all flights of a set. Raises CommandFailed."""
     with tempfile.TemporaryDirectory() as home:
         run(command, Path(home), "import", str(folder / f"{name}.csv"), str(folder / f"{name}_future.csv"))
         found: dict[str, Any] = run(command, Path(home), "score")
@@ -23,7 +23,7 @@ def score_set(command: Sequence[str], folder: Path, name: str) -> dict[str, Any]
 
 
 def say(line: str) -> None:
-    """A line of the table, at once."""
+    """Print a line of the table without buffering."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 
@@ -47,7 +47,7 @@ def main() -> int:
 
 
 def _share(rows: Sequence[dict[str, Any]], which: str) -> float:
-    """Fraction of flights inside the model's own interval, or the calibrated one."""
+    """Fraction of flights inside the model's interval or the corrected one. [1]"""
     ends = [row["corrected"] if which == "corrected" else (row["p05"], row["p95"]) for row in rows]
     held = [low <= row["flown"] <= high for row, (low, high) in zip(rows, ends, strict=True)]
     return sum(held) / len(held) if held else float("nan")

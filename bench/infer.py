@@ -1,7 +1,7 @@
-"""`python -m bench.infer SETS`: how near `fieldkit infer` comes to the true Cd of flights by another simulator.
+"""`python -m bench.infer SETS`: errors of `fieldkit infer` in the true Cd of flights from another simulator.
 
-Each set's history goes into a ledger of its own, and each flight is judged by itself. The bench's devices show what
-happened, with noise. Nothing of the product is imported.
+Each set's history goes into a separate ledger, and Cd is inferred from each single flight. The bench's devices are
+unbiased, with noise. Nothing of the product is imported.
 """
 
 import csv
@@ -17,14 +17,14 @@ from typing import Any
 from bench.commands import read_labels, run, sets_parser
 
 MODELS = ("history", "field")
-"""What is asked: the model that forecasts are made with, and the ensemble that sees nothing but a flight."""
+"""The models to compare: the one for forecasts, and the ensemble that uses a single flight only."""
 FLIGHTS = 3
-"""Flights of each set, the first ones: more of one rocket have one true Cd. [1]"""
+"""Number of first flights of each set; more flights of a rocket would have the same true Cd. [1]"""
 NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 
 def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
-    """What `fieldkit infer` says of the first flights of a table. Raises CommandFailed."""
+    """The output of `fieldkit infer` for the first flights of a table. Raises CommandFailed."""
     with table.open(encoding="utf-8", newline="") as rows:
         first = [row["flight_id"] for row in islice(csv.DictReader(rows), FLIGHTS)]
     with tempfile.TemporaryDirectory() as home:
@@ -34,7 +34,7 @@ def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, 
 
 
 def misses(flights: Sequence[dict[str, Any]], truth: float) -> Iterator[tuple[float, float, float]]:
-    """Error of log Cd, its standard deviation as said, and alpha, of each flight with a Cd. [1]"""
+    """Error of log Cd, its stated standard deviation, and alpha, for each flight with a Cd. [1]"""
     for one in flights:
         if one["cd"] and math.isfinite(one["cd"]):
             sd = math.sqrt(math.log1p((one["cd_sd"] / one["cd"]) ** 2))
@@ -42,7 +42,7 @@ def misses(flights: Sequence[dict[str, Any]], truth: float) -> Iterator[tuple[fl
 
 
 def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
-    """A row of the table: medians, the share inside 90 % intervals, and the mean log density of the truth."""
+    """A row of the table: medians, the fraction inside 90% intervals, and the mean log density of the truth."""
     errors = [error for error, _, _ in found]
     inside = sum(abs(error) < NORMAL_95 * sd for error, sd, _ in found) / len(found)
     size, bias = median(map(abs, errors)), median(errors)
@@ -52,7 +52,7 @@ def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
 
 
 def main() -> int:
-    """Judge every set of a folder, and print a line for each model and kind of readouts."""
+    """Evaluate every set of a folder, and print a line for each model and set of readouts."""
     options = sets_parser(__doc__).parse_args()
     found: dict[str, list[tuple[float, float, float]]] = {}
     for label in read_labels(options.sets, options.limit):
@@ -60,7 +60,7 @@ def main() -> int:
             flights = inferred(options.command, options.sets / f"{label['set']}.csv", model)
             kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
             found.setdefault(f"{model}, {kind}", []).extend(misses(flights, label["true"]["cd"]))
-    columns = ("flights", "bias", "|error|", "in 90 %", "score", "alpha")
+    columns = ("flights", "bias", "|error|", "in 90%", "score", "alpha")
     sys.stdout.write(f"{'log Cd':24} " + " ".join(f"{name:>7}" for name in columns) + "\n")
     sys.stdout.writelines(line(name, rows) + "\n" for name, rows in sorted(found.items()))
     return 0

@@ -1,7 +1,7 @@
 """`python -m bench.make OUT`: flight tables with an undeclared effect in them, and the labels separately.
 
-A set is `set_NNN.csv` (the history), `set_NNN_future.csv` (flights of the same truth that come later) and an
-entry in `labels.json`. The same seed makes the same sets.
+A set is `set_NNN.csv` (the history), `set_NNN_future.csv` (later flights with the same truth) and an entry in
+`labels.json`. The same seed gives the same sets.
 """
 
 import argparse
@@ -30,7 +30,7 @@ SHOWN = {
 }
 TEXT = ("flight_id", "date_time", "rocket", "config", "dry_mass_g", "diameter_mm", "motor", "site")
 TOGETHER = 12
-"""Sets that are flown together."""
+"""Number of sets in a simulation batch."""
 IMPERIAL = {"_m": ("_ft", 0.3048), "_mps": ("_mph", 0.44704)}
 
 
@@ -46,7 +46,7 @@ class Case:
 
 
 def case(scenario: Scenario, seed: int, number: int) -> Case:
-    """The `number`-th season of a scenario; it alone decides the season, whatever else is made."""
+    """The `number`-th season of a scenario, independent of the other sets."""
     rng = np.random.default_rng([seed, zlib.crc32(scenario.name.encode()), number])
     honest = draw(rng, scenario.needs_at(number))
     flights: list[Flown] = list(honest.flights)
@@ -66,7 +66,7 @@ def _calm(flown: Flown) -> Flown:
 
 
 def rows(season: Season, tracks: Sequence[Track], rng: np.random.Generator) -> list[dict[str, str]]:
-    """The flight table: what the flyer wrote down, and what the altimeter showed."""
+    """The flight table: the flyer's record and the altimeter's readouts."""
     table = []
     for number, (flown, track) in enumerate(zip(season.flights, tracks, strict=True), start=1):
         shown = readouts(track, flown.launch.air, Altimeter(flown.gain), rng)
@@ -101,7 +101,7 @@ def _imperial(row: dict[str, str]) -> dict[str, str]:
 
 
 def write_table(path: Path, table: Sequence[dict[str, str]]) -> None:
-    """Write rows as a CSV; columns in the order in which they first occur."""
+    """Write rows as a CSV, with columns in the order of their first occurrence."""
     names = list(dict.fromkeys([*TEXT, *(name for row in table for name in row)]))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, names, restval="")
@@ -116,12 +116,12 @@ def _apogees(season: Season, tracks: Sequence[Track]) -> np.ndarray[tuple[int], 
 
 
 def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float]:
-    """How much of the apogees the effect accounts for, and what a predictor could make of knowing it.
+    """The effect's part of the apogees, and the errors of predictors with and without it.
 
     `shift_*`: apogee with the effect minus without it, with common random numbers. `blind_mae_m`: error of the
-    effect-free truth without random draws, scaled by one number fitted to the flights; `ideal_mae_m`: the same with
-    the effect in it; `naive_mae_m`: that of the effect-free truth as it is.
-    All against apogees before the altimeter's noise, over all flights and over the future ones.
+    effect-free simulation without scatter, scaled by one number fitted to the flights; `ideal_mae_m`: the same with the
+    effect; `naive_mae_m`: error of the effect-free simulation without scaling. All are relative to apogees without the
+    altimeter's noise, over all flights and over the later ones.
     """
     now, twin = _apogees(found.bent, tracks["true"]), _apogees(found.honest, tracks["twin"])
     errors = {"naive_mae_m": float(np.abs(now - _apogees(found.honest, tracks["blind"])).mean())}
@@ -138,7 +138,7 @@ def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float
 
 
 def flown(cases: Sequence[Case], fly: Fly) -> list[dict[str, list[Track]]]:
-    """The tracks of every case: the true ones by `fly`; without the effect; without random draws; without both."""
+    """The tracks of every case from `fly`: true, without the effect, without scatter, without both."""
     plans: list[dict[str, list[Launch]]] = [
         {
             "true": [scattered(f) for f in c.bent.flights],
@@ -158,7 +158,7 @@ def flown(cases: Sequence[Case], fly: Fly) -> list[dict[str, list[Track]]]:
 def write_set(
     folder: Path, name: str, found: Case, tracks: Mapping[str, Sequence[Track]], seed: int
 ) -> dict[str, object]:
-    """Write one set and give its label."""
+    """Write one set and return its label."""
     rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
     table = rows(found.bent, tracks["true"], rng)
     history = len(table) - found.bent.future
@@ -182,7 +182,7 @@ def write_set(
 
 
 def _hidden(season: Season) -> dict[str, object]:
-    """What the rocket truly is."""
+    """The true properties of the rocket."""
     first = season.flights[0].launch
     return {
         "cd": round(first.drag.cd, 4),
@@ -194,10 +194,10 @@ def _hidden(season: Season) -> dict[str, object]:
 def make(
     folder: Path, names: Iterable[str], per_scenario: int, seed: int, truth: str, first: int = 0
 ) -> list[dict[str, object]]:
-    """Make sets of the named scenarios into a folder, in mixed order, and give their labels.
+    """Write sets of the named scenarios into a folder, in shuffled order, and return their labels.
 
-    Scenarios that RocketPy is not asked for are left out where that is the truth. The strength of the `first` set of
-    each is at that level; the next ones go round the levels.
+    With RocketPy, scenarios that it cannot simulate are left out. The first set of each scenario has the strength level
+    `first`; the next ones cycle through the levels.
     """
     folder.mkdir(parents=True, exist_ok=True)
     labels: list[dict[str, object]] = []
@@ -215,7 +215,7 @@ def make(
 
 
 def _within_rocketpy(cases: Sequence[Case]) -> list[Case]:
-    """The cases that RocketPy can fly; the scenarios of the others are named on stderr."""
+    """The cases that RocketPy can simulate; the scenarios of the others are named on stderr."""
     beyond = [any(f.launch.beyond_rocketpy for f in c.bent.flights) for c in cases]
     names = dict.fromkeys(c.scenario.name for c, out in zip(cases, beyond, strict=True) if out)
     if names:

@@ -1,4 +1,4 @@
-"""The motors the bench flies: measured thrust curves from the catalog, at their certified impulse."""
+"""The motors of the bench: measured thrust curves from the catalog, at their certified impulse."""
 
 from functools import cache
 
@@ -10,12 +10,12 @@ NAMES = (
     "F35W", "F27R", "F26FJ", "F37W", "F40W", "F52T", "F67W", "G38FJ", "AeroTech G40W", "G54W", "G64W", "AeroTech G80T",
     "G125T", "H128W", "H165R", "AeroTech H100W", "H182R", "H135W",
 )  # fmt: skip
-"""As flyers print them, the maker if a name is used by several."""
+"""Names as flyers write them, with the manufacturer if several use a name."""
 
 
 @cache
 def motors() -> dict[str, Motor]:
-    """Every motor of the bench by its name without the maker: letter, number and propellant, `F24W`, `D12`."""
+    """Every motor of the bench by its name without the manufacturer: letter, number and propellant, `F24W`, `D12`."""
     return {text.split()[-1]: motor(text) for text in NAMES}
 
 

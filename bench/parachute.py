@@ -1,4 +1,4 @@
-"""The way down: once the parachute is open, the rocket sinks as fast as its weight makes it."""
+"""The descent: under the open parachute the rocket falls at its terminal speed."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -11,7 +11,7 @@ SLICES = 25
 
 
 def sinking_speed(height: Float[Array, "*n"], mass: float, drag_area: float, air: Air) -> Float[Array, "*n"]:
-    """Speed over the ground at which drag carries the weight. [m/s]"""
+    """Terminal descent speed, at which drag equals weight. [m/s]"""
     station = station_pressure(air.qnh, air.elevation)
     rho = pressure(height, air.temperature, station) / (GAS * temperature(height, air.temperature))
     return np.asarray(np.maximum(np.sqrt(2 * mass * GRAVITY / (rho * drag_area)) - air.updraft, 0.5))
@@ -30,9 +30,9 @@ def descent(
 def opening(
     start: Float[Array, "six"], since: float, ejected: float, launch: Launch
 ) -> tuple[Float[Array, "step"], Float[Array, "six step"]]:
-    """Times and states (position, velocity) from `since` until the rocket hangs and sinks, or is down.
+    """Times and states (position, velocity) from `since` until the rocket descends steadily or lands.
 
-    A point mass under gravity, wind, and from `ejected` on the drag of a parachute that fills within
+    It is a point mass with gravity, wind, and from `ejected` on the drag of a parachute that fills within
     `launch.opening`.
     """
     air, mass = launch.air, launch.dry_mass + launch.motor.total_mass - launch.motor.propellant_mass

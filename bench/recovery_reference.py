@@ -1,9 +1,9 @@
-"""Flights of RocketPy down to the ground, as a reference for durations and landings.
+"""RocketPy simulations down to the ground, as a reference for durations and landings.
 
 `python -m bench.recovery_reference FILE` writes them.
 
 Each rocket flies a thrust curve of the catalog with one drag coefficient, opens one parachute or a drogue and a main,
-and lands in a wind that grows with height. RocketPy knows six degrees of freedom and none of our own code.
+and lands in a wind that grows with height. RocketPy has six degrees of freedom and shares no code with us.
 """
 
 import json
@@ -40,7 +40,7 @@ DUAL: dict[str, Any] = {
     "rail_into": 0.0,
     "rail_across": 0.0,
 }
-"""What the cases of model rockets, and of high power with a drogue and a main, have in common."""
+"""Common values of the cases of model rockets, and of high-power rockets with a drogue and a main."""
 CASES: dict[str, dict[str, Any]] = {
     "model, one parachute": MODEL | {"motor": "F24W", "wind": 3.0},
     "model, rail into the wind": MODEL | {"motor": "F39T", "wind": 4.0, "rail_into": 5.0},

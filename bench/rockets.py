@@ -1,4 +1,4 @@
-"""Rockets to put effects into, and the motors and delays that a careful flyer picks for them."""
+"""Rockets for the bench, and the motors and delays that a careful flyer would choose."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -23,34 +23,34 @@ CLASSES: Mapping[str, tuple[tuple[str, ...], tuple[float, float], tuple[float, f
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """What a scenario asks of the rocket and the season before anything is bent."""
+    """Requirements of a scenario for the rocket and the season."""
 
     classes: tuple[str, ...] = ("tiny", "small", "medium", "medium", "large", "large", "heavy")
     configs: int = 0
-    """Exactly so many; 0: one or two."""
+    """Exact number of configurations; 0 means one or two."""
     sites: int = 0
-    """At least so many; 0: one to three."""
+    """Minimum number; 0 means one to three."""
     margin: tuple[float, float] = (1.2, 1.8)
     """Static margin on the pad. [caliber]"""
     rail: tuple[float, float] = (1.5, 2.4)
     conditions: str = ""
-    """`all`, `wind` or `none` of the conditions are declared; empty: by chance."""
+    """Declared conditions: `all`, `wind` or `none`; empty for a random choice."""
     readouts: tuple[str, ...] = ("all", "all", "three", "apogee")
-    """What may be read: all ten, apogee with speed and coast, or the apogee alone."""
+    """Possible readouts: all ten, apogee with speed and coast, or the apogee alone."""
     scatter: float = 1.0
     """Factor on the scatter of thrust and drag."""
     lift: tuple[float, float] = (5.0, 40.0)
-    """Thrust over weight in the first 0.4 s."""
+    """Minimum thrust-to-weight ratio over the first 0.4 s. [1]"""
     cd: tuple[float, float] = (0.38, 0.75)
     top_speed: float = 0.0
-    """That the fastest motor must exceed. [m/s]"""
+    """Minimum top speed with the fastest motor. [m/s]"""
     high: float = 1500.0
-    """Elevation up to which sites lie where all conditions are declared. [m]"""
+    """Maximum elevation of sites if all conditions are declared. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Combination:
-    """A motor in a configuration, with the delay a careful flyer picks for it."""
+    """A motor in a configuration, with the delay that a careful flyer would choose."""
 
     motor: Motor
     key: str
@@ -75,7 +75,7 @@ class Rocket:
 
 
 def draw_rocket(rng: np.random.Generator, needs: Needs, conditions: str) -> Rocket:
-    """A rocket with at least two motors that lift it well and have a delay that suits it."""
+    """A rocket with at least two motors that have enough thrust and a suitable delay."""
     while True:
         names, diameters, masses = CLASSES[str(rng.choice(list(needs.classes)))]
         diameter, mass = float(rng.uniform(*diameters)), float(rng.uniform(*masses))
@@ -116,7 +116,7 @@ def draw_rocket(rng: np.random.Generator, needs: Needs, conditions: str) -> Rock
 def _combinations(
     rocket: Rocket, names: tuple[str, ...], configs: Mapping[str, float], needs: Needs
 ) -> list[Combination]:
-    """Motors and configurations that leave the rail well and find a delay near the coast they need."""
+    """Motors and configurations with enough speed off the rail and a delay near the coast time."""
     found = []
     for key in names:
         motor = motors()[key]

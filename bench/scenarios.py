@@ -1,4 +1,4 @@
-"""The scenarios: which effects, how strong, on what kind of season, and the verdict that would be right."""
+"""The scenarios: effects, strengths, requirements for the season, and the right verdict."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,11 +24,11 @@ class Scenario:
     needs: Needs = Needs()
 
     def strengths(self, level: int) -> tuple[float, ...]:
-        """The strength of every part at a level, which counts on without end."""
+        """The strength of every part at a level; levels cycle."""
         return tuple(part.strengths[level % len(part.strengths)] for part in self.parts)
 
     def needs_at(self, level: int) -> Needs:
-        """What this scenario asks of a season at a level: weathercocking is built into the rocket."""
+        """Requirements for a season at a level: weathercocking is a property of the rocket."""
         for part, strength in zip(self.parts, self.strengths(level), strict=True):
             if part.effect == "wind":
                 return replace(self.needs, margin=(strength, strength + 0.05), rail=(0.9, 1.2), lift=(3.5, 8.0))

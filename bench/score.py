@@ -1,9 +1,9 @@
-"""`python -m bench.score SETS`: run the product on every set, then look at the labels.
+"""`python -m bench.score SETS`: run the product on every set, then compare with the labels.
 
-Nothing of the product is imported but the sharing out of work: it is a command with JSON on its output, as the
-contract has it. A set's history goes into a ledger of its own, `loop` gives the verdict, and `predict --flights` the
-errors on the flights that came later, with the model before and after. `--keep FOLDER` saves each set's result as it
-comes, and a second run resumes from there; `--cluster` runs the sets on Dask's workers, which need this checkout.
+Only the code for parallel jobs is imported from the product, which is run as a command with JSON output. A set's
+history goes into a separate ledger; `loop` gives the verdict, and `predict --flights` the errors on later flights, with
+the model before and after. `--keep FOLDER` saves each set's result when it is done, so that a second run resumes;
+`--cluster` runs the sets on Dask workers, which need this checkout.
 """
 
 import argparse
@@ -81,7 +81,7 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
 
 @dataclass(frozen=True, slots=True)
 class Set:
-    """A set with all that is needed to score it on another machine, and by which command."""
+    """A set with everything needed to score it on another machine, and the command."""
 
     label: Mapping[str, Any]
     tables: Mapping[str, str]
@@ -116,7 +116,7 @@ def to_score(
 
 
 def results(sets: Mapping[str, Set], keep: Path | None, jobs: int, cluster: str) -> Iterator[Result]:
-    """The result of each set as it comes: by threads of this process, or by the workers of a cluster."""
+    """The result of each set when it is done, from threads of this process or workers of a cluster."""
     with ExitStack() as stack:
         folder = keep or Path(stack.enter_context(tempfile.TemporaryDirectory()))
         pool = stack.enter_context(workers(cluster) if cluster else ThreadPoolExecutor(jobs))
@@ -124,12 +124,12 @@ def results(sets: Mapping[str, Set], keep: Path | None, jobs: int, cluster: str)
 
 
 def _could_be(said: Mapping[str, Any], label: str) -> bool:
-    """Whether the product holds that these flights could show the effects of a label."""
+    """Whether the product lists a label's effects as possible for these flights."""
     return effects(label) <= {candidate["effect"] for candidate in said["candidates"]}
 
 
 def _planned(later: Path, path: Path) -> Path:
-    """The future flights without what was read off the altimeter."""
+    """The later flights without their readouts."""
     hidden = set(RESOLUTION)
     for suffix, (other, _) in IMPERIAL.items():
         hidden |= {name.removesuffix(suffix) + other for name in RESOLUTION if name.endswith(suffix)}
@@ -158,7 +158,7 @@ def _errors(predictions: Sequence[Mapping[str, Any]], later: Path) -> Errors:
 
 
 def main() -> None:
-    """Read the command line, score, print the table, keep the results as JSON."""
+    """Read the command line, score, print the table, save the results as JSON."""
     parser = argparse.ArgumentParser(prog="python -m bench.score", description=__doc__)
     parser.add_argument("sets", type=Path)
     parser.add_argument("--command", default="fieldkit", help="how the product is called")

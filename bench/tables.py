@@ -1,4 +1,4 @@
-"""The results of a bench as figures: a row per scenario, and the lines that decide."""
+"""The results of a bench as figures: a row per scenario, and a summary."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,18 +10,18 @@ from bench.calibration import calibration_lines
 from bench.result import WORTH_IT, Errors, Result
 
 NORMAL_90 = 1.6448536
-"""Standard deviations to either side of the mean that hold nine in ten of a normal distribution. [1]"""
+"""Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
 IDEAL_INTERVAL = 40 * exp(-(NORMAL_90**2) / 2) / sqrt(2 * pi) / sqrt(2 / pi)
-"""Expected score of the 90 % interval of a normal distribution that is known, over its mean absolute error. [1]"""
+"""Ratio of the expected score of the 90% interval to the mean absolute error for a known normal distribution. [1]"""
 WORSE = 1.05
-"""Error after over error before from which on a forecast counts as worse than the plain model's. [1]"""
+"""A forecast counts as worse than the plain model's if the ratio of their errors is above this. [1]"""
 
 
 def table(results: Sequence[Result]) -> str:
-    """A row per scenario and one for all, in Markdown; errors in meters over the future flights."""
+    """A row per scenario and one for all, in Markdown; errors on the later flights [m]."""
     lines = [
-        "| scenario | sets | named | right | decidable | right there | before | after | given | ideal "
-        "| coverage before | after | said instead |",
+        "| scenario | sets | named | right | decidable | right if decidable | before | after | given | ideal "
+        "| coverage before | after | other verdicts |",
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for scenario in [*dict.fromkeys(sorted(r.scenario for r in results)), "all"]:
@@ -53,7 +53,7 @@ def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
 
 def _rate(right: Iterable[bool]) -> str:
     values = list(right)
-    return f"{100 * sum(values) / len(values):.0f} %" if values else ""
+    return f"{100 * sum(values) / len(values):.0f}%" if values else ""
 
 
 def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) -> str:
@@ -63,23 +63,23 @@ def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) ->
 
 def _coverage(errors: Sequence[Errors | None]) -> str:
     found = [e for e in errors if e]
-    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f} %" if found else ""
+    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f}%" if found else ""
 
 
 def summary(results: Sequence[Result]) -> str:
-    """The figures that decide: decidable sets, false alarms, part of the possible gain."""
+    """The summary figures: decidable sets, false alarms, fraction of the possible gain."""
     said = [r for r in results if r.before and r.after]
     effect = [r for r in said if r.label not in ("none", "unexplained")]
     decidable = [r for r in effect if r.decidable]
     nulls = [r for r in said if r.label == "none"]
     lines = [
-        f"right verdicts where the fit of the true effect takes away at least {WORTH_IT:.0%} of the error: "
+        f"right verdicts if the fit with the true effect removes at least {WORTH_IT:.0%} of the error: "
         f"{sum(r.right for r in decidable)} of {len(decidable)}, "
         f"{sum(r.right for r in decidable if '+' not in r.label)} of {sum('+' not in r.label for r in decidable)} "
         "of them with one effect",
         f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
         f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
-        f"wrong effect named where nobody's effect was: "
+        f"wrong effect named for an unknown one: "
         f"{sum(r.verdict not in ('none', 'unexplained') for r in said if r.label == 'unexplained')} "
         f"of {sum(r.label == 'unexplained' for r in said)}",
         f"pairs named in full: {sum(r.named for r in said if '+' in r.label)} of {sum('+' in r.label for r in said)}",
@@ -87,7 +87,7 @@ def summary(results: Sequence[Result]) -> str:
     possible = sum(r.before.mae - r.given.mae for r in decidable if r.before and r.given)
     made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
     if possible > 0:
-        lines.append(f"part of the possible gain made there: {made / possible:.0%}")
+        lines.append(f"fraction of the possible gain in these: {made / possible:.0%}")
     lines += _forecasts(said)
     lines.append(f"sets with an error: {len(results) - len(said)}")
     if said:
@@ -97,7 +97,7 @@ def summary(results: Sequence[Result]) -> str:
 
 
 def _forecasts(results: Sequence[Result]) -> Iterator[str]:
-    """How forecasts after the loop compare with those of the plain model, of the truth given, and of the ideal."""
+    """Forecasts after the loop compared with the plain model's, with the truth given, and with the ideal."""
     kinds = list(dict.fromkeys(sorted(r.scenario for r in results)))
     told = {
         k: _geometric(r.after.mae / r.given.mae for r in results if r.scenario == k and r.after and r.given)
@@ -108,27 +108,27 @@ def _forecasts(results: Sequence[Result]) -> Iterator[str]:
         every = _geometric(r.after.mae / r.given.mae for r in results if r.after and r.given)
         worst = max(told, key=lambda kind: told[kind])
         yield (
-            f"error after over error with the true effect given: {every:.2f} (geometric), "
-            f"in the worst kind {told[worst]:.2f} ({worst})"
+            f"error after relative to the fit with the true effect: {every:.2f} (geometric mean), "
+            f"highest {told[worst]:.2f} ({worst})"
         )
     pairs = [(r.before, r.after, r.ideal) for r in results if r.before and r.after]
     yield (
-        f"error after more than {WORSE - 1:.0%} above that of the plain model: "
+        f"error after more than {WORSE - 1:.0%} above the plain model's: "
         f"{sum(after.mae > WORSE * before.mae for before, after, _ in pairs)} of {len(pairs)}"
     )
     held = {k: [r.after for r in results if r.scenario == k and r.after] for k in kinds}
     coverage = {k: sum(e.covered for e in own) / sum(e.flights for e in own) for k, own in held.items() if own}
     if coverage:
         low, high = min(coverage, key=lambda kind: coverage[kind]), max(coverage.values())
-        yield f"coverage after by kind: {coverage[low]:.0%} ({low}) to {high:.0%}"
+        yield f"coverage after by scenario: {coverage[low]:.0%} ({low}) to {high:.0%}"
     if np.isfinite([after.interval for _, after, _ in pairs]).any():
         before = _geometric(after.interval / before.interval for before, after, _ in pairs)
         ideal = _geometric(after.interval / (IDEAL_INTERVAL * own) for _, after, own in pairs)
-        yield f"interval score after over before: {before:.2f}, over the ideal: {ideal:.2f} (geometric)"
+        yield f"interval score after relative to before: {before:.2f}, to the ideal: {ideal:.2f} (geometric mean)"
 
 
 def _geometric(values: Iterable[float]) -> float:
-    """The geometric mean of what is a number, nan of nothing."""
+    """The geometric mean of the finite values; nan if there are none."""
     found = np.array(list(values))
     found = found[np.isfinite(found)]
     return float(np.exp(np.log(found).mean())) if len(found) else float("nan")

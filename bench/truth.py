@@ -1,9 +1,8 @@
-"""RocketPy flies a launch: six degrees of freedom, fins, nose, wind, rail, a measured thrust curve.
+"""Simulation of a launch with RocketPy: six degrees of freedom, fins, nose, wind, rail, a measured thrust curve.
 
-About one flight a second. RocketPy flies up to apogee or the ejection charge, whichever comes first; from there
-on the rocket is a point on an opening parachute (`bench.parachute`), as RocketPy's own parachutes open by height or
-speed and not by a delay.
-Not in it, and refused: friction of the rail, updrafts, drag by Reynolds number.
+About one flight a second. RocketPy flies up to apogee or the ejection charge, whichever comes first; after that the
+rocket is a point mass under an opening parachute (`bench.parachute`), because RocketPy's parachutes open by height or
+speed and not after a delay. Rail friction, updrafts and Reynolds-number effects on drag are not supported.
 """
 
 from typing import Any
@@ -22,7 +21,7 @@ STEP = 0.005
 
 
 def fly(launch: Launch) -> Track:
-    """The track of one launch. Raises BadValue for what RocketPy is not asked to do here."""
+    """The track of one launch. Raises BadValue for an unsupported launch."""
     if launch.beyond_rocketpy:
         raise BadValue(
             "found friction, an updraft or drag by Reynolds number, expected a launch without: use --truth fast"

@@ -1,6 +1,6 @@
-"""A flight straight up as a point: the quick look by which a flyer picks motors and delays.
+"""A vertical flight of a point mass, with which a flyer would choose motors and delays.
 
-Also the yardstick for the rigid rocket, which must agree with it without wind on a vertical rail.
+It is also a check of the rigid rocket, which must agree with it without wind on a vertical rail.
 """
 
 import math

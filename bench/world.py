@@ -1,4 +1,4 @@
-"""What the two truth simulators share: a rocket as it truly is, the launch, and the track it flies.
+"""Common types of the two simulators: the true rocket, the launch, and the track.
 
 Nothing here comes from the product's simulator. SI throughout. Stations are measured from the tip of
 the nose toward the tail; x points downwind, z up.
@@ -59,14 +59,14 @@ class Motor:
 
 @dataclass(frozen=True, slots=True)
 class Drag:
-    """The coefficient on axial drag: a constant, and the ways in which it is none."""
+    """The coefficient of axial drag: a constant and its variations."""
 
     cd: float
     """Under power, at low Mach number. [1]"""
     power_off: float = 1.0
-    """Factor on `cd` once the motor is out. [1]"""
+    """Factor on `cd` after burnout. [1]"""
     mach_rise: float = 0.0
-    """Relative rise at its highest, just above Mach 1. [1]"""
+    """Maximum relative rise, just above Mach 1. [1]"""
     reynolds: float = 0.0
     """Exponent e of (speed / 50 m/s)^-e. [1]"""
 
@@ -92,7 +92,7 @@ class Air:
 
 @dataclass(frozen=True, slots=True)
 class Launch:
-    """All that decides one flight; every number is the true one, whatever the flyer wrote down."""
+    """Everything that determines one flight, with the true values and not the recorded ones."""
 
     airframe: Airframe
     dry_mass: float
@@ -117,22 +117,22 @@ class Launch:
 
     @property
     def beyond_rocketpy(self) -> bool:
-        """Whether it has what RocketPy is not asked for here: friction of the rail, an updraft, drag by Reynolds
-        number."""
+        """Whether it has something that is not supported with RocketPy: rail friction, an updraft, Reynolds-number
+        effects on drag."""
         return bool(self.friction or self.air.updraft or self.drag.reynolds)
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """What one flight did, from ignition to landing."""
+    """The track of one flight, from ignition to landing."""
 
     time: Float[Array, "step"]
     height: Float[Array, "step"]
     """Above the pad. [m]"""
     speed: Float[Array, "step"]
-    """Over the ground, whatever its direction. [m/s]"""
+    """Speed over the ground in any direction. [m/s]"""
     push: Float[Array, "step"]
-    """Specific force along the body, as an accelerometer on the axis feels it. [m/s^2]"""
+    """Specific force along the body, as measured by an accelerometer on the axis. [m/s^2]"""
     liftoff: float
     burnout: float
     ejection: float | None

@@ -1,18 +1,18 @@
-"""Every error raised on purpose: trouble the flyer can fix, in one line.
+"""Every error raised on purpose: a problem that the flyer can fix, in one line.
 
-The message names the file, the row and the column if there are any, what was found, and what
-would be right. Anything that is not a `FieldkitError` is a fault of the program and keeps its traceback.
+The message names the file, row and column if there are any, what was found, and what would be right. Any other
+exception is a bug and keeps its traceback.
 """
 
 
 class FieldkitError(Exception):
-    """Trouble the flyer can fix; `str()` of it is one complete line."""
+    """A problem that the flyer can fix; its `str()` is one complete line."""
 
 
 class DamagedLog(FieldkitError):
-    """A log, or one row of it, is not what its format promises.
+    """A log, or one row of it, does not match its format.
 
-    `source`, `row` and `column` say where; a parser knows the row, the caller adds the source.
+    `source`, `row` and `column` are the position; a parser gives the row, and its caller adds the source.
     """
 
     def __init__(
@@ -35,23 +35,23 @@ class UnknownFormat(FieldkitError):
 
 
 class BadValue(FieldkitError):
-    """A typed or written value cannot be read as its quantity."""
+    """A value cannot be read as its quantity."""
 
 
 class UnknownMotor(FieldkitError):
-    """No motor of the catalog answers to a name; the message suggests the nearest."""
+    """No motor in the catalog matches a name; the message suggests similar ones."""
 
 
 class AmbiguousMotor(FieldkitError):
-    """Several motors answer to a name; the message lists them."""
+    """Several motors match a name; the message lists them."""
 
 
 class LedgerError(FieldkitError):
-    """The ledger cannot be opened, read or written, or does not hold what was asked for."""
+    """The ledger cannot be opened, read or written, or does not have the requested entry."""
 
 
 class NoFlights(FieldkitError):
-    """A question needs flights that the ledger does not hold."""
+    """A request needs flights that the ledger does not have."""
 
 
 class DamagedModel(FieldkitError):
@@ -59,7 +59,7 @@ class DamagedModel(FieldkitError):
 
 
 class ImpossibleFlight(FieldkitError):
-    """The rocket as described cannot leave the pad, or the description lacks what physics needs."""
+    """The rocket as described cannot leave the pad, or the description is incomplete for a simulation."""
 
 
 class UnknownEffect(FieldkitError):
@@ -67,12 +67,12 @@ class UnknownEffect(FieldkitError):
 
 
 class PortTrouble(FieldkitError):
-    """A serial port cannot be opened, or what is on it does not answer as it should."""
+    """A serial port cannot be opened, or its device does not answer as expected."""
 
 
 class PortLost(PortTrouble):
-    """A serial port that worked is gone: a pulled cable, or a unit switched off."""
+    """A working serial port is gone: the cable was pulled, or the device was switched off."""
 
 
 class CaptureTrouble(FieldkitError):
-    """A capture cannot be kept, found or read back."""
+    """A capture cannot be saved, found or read."""

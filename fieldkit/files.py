@@ -1,5 +1,5 @@
-"""Files: reading those from elsewhere within bounds, writing those that a flyer asks for, and fieldkit's own, which are
-replaced as a whole or not at all.
+"""Reading files of unknown origin within limits, writing files that a flyer requests, and replacing fieldkit's files
+atomically.
 """
 
 import errno
@@ -15,9 +15,9 @@ from fieldkit.paths import own_files
 MAX_FILE_SIZE = 1 << 30
 """Size limit of a log or table. [byte]"""
 LARGEST_OWN = 4 << 20
-"""No file of what a flyer chose is larger. [byte]"""
+"""Size limit of a settings file. [byte]"""
 BACKUPS = "-backups"
-"""After the name of a ledger: the folder of its copies."""
+"""Suffix of the folder with a ledger's backups."""
 
 _DATABASE = b"SQLite format 3\0"
 _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83")
@@ -25,14 +25,14 @@ _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7
 COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
 """Suffixes of the files that SQLite and fieldkit keep beside a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
-"""Windows would write line ends of its own."""
+"""Windows would change line endings."""
 
 
 def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
-    """The bytes of a file from elsewhere, at most so many, by default `MAX_FILE_SIZE`.
+    """The bytes of a file of unknown origin, up to a size limit, by default `MAX_FILE_SIZE`.
 
-    A device or a pipe in a folder may never end or never begin: none is opened. What a shell pours in under a name such
-    as /dev/stdin is read to its end, but not with `plain`. Raises OSError, also for a file that is too large.
+    Devices and pipes in a folder are not opened, because they may block or never end. Input from a shell, such as
+    /dev/stdin, is read to its end unless `plain`. Raises OSError, also for a file that is too large.
     """
     most = MAX_FILE_SIZE if most is None else most
     about = file.stat()
@@ -48,12 +48,12 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
 
 
 def read_own(file: Path) -> str:
-    """The text of a small file of the flyer's own, such as settings. Raises OSError, UnicodeDecodeError."""
+    """The text of a small file such as the settings. Raises OSError, UnicodeDecodeError."""
     return read(file, plain=True, most=LARGEST_OWN).decode()
 
 
 def _poured(file: Path, most: int) -> bytes | None:
-    """What comes out of a pipe, None if that is more than so many bytes."""
+    """The content of a pipe; None if it exceeds the size limit."""
     content = bytearray()
     with file.open("rb") as source:
         while part := source.read(1 << 20):
@@ -64,10 +64,11 @@ def _poured(file: Path, most: int) -> bytes | None:
 
 
 def check_target(file: Path, *, force: bool = False) -> None:
-    """Raise FieldkitError for a name that nothing is written to: a folder, a file of ours, without `force` any file.
+    """Raise FieldkitError for a path that must not be written: a folder, a file of fieldkit, and any existing file
+    without `force`.
 
-    Of ours is every ledger (also one that is damaged or gone, by the backups beside it), its journals and its backups,
-    and what the flyer chose and added; under whatever name, through links too.
+    Files of fieldkit are every ledger (also a damaged or deleted one, recognized by its backups), its journals and
+    backups, and the flyer's settings and additions, under any name and through links.
     """
     try:
         target = file.resolve()
@@ -76,7 +77,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
         if target.is_block_device():
             raise FieldkitError(f"{file}: found a disk, expected the name of a file")
         kept = _kept(target)
-    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a name with a zero in it
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, or a name with a NUL character
         raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
     if kept:
         raise FieldkitError(f"{file}: found {kept} there, which is never overwritten; expected another name")
@@ -85,27 +86,27 @@ def check_target(file: Path, *, force: bool = False) -> None:
 
 
 def is_taken(file: Path) -> bool:
-    """Whether a name is an existing plain file, which is replaced only if the user confirms."""
+    """Whether a path is an existing plain file, which is replaced only if the user confirms."""
     return file.is_file() and not _is_stream(file)
 
 
 def write(file: Path, content: bytes, *, force: bool = False) -> None:
-    """Write a file that was asked for, as a whole or not at all; only with `force` in the place of another one.
+    """Write a requested file atomically; an existing one is replaced only with `force`.
 
-    What a link names is written, and the link stays. A device or a pipe gets the bytes as they are.
-    Raises FieldkitError, for a name of a file of ours too; see `check_target`.
+    A link stays, and its target is written. A device or a pipe receives the bytes directly. Raises FieldkitError if the
+    file cannot be written, also for a file of fieldkit; see `check_target`.
     """
     write_all({file: content}, force=force)
 
 
 def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write files that belong together, none of them if one may not be written; see `write`."""
+    """Write a group of files, or none if one must not be written; see `write`."""
     for file in contents:
         check_target(file, force=force)
     for file, content in contents.items():
         try:
             _write(file, content, force)
-        except FileExistsError as error:  # it came in the meantime
+        except FileExistsError as error:  # it was created in the meantime
             raise _taken(file) from error
         except OSError as error:
             raise _unwritten(file, error) from error
@@ -131,7 +132,7 @@ def _write(file: Path, content: bytes, force: bool) -> None:
 
 
 def _into_stream(file: Path) -> int:
-    """A device or a pipe, to be written to. Raises OSError for a pipe that nobody reads, which would wait for ever."""
+    """Open a device or a pipe for writing. Raises OSError for a pipe without a reader, which would block forever."""
     if not file.is_fifo():
         return os.open(file, os.O_WRONLY | _BINARY)
     try:
@@ -149,14 +150,14 @@ def _name(new: Path, target: Path) -> None:
         os.link(new, target)
     except FileExistsError:
         raise
-    except OSError:  # a disk without hard links
+    except OSError:  # the disk does not support hard links
         if target.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
         os.replace(new, target)
 
 
 def _written_beside(file: Path, content: bytes) -> Path:
-    """A new file in the folder of another one, its content on the disk."""
+    """A new file in the folder of another one, with its content flushed to the disk."""
     new = file.with_name(f".{file.name[:100]}.{token_hex(8)}.new")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:
@@ -170,12 +171,12 @@ def _written_beside(file: Path, content: bytes) -> Path:
 
 
 def _is_stream(file: Path) -> bool:
-    """Whether a name stands for what is open already, such as /dev/stdout."""
+    """Whether a path refers to an already open stream, such as /dev/stdout."""
     return file.is_absolute() and file.parts[1:2] in (("dev",), ("proc",))
 
 
 def _kept(target: Path) -> str:
-    """What fieldkit keeps at a path, in a word or two; empty for nothing."""
+    """The kind of fieldkit's file at a path, in a word or two; empty for other files."""
     head = _head(target)
     if head.startswith(_DATABASE):
         return "a ledger or another database"
@@ -191,14 +192,14 @@ def _kept(target: Path) -> str:
 
 
 def _is_ledger(file: Path) -> bool:
-    """Whether a ledger is at a path, or was: copies of it are kept beside."""
+    """Whether a ledger is at a path, or was, according to its backups."""
     return bool(file.name) and (
         _head(file).startswith(_DATABASE) or _holds_copies(file.with_name(f"{file.name}{BACKUPS}"))
     )
 
 
 def _belongs_to_ledger(place: Path) -> bool:
-    """Whether a name is that of a ledger and an ending that SQLite or fieldkit puts to it."""
+    """Whether a path is that of a ledger plus a suffix that SQLite or fieldkit adds."""
     return any(
         place.name.endswith(end) and _is_ledger(place.with_name(place.name.removesuffix(end)))
         for end in COMPANION_SUFFIXES
@@ -206,7 +207,7 @@ def _belongs_to_ledger(place: Path) -> bool:
 
 
 def _holds_copies(folder: Path) -> bool:
-    """Whether a folder is that of a ledger's copies, by its name and what it holds."""
+    """Whether a folder has a ledger's backups, by its name and contents."""
     if not folder.name.endswith(BACKUPS) or not folder.is_dir():
         return False
     ledger = folder.with_name(folder.name.removesuffix(BACKUPS))
@@ -214,7 +215,7 @@ def _holds_copies(folder: Path) -> bool:
 
 
 def _head(file: Path) -> bytes:
-    """The first bytes of a plain file, none of anything else."""
+    """The first bytes of a plain file; empty for anything else."""
     if not file.is_file():
         return b""
     with file.open("rb") as opened:
@@ -229,9 +230,9 @@ def _same(one: Path, other: Path) -> bool:
 
 
 def replace(file: Path, content: bytes) -> None:
-    """Put content in the place of a file of ours; a kill or a power cut leaves the old one or the new one.
+    """Replace a file of fieldkit atomically: a kill or a power cut leaves the old file or the new one.
 
-    Raises FieldkitError.
+    Raises FieldkitError if it cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,9 @@
-"""Resumable parallel jobs: each result is saved in a folder as it comes, so that an interrupted job continues.
+"""Resumable parallel jobs: each result is saved in a folder as soon as it is done, so that an interrupted job can
+continue.
 
-Workers are Dask's, the extra `cluster`: processes of this computer, or those of a scheduler on as many machines as
-there are. The piece of a worker that is lost goes to another one. A scheduler runs whatever reaches it: it belongs on
-a network of friends, or behind the keys that Dask can be given. Any other executor does as well.
+Workers are Dask's, from the extra `cluster`: processes of this computer, or a scheduler's on any number of machines. If
+a worker is lost, another one repeats its item. A scheduler runs whatever code it receives: use it only on a trusted
+network or with Dask's security keys. Any other executor works too.
 """
 
 import os
@@ -19,15 +20,15 @@ from fieldkit.files import replace
 
 Item = TypeVar("Item")
 PATIENCE = 20.0
-"""How long a scheduler may take to answer. [s]"""
+"""Time limit for a scheduler's answer. [s]"""
 _LOCAL_ADDRESS = re.compile(r"local(?::(\d{1,3}))?")
 
 
 @contextmanager
 def workers(where: str) -> Iterator[Executor]:
-    """Workers: `local` or `local:4` for so many processes of this computer, else those of the scheduler at an address.
+    """Workers: `local` or `local:4` for processes of this computer, or else those of the scheduler at an address.
 
-    Raises FieldkitError if Dask is not installed or nobody answers, BadValue for no workers.
+    Raises FieldkitError if Dask is not installed or the scheduler does not answer, BadValue for zero workers.
     """
     try:
         from distributed import Client, LocalCluster
@@ -50,15 +51,15 @@ def workers(where: str) -> Iterator[Executor]:
 
 
 def processes(count: int) -> Executor:
-    """So many processes of this computer, none of which outlives this one: those of the standard library's pool alone
-    wait for ever where the process that began them is killed."""
+    """A pool of processes that end with this one: processes of the standard library's pool wait forever if their parent
+    is killed."""
     from concurrent.futures import ProcessPoolExecutor
 
     return ProcessPoolExecutor(count, initializer=_end_with_parent)
 
 
 def _end_with_parent() -> None:
-    """End this process as soon as the one that began it has ended."""
+    """End this process as soon as its parent has ended."""
     from multiprocessing import connection, parent_process
 
     if (parent := parent_process()) is None:
@@ -74,9 +75,9 @@ def _end_with_parent() -> None:
 def done(
     work: Callable[[Item], bytes], items: Mapping[str, Item], folder: Path, pool: Executor
 ) -> Iterator[tuple[str, bytes]]:
-    """The name and the result of each item as it comes, those first that an earlier run left in the folder.
+    """The name and result of each item when it is done, saved results of an earlier run first.
 
-    Names are names of files. What a piece of work raises is raised here; what came before it is kept.
+    Names are file names. An exception in an item is raised here; earlier results stay saved.
     """
     folder.mkdir(parents=True, exist_ok=True)
     there = [name for name in items if (folder / name).exists()]

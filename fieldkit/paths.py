@@ -1,21 +1,22 @@
-"""Where files are: a flyer's own on this computer (ledger, motors, captures), and the flights that come along."""
+"""Paths of files: the flyer's files on this computer (ledger, motors, captures), and the flights shipped with
+fieldkit."""
 
 import os
 from contextlib import suppress
 from pathlib import Path
 
 REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
-"""Twelve flights of one rocket, to try things on."""
+"""Twelve flights of one rocket, for trying things out."""
 HOME = "FIELDKIT_HOME"
-"""The variable of the environment that names another folder for all of these."""
+"""The environment variable for another data folder."""
 DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures", "crashes")
-"""Files and folders that fieldkit and its user keep in the data folder, beside the ledger."""
+"""Files and folders in the data folder besides the ledger."""
 
 
 def data_folder() -> Path:
-    """The folder of the user's data, made if it is not there yet and can be.
+    """The folder of the user's data, created if possible.
 
-    If it cannot, there is nothing in it to read, and who writes there says why that fails.
+    If it cannot be created, there is nothing to read, and writing reports the reason.
     """
     folder = _data_path()
     with suppress(OSError):
@@ -32,17 +33,17 @@ def _data_path() -> Path:
 
 
 def motor_folder() -> Path:
-    """The folder of the flyer's own motor files, which may not be there."""
+    """The folder of the flyer's motor files, which may not exist."""
     return data_folder() / "motors"
 
 
 def hyperprior_file() -> Path:
-    """The file of a hyperprior that the flyer learned from a club's flights, which may not be there; nor its folder."""
+    """The file of a hyperprior that the flyer learned from a club's flights; it and its folder may not exist."""
     return _data_path() / "hyperprior.json"
 
 
 def settings_file() -> Path:
-    """The file of what the flyer chose in the app, which may not be there."""
+    """The file of the app's settings, which may not exist."""
     if home := _home():
         return home / "settings.json"
     from platformdirs import user_config_path
@@ -51,7 +52,7 @@ def settings_file() -> Path:
 
 
 def capture_folder() -> Path:
-    """The folder of what was captured from loggers, which may not be there."""
+    """The folder of captures from loggers, which may not exist."""
     return data_folder() / "captures"
 
 
@@ -61,7 +62,7 @@ def crash_folder() -> Path:
 
 
 def own_files() -> list[Path]:
-    """The files and folders that fieldkit keeps a flyer's choices and additions in, if the home can be used."""
+    """The files and folders of a flyer's settings and additions, if the data folder can be used."""
     try:
         folder = data_folder().resolve()
         return [settings_file().resolve(), *(folder / name for name in DATA_FILES)]

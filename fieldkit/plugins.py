@@ -1,8 +1,8 @@
 """Finding plug-ins: every module in a plug-in folder that binds one upper-case name.
 
-The plug-in folders have no `__init__.py`. In a checkout they stand beside `fieldkit/`, in the
-installed wheel inside it; in both they are mounted as `fieldkit.parsers` and `fieldkit.models`, so
-nobody else's `models` is ever taken for ours.
+The plug-in folders have no `__init__.py`. In a checkout they stand beside `fieldkit/`, in the installed wheel inside
+it; in both they are mounted as `fieldkit.parsers` and `fieldkit.models`, so another package named `models` is never
+imported instead.
 """
 
 import json
@@ -22,7 +22,7 @@ PLUGIN_FOLDERS = ("parsers", "models")
 
 
 def plugin_folder(group: str) -> Path:
-    """A plug-in folder, which may be missing: inside the package, else beside it."""
+    """A plug-in folder, which may be missing: inside the package, or else next to it."""
     package = Path(__file__).parent
     inside = package / group
     return inside if inside.is_dir() else package.parent / group
@@ -44,11 +44,10 @@ def mount() -> None:
 
 @cache
 def plugins(group: str, attribute: str) -> Mapping[str, object]:
-    """What the modules of a plug-in folder bind to `attribute`, by module name in alphabetical order.
+    """The values of `attribute` in the modules of a plug-in folder, by module name in alphabetical order.
 
-    `plugins("parsers", "PARSER")`, `plugins("models.effects", "EFFECT")`. Modules whose name begins
-    with an underscore are helpers and left out. A module without the attribute is a fault of ours
-    and raises AttributeError.
+    `plugins("parsers", "PARSER")`, `plugins("models.effects", "EFFECT")`. Modules whose name starts with an underscore
+    are helpers and are left out. A module without the attribute is a programming error and raises AttributeError.
     """
     package = import_module(f"fieldkit.{group}")
     names = sorted(m.name for m in iter_modules(package.__path__) if not (m.ispkg or m.name.startswith("_")))
@@ -63,14 +62,14 @@ def trained() -> list[str]:
 
 
 def trained_digests() -> dict[str, str]:
-    """The digest of each trained ensemble's graph by name, as its card has it; nothing is loaded or checked."""
+    """The digest of each trained ensemble's graph by name, from its card; nothing is loaded or checked."""
     folder = plugin_folder("models") / "trained"
     cards = {name: json.loads((folder / name / "card.json").read_text(encoding="utf-8")) for name in trained()}
     return {name: str(card["digests"]["ensemble.onnx"]) for name, card in cards.items()}
 
 
 def trained_folder(name: str) -> Path:
-    """The folder of a trained ensemble. Raises DamagedModel that lists the names there are."""
+    """The folder of a trained ensemble. Raises DamagedModel with the available names if there is none."""
     if name not in trained():
         raise DamagedModel(f"no trained ensemble is called {name!r}; there are {', '.join(trained()) or 'none'}")
     return plugin_folder("models") / "trained" / name

@@ -1,9 +1,9 @@
-"""Progress callbacks: long work reports what it is doing and the fraction that is done."""
+"""Progress callbacks: long computations report the current step and the fraction done."""
 
 from collections.abc import Callable
 
 ReportProgress = Callable[[str, float], None]
-"""Callback that receives what is being done and the fraction that is done. [1]"""
+"""Callback with the current step and the fraction done. [1]"""
 
 
 def no_op(_text: str, _share: float) -> None:
@@ -11,5 +11,5 @@ def no_op(_text: str, _share: float) -> None:
 
 
 def part(on_progress: ReportProgress, start: float, share: float) -> ReportProgress:
-    """The callback for a part of some work, which starts at one fraction of the whole and covers `share` of it."""
+    """The callback for a part of a computation that starts at one fraction of the whole and covers `share` of it."""
     return lambda text, done: on_progress(text, start + share * done)

@@ -1,5 +1,6 @@
-"""Numbers as flyers read them: in the units of their choice, with the digits that mean something."""
+"""Formatting of numbers for flyers: in their units, with significant digits only."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -14,13 +15,13 @@ SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "mixed": {"m": "ft", "m/s": "mph", "c": "f"},
     }
 )
-"""The unit shown in place of a column's own; what is not named is shown as it is. Acceleration stays in g."""
+"""The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
     | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2}
 )
-"""Digits after the point that are worth reading, by unit."""
+"""Decimal digits by unit."""
 
 
 def counted(count: int, noun: str) -> str:
@@ -34,7 +35,7 @@ def spelled(unit: str) -> str:
 
 
 def unit_of(column: Column, system: str) -> str:
-    """The unit that a column is shown and typed in."""
+    """The unit in which a column is shown and typed."""
     return column.unit if column.quantity == "acceleration" else SYSTEMS[system].get(column.unit, column.unit)
 
 
@@ -46,7 +47,7 @@ def number(column: Column, value: float, system: str) -> str:
 
 
 QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "g": "mass", "N s": "impulse"}
-"""Quantity of a unit that a figure is stated in."""
+"""The quantity of a unit."""
 
 
 def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
@@ -60,6 +61,16 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
     return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
+
+
+_NOTE_FIGURE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+
+
+def in_system(note: str, system: str) -> str:
+    """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`."""
+    if "m" not in SYSTEMS[system]:
+        return note
+    return _NOTE_FIGURE.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
 
 
 @dataclass(frozen=True, slots=True)

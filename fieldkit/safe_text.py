@@ -1,7 +1,7 @@
-"""Text from a log or a table, made harmless for a terminal, for a spreadsheet and for a page of Markdown.
+"""Text from a log or a table, made safe for a terminal, a spreadsheet and Markdown.
 
-The ledger keeps a text as it came; a screen or a message shows it through `printable`, a table that is exported
-holds it as `as_cell`, a page `as_markdown`. Square brackets stay: what draws with rich wraps a text in
+The ledger stores the original text; screens and messages show it through `printable`, exported tables through
+`as_cell`, and Markdown through `as_markdown`. Square brackets do not change: code that uses rich has to wrap text in
 `rich.text.Text` or `rich.markup.escape`.
 """
 
@@ -14,7 +14,7 @@ _JOINERS = "\u200c\u200d"
 
 
 def _picture(char: str) -> str:
-    """What stands for a character that must not reach a terminal, or the character itself."""
+    """The replacement of a character that must not reach a terminal, or the character itself."""
     code = ord(char)
     if unicodedata.category(char) not in ("Cc", "Cf", "Cs", "Co") or char in _JOINERS:
         return char
@@ -24,33 +24,33 @@ def _picture(char: str) -> str:
 
 
 def printable(text: str) -> str:
-    """A text on one line that can neither move the cursor, nor color, nor reverse what is around it.
+    """The text on one line, unable to move the cursor or change colors or the writing direction.
 
-    Line breaks and tabs become blanks; an escape sequence shows as `␛[31m`, a mark that changes the
-    writing direction or hides itself as its number, `<U+202E>`. Other text is unchanged.
+    Line breaks and tabs become spaces; an escape sequence shows as `␛[31m`, an invisible or direction-changing
+    character as its number, `<U+202E>`. Other text is unchanged.
     """
     return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANK)))
 
 
 _FORMULA = re.compile("'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
-"""How a cell begins that a spreadsheet may compute, the full-width signs among them.
+"""First characters of a cell that a spreadsheet may compute, including full-width ones.
 
 Source: OWASP, CSV Injection, https://owasp.org/www-community/attacks/CSV_Injection.
 """
 
 
 def as_cell(text: str) -> str:
-    """A text for a cell of a table, with an apostrophe before what a spreadsheet would take for a formula."""
+    """A text for a cell of a table, with an apostrophe before anything that a spreadsheet would read as a formula."""
     return f"'{text}" if _FORMULA.match(text) else text
 
 
 def from_cell(cell: str) -> str:
-    """The text that `as_cell` made a cell of."""
+    """The inverse of `as_cell`."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
 
 
 def as_markdown(text: str) -> str:
-    """A text that Markdown takes for nothing but text: on one line, its marks escaped, no tags and no links.
+    """A text for Markdown on one line, with its markup escaped, without tags and links.
 
     Source: CommonMark 0.31, 2.4: any ASCII punctuation may be escaped with a backslash.
     """
@@ -60,6 +60,6 @@ def as_markdown(text: str) -> str:
 
 
 def _unlinked(mark: re.Match[str]) -> str:
-    """What some readers of Markdown would make a link or a list of, as characters by number."""
+    """Escapes some Markdown readers' automatic links and lists with numbered characters."""
     text = mark.group()
     return text[:-1] + f"&#{ord(text[-1])};"

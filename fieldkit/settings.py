@@ -1,4 +1,4 @@
-"""What a flyer chose once and keeps: units, colors, the height to hit. A small JSON file in the user's folder."""
+"""A flyer's settings: units, colors, the target height. A small JSON file in the user's folder."""
 
 import dataclasses
 import json
@@ -19,9 +19,10 @@ THEMES = ("field", "sun", "night", "terminal")
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What was chosen. `target` is the apogee that motors are compared against, None for none. [m]
+    """The settings.
 
-    `rail_length` [m] and `rail_angle` [rad] are of the usual rail, for plans that name none.
+    `target` is the apogee that motors are compared with, or None. [m] `rail_length` [m] and `rail_angle` [rad] are the
+    defaults for plans without a rail.
     """
 
     units: str = UNITS[0]
@@ -32,7 +33,7 @@ class Settings:
 
 
 def read_settings(file: Path | None = None) -> Settings:
-    """The settings that are kept; whatever cannot be read or is unknown is as it is at first."""
+    """The saved settings; unreadable or unknown ones have their defaults."""
     try:
         saved = json.loads(read_own(file or settings_file()))
     except (OSError, ValueError, RecursionError):
@@ -48,20 +49,20 @@ def read_settings(file: Path | None = None) -> Settings:
 
 
 def _number(saved: object, most: float) -> float | None:
-    """A number above nothing and below a bound, else None."""
+    """A positive number below a bound, or else None."""
     return float(saved) if isinstance(saved, int | float) and 0 < saved < most else None
 
 
 def change_settings(changes: Mapping[str, Any], file: Path | None = None) -> Settings:
-    """Keep what was changed, beside what is kept by now, and return all of it: two programs that are open at once
-    leave each other's choices alone. Raises FieldkitError if the file cannot be written."""
+    """Save changed settings, keep the others as they are in the file now, and return all: two programs open at once do
+    not overwrite each other's settings. Raises FieldkitError if the file cannot be written."""
     settings = dataclasses.replace(read_settings(file), **changes)
     keep_settings(settings, file)
     return settings
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:
-    """Keep the settings, as a whole or not at all. Raises FieldkitError if the file cannot be written."""
+    """Save the settings, completely or not at all. Raises FieldkitError if the file cannot be written."""
     document = json.dumps(asdict(settings), indent=2) + "\n"
     try:
         replace(file or settings_file(), document.encode())

@@ -1,8 +1,7 @@
-"""Array types that say their axes: `Float[Array, "draw time"]`, batch axes first, time last.
+"""Array types with named axes: `Float[Array, "draw time"]`, batch axes first, time last.
 
-The checker and the tests (which set FIELDKIT_CHECK_SHAPES) read them through jaxtyping; an ordinary
-run only writes them down, and imports neither jaxtyping nor numpy for it: a command that merely keeps
-records should not wait for them.
+The checker and the tests (which set FIELDKIT_CHECK_SHAPES) read them through jaxtyping; an ordinary run ignores them
+and imports neither jaxtyping nor numpy for them, because commands without computations should start fast.
 """
 
 import os
@@ -15,13 +14,13 @@ if TYPE_CHECKING or os.environ.get("FIELDKIT_CHECK_SHAPES"):
     if TYPE_CHECKING:
         Array = np.ndarray[Any, np.dtype[np.float64]]
     else:
-        Array = np.ndarray[Any, np.dtype[np.float64]] | np.float64  # numpy hands out scalars for arrays of no axes
+        Array = np.ndarray[Any, np.dtype[np.float64]] | np.float64  # numpy returns scalars for arrays without axes
     Integers = np.ndarray[Any, np.dtype[np.int64]]
     Flags = np.ndarray[Any, np.dtype[np.bool_]]
 else:
 
     class _Plain:
-        """Stands for an array's type and ignores its annotation."""
+        """A stand-in for an array type that ignores its annotation."""
 
         def __class_getitem__(cls, _: object) -> type:
             return cls

@@ -1,8 +1,8 @@
-"""Conversions between the units flyers write and the SI units used inside.
+"""Conversions between the units that flyers write and the SI units used inside.
 
-A number is converted on the line where it crosses the edge. A column name or a typed value carries
-its unit as a suffix (`apogee_ft`, `923ft`); which units are allowed follows from the quantity, so the
-`g` of `dry_mass_g` is a gram and the `g` of `peak_accel_g` is the acceleration of free fall.
+A number is converted on the line where it enters or leaves the program. A column name or a typed value carries its unit
+as a suffix (`apogee_ft`, `923ft`); which units are allowed follows from the quantity, so the `g` of `dry_mass_g` is a
+gram and the `g` of `peak_accel_g` is the acceleration of free fall.
 """
 
 import re
@@ -130,15 +130,15 @@ _TYPED_NUMBER = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+
 
 
 MAX_TYPED_LENGTH = 200
-"""Size limit of a typed number, its unit and blanks included. [character]"""
+"""Size limit of a typed number, including its unit and spaces. [character]"""
 MAX_TYPED_VALUE = 1e30
 """Largest magnitude of a typed number, in any unit."""
 
 
 def unit(quantity: str, suffix: str) -> Unit:
-    """The unit of a quantity that a suffix names, whatever its case.
+    """The unit of a quantity with this suffix in any case.
 
-    Raises BadValue that lists the units which would be right.
+    Raises BadValue with the allowed units for an unknown suffix.
     """
     units = UNITS[quantity]
     try:
@@ -150,20 +150,21 @@ def unit(quantity: str, suffix: str) -> Unit:
 def parse(text: str, quantity: str, default: str) -> float:
     """The SI value of a number typed with or without its unit: `923ft`, `281,3 m`, `12.5`.
 
-    A number without a unit is in the unit `default`. A comma is a decimal comma. Raises BadValue.
+    A number without a unit is in the unit `default`. A comma is a decimal comma. Raises BadValue if the text is not a
+    number with an allowed unit.
     """
     number, scale = _typed(text, quantity, default)
     return _bounded(scale.to_si(number), text)
 
 
 def parse_difference(text: str, quantity: str, default: str) -> float:
-    """As `parse`, of a difference such as a standard deviation: the zero of its unit does not count."""
+    """As `parse`, for a difference such as a standard deviation: the zero of its unit does not count."""
     number, scale = _typed(text, quantity, default)
     return _bounded(scale.difference_to_si(number), text)
 
 
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
-    """A typed number and its unit. Raises BadValue."""
+    """A typed number and its unit. Raises BadValue if the text is not one."""
     match = _TYPED_NUMBER.match(text) if len(text) <= MAX_TYPED_LENGTH else None
     if not match:
         raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
@@ -172,17 +173,17 @@ def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
 
 
 def _bounded(value: float, text: str) -> float:
-    """The value itself. Raises BadValue for one beyond everything."""
+    """The value. Raises BadValue if it is absurdly large."""
     if not abs(value) < MAX_TYPED_VALUE:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a plausible number")
     return value
 
 
 def render(value: float, quantity: str, suffix: str) -> str:
-    """An SI value as a number in a unit, with every digit that comes back to the same SI value."""
+    """An SI value as a number in a unit, with enough digits to restore the same SI value."""
     return f"{unit(quantity, suffix).from_si(value):.12g}"
 
 
 def render_difference(value: float, quantity: str, suffix: str) -> str:
-    """As `render`, of a difference such as a standard deviation."""
+    """As `render`, for a difference such as a standard deviation."""
     return f"{unit(quantity, suffix).difference_from_si(value):.12g}"

@@ -1,1 +1,2 @@
-"""Studies of the methods, beside the program: the reference paper, exact posteriors, the histories of rockets."""
+"""Studies of the methods, separate from the program: the reference paper, exact posteriors, the histories of
+rockets."""

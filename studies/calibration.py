@@ -1,8 +1,9 @@
 """Simulation-based calibration of forecasts over the hyperprior: python -m studies.calibration [--table FILE].
 
-Ledgers are drawn from the model; the next flight of one rocket is forecast with what the ledger's other rockets show.
-If fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
-Simpson, Vehtari and Gelman, 2018). Uniformity is judged at all places at once (Säilynoja, Bürkner and Vehtari, 2022).
+Ledgers are drawn from the model; the next flight of one rocket is forecast with information from the ledger's other
+rockets. If fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
+Simpson, Vehtari and Gelman, 2018). Uniformity is tested simultaneously at all points (Säilynoja, Bürkner and Vehtari,
+2022).
 """
 
 import argparse
@@ -23,13 +24,13 @@ from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
 SEED = 2018
 LEDGERS = 500
 ROCKETS = 4
-"""Of a ledger, at most."""
+"""Maximum number of rockets in a ledger."""
 DRAWS = 999
-"""Of each forecast, so that ranks run from 0 to it."""
+"""Number of draws of each forecast, and the maximum rank."""
 UNIFORM_SIMULATIONS = 2000
-"""Sets of uniform ranks that the distance from uniformity is compared with."""
+"""Number of sets of uniform ranks for the null distribution."""
 PLACES = 50
-"""At which distribution functions are compared."""
+"""Points at which distribution functions are compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class Ranked:
 
 
 def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ranked:
-    """Draw a ledger, forecast the next flight of its last rocket, and rank what it was drawn with."""
+    """Draw a ledger, forecast the next flight of its last rocket, and rank the truth."""
     rng = np.random.default_rng([SEED, number])
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
     asked = histories[-1]
@@ -70,15 +71,15 @@ def _seen(history: History) -> set[str]:
 
 
 def rank(draws: Float[Array, "draw"], truth: float, rng: np.random.Generator) -> float:
-    """The fraction of draws below the truth, places between two draws being drawn evenly: uniform, not in steps. [1]"""
+    """The fraction of draws below the truth, randomized between two draws so that it is continuous and uniform. [1]"""
     return float((np.sum(draws < truth) + rng.uniform()) / (len(draws) + 1))
 
 
 def uniformity(ranks: Float[Array, "forecast"], seed: int = 0) -> float:
-    """Probability that uniform ranks are as far from uniform as these anywhere. [1]
+    """p-value of the ranks' uniformity. [1]
 
-    At each of `PLACES` the number of ranks below is binomial; the least likely place counts, beside those of as many
-    uniform ranks.
+    At each of `PLACES` the number of ranks below is binomial; the statistic is the least likely point, compared with
+    sets of uniform ranks of the same size.
     """
     from scipy.stats import binom
 
@@ -116,30 +117,30 @@ GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
     "on a motor flown before": lambda one: not one.new_motor,
     "on a new motor": lambda one: one.new_motor,
 }
-"""Forecasts by what they rest on."""
+"""Groups of forecasts by their data."""
 
 
 def table(found: Sequence[Ranked]) -> list[str]:
-    """Coverage at 50 and 90 % with its standard error by chance, mean rank and uniformity, a line a group."""
+    """Coverage at 50 and 90% with its range by chance, mean rank and uniformity, one line per group."""
     lines = [f"{'':26s} {'':>5s} {'apogee':^34s}  {'log Cd':^34s}"]
-    columns = f"{'50 %':>7s} {'90 %':>7s} {'rank':>6s} {'uniform':>10s}"
-    lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90 % by chance")
+    columns = f"{'50%':>7s} {'90%':>7s} {'rank':>6s} {'uniform':>10s}"
+    lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90% by chance")
     for name, belongs in GROUPS.items():
         group = [one for one in found if belongs(one)]
         if group:
             parts = [_figures(np.array([getattr(one, figure) for one in group])) for figure in ("apogee", "log_cd")]
             spread = 100 * 1.645 * np.sqrt(0.09 / len(group))
-            lines.append(f"{name:26s} {len(group):5d} {parts[0]:>34s}  {parts[1]:>34s}  ± {spread:.1f} %")
+            lines.append(f"{name:26s} {len(group):5d} {parts[0]:>34s}  {parts[1]:>34s}  ± {spread:.1f}%")
     return lines
 
 
 def _figures(ranks: Float[Array, "forecast"]) -> str:
     half, most = (100 * coverage(ranks, level) for level in (0.5, 0.9))
-    return f"{half:5.1f} % {most:5.1f} % {ranks.mean():6.3f}  p={uniformity(ranks):6.4f}"
+    return f"{half:6.1f}% {most:6.1f}% {ranks.mean():6.3f}  p={uniformity(ranks):6.4f}"
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Read the command line, draw ledgers and forecast, print the table and keep it if asked."""
+    """Read the command line, draw ledgers and forecast, print the table and save it if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ledgers", type=int, default=LEDGERS)
     parser.add_argument("--table", type=Path, metavar="FILE")

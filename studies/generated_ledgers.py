@@ -1,7 +1,7 @@
-"""Ledgers drawn from the generative model of a flight: several rockets of one flyer, whose unknowns are known.
+"""Ledgers drawn from the generative model of a flight: several rockets of one flyer with known true parameters.
 
-What rockets share (the flyer's fleet, motor types) is drawn once for a ledger, everything else for each rocket, and
-scatter, reading errors and their Student t tails for each flight, exactly as the likelihood of the fit has them.
+Shared terms (the flyer's fleet, motor types) are drawn once per ledger, other terms for each rocket, and scatter,
+reading errors and their Student t tails for each flight, exactly as in the likelihood of the fit.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,22 +33,22 @@ SUBSETS: Mapping[str, tuple[str, ...]] = {
 IMPULSES = (4.0, 160.0)
 """Total impulse of the motors that fly. [N s]"""
 THRUST_TO_WEIGHT = (6.0, 18.0)
-"""Of average thrust over weight at lift-off: flights that leave the rail as they should. [1]"""
+"""Bounds of the average thrust-to-weight ratio at lift-off. [1]"""
 LOWEST = 20.0
-"""Apogee below which a rocket is drawn again. [m]"""
+"""Minimum apogee; rockets below it are drawn again. [m]"""
 DIAMETER_KNOWN = 0.75
-"""Fraction of rockets whose diameter was recorded. [1]"""
+"""Fraction of rockets with a recorded diameter. [1]"""
 SAME_DAY = 0.4
-"""Fraction of flights on the day of the flight before. [1]"""
+"""Fraction of flights on the same day as the previous one. [1]"""
 NEAREST_MOTORS = 12
-"""Motors of the nearest thrust that a rocket's others are drawn from."""
+"""Number of motors with similar thrust from which a rocket's other motors are drawn."""
 TRIES = 50
-"""Times a rocket that does not fly is drawn again."""
+"""Maximum number of redraws of a rocket that does not leave the pad."""
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What a planned flight was drawn with: its true apogee [m], and the logarithms of Cd and of alpha."""
+    """The truth of a planned flight: its apogee [m], and the logarithms of Cd and alpha."""
 
     apogee: float
     log_cd: float
@@ -57,7 +57,7 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """The flights of one rocket and the motor of each, the next flight, and what that was drawn with."""
+    """The flights of one rocket with their motors, the next flight, and its truth."""
 
     flown: tuple[tuple[Flight, Found], ...]
     plan: tuple[Flight, Found]
@@ -66,7 +66,7 @@ class History:
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """What a rocket's flights are like: how many, on how many motors, with which readouts.
+    """Parameters of a rocket's history: numbers of flights and motors, and the readouts.
 
     `new_motor` plans a flight on a motor that was never flown; a `diameter` of None is recorded at random. `outlier`
     multiplies the apogee of the middle flight [1].
@@ -81,7 +81,8 @@ class Recipe:
 
 
 def random_recipe(rng: np.random.Generator, most: int = 12) -> Recipe:
-    """A recipe with 1 to `most` flights, 1 to 3 motors, some of the readouts, one plan in five on a new motor."""
+    """A recipe with 1 to `most` flights, 1 to 3 motors, a random set of readouts, and a new motor for one plan in
+    five."""
     flights = int(rng.integers(1, most + 1))
     subset = list(SUBSETS)[int(rng.integers(len(SUBSETS)))]
     motors = int(rng.integers(1, min(flights, 3) + 1))
@@ -107,14 +108,14 @@ def _rocket(
 
 @cache
 def _motors() -> tuple[Motor, ...]:
-    """Certified motors of the sizes that fly, in an order that does not depend on the catalog's."""
+    """Certified motors of suitable sizes, in an order independent of the catalog's."""
     low, high = IMPULSES
     every = {(m.maker, m.designation): m for m in catalogue().motors if low <= m.total_impulse <= high}
     return tuple(every[name] for name in sorted(every))
 
 
 def _planned(rng: np.random.Generator, name: str, recipe: Recipe) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket and the one to come, before anything is known of how they went."""
+    """The flights of a rocket and the next one, before their simulation."""
     motors = _choice_of_motors(rng, recipe.motors + recipe.new_motor)
     thrust = float(np.mean([motor.average_thrust for motor in motors]))
     lift_off = thrust / 9.81 / float(np.exp(rng.uniform(*np.log(THRUST_TO_WEIGHT))))
@@ -162,7 +163,7 @@ def _flown(
     hyperprior: Hyperprior,
     common: dict[str, float],
 ) -> History | None:
-    """Flights as the model has them go; None for a rocket that stays on the pad or near it."""
+    """Simulated flights from the model; None for a rocket that barely leaves the pad or does not."""
     flights, found = zip(*both, strict=True)
     model = base_model(flights, found, hyperprior, flown=len(both) - 1)
     drawn = dict(common)
@@ -193,7 +194,7 @@ def _scale(rng: np.random.Generator, scale: Scale) -> float:
 def _terms(
     rng: np.random.Generator, model: Model, drawn: dict[str, float], scatter: float, reading: float
 ) -> Float[Array, "1 term"]:
-    """One draw of every term; those in `drawn` are as they are there, and others are added to it."""
+    """One draw of every term; those in `drawn` are reused, and the others are added to it."""
     by = {"": 1.0, "scatter": scatter, "reading": reading}
     for term in model.terms:
         if term.name not in drawn:

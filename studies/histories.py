@@ -1,7 +1,7 @@
-"""Every rocket of a ledger: which effect its history calls for, and what that is worth to the flights that came later.
+"""Every rocket of a ledger: the effect in its history, and the improvement of later forecasts.
 
-A flight is forecast from those before it alone, by the plain model and by the one that the loop, closed on those
-before it, makes of them. The loop is run again at every flight, with nothing carried back from later ones.
+Each flight is forecast from the earlier ones only, by the plain model and by the model after the loop on the earlier
+flights. The loop runs again before every flight, without information from later ones.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,15 +25,15 @@ from fieldkit.selection.unexplained import leftover
 from fieldkit.shapes import Array, Float
 
 MIN_CLEAN_FLIGHTS = 4
-"""Clean flights with an apogee from which on the loop is closed. [1]"""
+"""Minimum number of clean flights with an apogee for the loop. [1]"""
 DRAWS = 600
 
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """One rocket: what all its flights call for, and the shares by which those that came later were missed.
+    """One rocket: the verdict from all its flights, and the relative errors of later forecasts.
 
-    `before` and `after` are forecast over flown apogee, less one; `inside` says whether the flight lay in the 90 %
+    `before` and `after` are forecast over flown apogee, minus one; `inside` is whether the flight was in the 90%
     interval, before and after; `said` is the verdict at each of these flights.
     """
 
@@ -50,7 +50,7 @@ class History:
 def histories(
     rockets: Mapping[str, Sequence[tuple[Flight, Found]]], on_progress: ReportProgress = no_op
 ) -> list[History]:
-    """Every rocket with flights enough, most flights first."""
+    """Every rocket with enough flights, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
     for number, (name, flown) in enumerate(known.items()):
@@ -88,7 +88,7 @@ def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
 def _forecast(
     before: Sequence[tuple[Flight, Found]], flown: tuple[Flight, Found]
 ) -> tuple[float, float, bool, bool, str]:
-    """How far a flight was missed without and with the loop closed on those before it, and the verdict then."""
+    """The error of a flight's forecast without and with the loop on the earlier flights, and the verdict."""
     flight, motor = flown
     assert flight.apogee is not None
     plan = (unflown(flight), motor)
@@ -112,15 +112,15 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
-    """The histories as a page of Markdown; `unnamed` numbers the rockets and leaves out where effects act.
+    """The histories as a page of Markdown; `unnamed` numbers the rockets and leaves out the places of effects.
 
-    `forecasts` are of every flight from those before it, by the model as it is and by simpler ways.
+    `forecasts` are those of every flight from the earlier ones, by the model and its rivals.
     """
     return "\n".join([*_lines(found, unnamed), *_learning(forecasts)]) + "\n"
 
 
 def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
-    """What it is worth to learn from earlier flights at all, in all rockets with two of them."""
+    """The gain from using earlier flights, for all rockets with two of them."""
     if not forecasts:
         return
     found = judged_report(forecasts)
@@ -137,7 +137,7 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     for way in found.ways:
         yield f"| {way.name} | {way.flights} | {way.median_share:.1%} | {way.mean_share:.1%} | {way.crps:.1%} |"
     yield ""
-    yield f"Of these flights {found.coverage90:.0%} lay in the 90 % interval."
+    yield f"Of these flights {found.coverage90:.0%} lay in the 90% interval."
 
 
 def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
@@ -155,7 +155,7 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     if not found:
         yield "No rocket has flights enough."
         return
-    headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90 % interval", "after"
+    headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90% interval", "after"
     yield f"| {' | '.join(headers)} |"
     yield f"|{'---|' * len(headers)}"
     for number, one in enumerate(found, start=1):
@@ -197,6 +197,6 @@ def _changed(found: Sequence[History], old: Array, new: Array) -> str:
     return (
         f"At {named.sum()} of them the flights before called for an effect: there it is {old[named].mean():.1%} "
         "before and "
-        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90 % "
+        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90% "
         "bootstrap interval)."
     )

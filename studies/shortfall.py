@@ -1,9 +1,10 @@
-"""Why measured flights fall short of their simulation: what each cause is worth, and which can be distinguished.
+"""Why measured flights fall short of their simulation: the contribution of each cause, and which causes can be
+distinguished.
 
-Causes are added one after the other to a model of all rockets of a ledger. Each time every flight is forecast from the
-flights before it, of its own rocket and of all others. No mean of a cause is taken from flights: causes start at what
-certificates, scales and devices claim, with the standard deviations of the learned hyperprior, so their estimates
-come from earlier flights alone.
+Causes are added one after the other to a model of all rockets of a ledger, and every flight is forecast from the
+earlier flights of all rockets. No prior mean of a cause comes from flights: causes start at the values of certificates,
+scales and devices, with the standard deviations of the learned hyperprior, so their estimates come from earlier flights
+only.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,7 +29,7 @@ from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
 ALWAYS = ("delay", "coast_drag", "burn_impulse")
-"""Quantities that every model has: the delay does not affect the climb, the others need logs."""
+"""Quantities in every model: the delay does not affect the climb, and the others need logs."""
 CAUSES: Mapping[str, tuple[str, ...]] = {
     "launch angle and weathercocking": (),
     "impulse and burn against certificate": ("thrust", "stretch"),
@@ -36,42 +37,41 @@ CAUSES: Mapping[str, tuple[str, ...]] = {
     "drag": ("drag",),
     "the device, and what is wrong with the model": OBSERVED_READOUTS,
 }
-"""Causes in the order in which they are put in, each with the quantities of the model that stand for it."""
+"""Causes in the order in which they are added, each with its quantities in the model."""
 ASSUMED_LAUNCH_ANGLE = REFERENCE_LAUNCH_ANGLE
-"""Launch angle of flights whose rail angle was not written down. [rad]"""
+"""Launch angle of flights without a recorded rail angle. [rad]"""
 FIXED_SD = 1e-3
-"""Standard deviation of what is held at its mean. [1]"""
+"""Standard deviation of quantities that are fixed at their mean. [1]"""
 FLEET_SD = {"drag": 0.14, "thrust": 0.05, "mass": 0.1}
-"""How far all rockets of a flyer may be off together: a judgment, wide enough for what is not weighed or certified.
-[1]"""
+"""Standard deviation of a common bias of a flyer's rockets: a judgment, wide enough for unweighed and uncertified
+parts. [1]"""
 WIDE_DEVICE_SD = 0.1
-"""How far a device may show all flights of a flyer off. [1]"""
+"""Standard deviation of a device's common bias over a flyer's flights. [1]"""
 
 KNOWS_NOTHING = 0.995
-"""Posterior over prior standard deviation from which on flights say nothing of a quantity. [1]"""
+"""Flights do not constrain a quantity if posterior over prior standard deviation is above this. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Forecasts with everything up to a cause put in."""
+    """Forecasts with all causes up to one."""
 
     cause: str
     forecasts: tuple[Forecast, ...]
 
     @property
     def errors(self) -> Float[Array, "flight"]:
-        """Forecast over flown apogee, less one."""
+        """Relative errors: forecast over flown apogee, minus one. [1]"""
         return np.array([one.p50 / one.flown - 1 for one in self.forecasts])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shortfall:
-    """What a ledger says of the shortfall.
+    """The results of a ledger.
 
     `ratio` is the median of flown over simulated apogee, `launch_angle_worth` the mean change of its logarithm by the
-    usual launch angle. `joint` is the posterior of what all rockets have in common
-    with everything put in, `worth` what each of its terms makes of the apogee, on average over the flights: the change
-    of its logarithm.
+    usual launch angle. `joint` is the posterior of the fleet's terms with all causes, and `worth` the mean effect of
+    each of its terms on the log apogee.
     """
 
     flights: int
@@ -105,12 +105,12 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
 
 
 def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
-    """The clean flights with an apogee beside their uncalibrated simulation."""
+    """The clean flights with an apogee, with their uncalibrated simulations."""
     return [one for one in simulate(flown) if one.flight.clean and one.flight.apogee is not None]
 
 
 def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
-    """The flights with the launch angle that is usual if none was written down."""
+    """The flights with the usual launch angle if none was recorded."""
     return [
         (flight if flight.rail_angle is not None else flight.with_changes(rail_angle=ASSUMED_LAUNCH_ANGLE), motor)
         for flight, motor in flown
@@ -118,7 +118,7 @@ def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
 
 
 def restricted(quantities: Sequence[str]) -> Hyperprior:
-    """The learned hyperprior with some quantities free, none of their means taken from flights."""
+    """The learned hyperprior with some quantities free, without prior means from flights."""
     whole = learned()
     free = {*quantities, *ALWAYS}
     sds = {name: sd for name, sd in whole.sds.items() if name.partition(".")[0] in free or name.endswith(".flight")}
@@ -137,7 +137,7 @@ def _uncalibrated(row: Forecast, middle: float) -> Forecast:
 
 
 def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[SharedPrior, Float[Array, "term"]]:
-    """The posterior of the fleet's terms, and what each is worth to the apogees."""
+    """The posterior of the fleet's terms, and the effect of each on the apogees."""
     rockets: dict[str, list[FlownFlight]] = {}
     for flight, motor in flown:
         rockets.setdefault(flight.rocket, []).append((flight, motor))
@@ -178,14 +178,14 @@ def _causes(found: Shortfall) -> Iterator[str]:
         118,
     )
     yield ""
-    yield "| included | flights | bias | median error | mean error | in the 90 % interval |"
+    yield "| included | flights | bias | median error | mean error | in the 90% interval |"
     yield "|---|---|---|---|---|---|"
     for step in found.steps:
         if not step.forecasts:
             continue
         logs, inside = np.log1p(step.errors), [one.p05 <= one.flown <= one.p95 for one in step.forecasts]
         error, bare = np.abs(step.errors), step is found.steps[0]
-        bias = f"{100 * logs.mean():+.1f} ± {100 * logs.std() / np.sqrt(len(logs)):.1f} %"
+        bias = f"{100 * logs.mean():+.1f} ± {100 * logs.std() / np.sqrt(len(logs)):.1f}%"
         covered = "" if bare else f"{np.mean(inside):.0%}"
         yield f"| {step.cause} | {len(logs)} | {bias} | {np.median(error):.1%} | {error.mean():.1%} | {covered} |"
 
@@ -204,7 +204,7 @@ def _apart(found: Shortfall) -> Iterator[str]:
     yield "| quantity | off by | change of the apogee | hardest to distinguish from |"
     yield "|---|---|---|---|"
     angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
-    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f} % | |"
+    yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f}% | |"
     sds = np.sqrt(np.diag(found.joint.covariance))
     correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
     for i, name in enumerate(found.joint.names):
@@ -217,7 +217,7 @@ def _apart(found: Shortfall) -> Iterator[str]:
         unit = " s" if quantity == "apogee to eject" else " %"
         scale = 1.0 if unit == " s" else 100.0
         off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
-        yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f} % | {rival} ({correlation[i, other]:+.2f}) |"
+        yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f}% | {rival} ({correlation[i, other]:+.2f}) |"
 
 
 def _prior_sd(name: str) -> float:

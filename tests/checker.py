@@ -1,4 +1,4 @@
-"""What checks the annotated types and shapes: an int may stand for a float, as type checkers have it."""
+"""The checker of annotated types and shapes; an int is accepted as a float, as in type checkers."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -11,6 +11,6 @@ _CONFIGURED = beartype(conf=BeartypeConf(is_pep484_tower=True))
 
 
 def check(function: Checked) -> Checked:
-    """The same function, or class, which now complains of an argument or a result that is not as annotated."""
+    """The function or class with checks of its arguments and results."""
     checked: Checked = _CONFIGURED(function)
     return checked

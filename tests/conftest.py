@@ -1,7 +1,7 @@
-"""Annotated shapes are checked while the tests run; an ordinary run pays nothing for them.
+"""Annotated shapes are checked in tests; ordinary runs have no cost.
 
-Checks double the time of the engine, so test modules of whole runs (`CHECK_SHAPES = False`) go without: what they call
-is checked piece by piece in the others.
+Checks double the run time of the engine, so test modules of whole runs turn them off (`CHECK_SHAPES = False`); the
+functions they call are checked in other modules.
 """
 
 import gc
@@ -49,9 +49,9 @@ def with_shapes() -> list[str]:
 if os.environ["FIELDKIT_CHECK_SHAPES"]:
     install_import_hook(with_shapes(), f"{checker.__name__}.{checker.check.__name__}")
 
-gc.set_threshold(20_000, 20, 50)  # the collector would take a seventh of the time, looking through libraries
+gc.set_threshold(20_000, 20, 50)  # the garbage collector would take a seventh of the time scanning libraries
 
-settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fault of the code
+settings.register_profile("fieldkit", deadline=None)  # a busy machine is not a failure of the code
 settings.load_profile("fieldkit")
 
 
@@ -63,7 +63,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """No test touches the ledger, the motors or the settings of who runs it."""
+    """No test touches the ledger, the motors or the settings of the user who runs it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FIELDKIT_HOME", str(tmp_path_factory.mktemp("home")))
         yield

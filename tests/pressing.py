@@ -1,4 +1,4 @@
-"""The app for tests: opened on a ledger of its own in any size, keys pressed, and waited for until it is calm."""
+"""The app for tests: opened on a separate ledger at any size, with key presses that wait until the app is idle."""
 
 import asyncio
 import atexit
@@ -35,7 +35,7 @@ from fieldkit.tui.page import PageScreen, pages
 ROOT = Path(__file__).parents[1]
 FIRST = datetime(2026, 4, 18, 10, 0)
 MOMENT = "2026-04-17T18:00:00+00:00"
-"""When everything is signed that a ledger signs."""
+"""Time stamp of everything in a ledger."""
 FULL = {
     "apogee": 281.3,
     "top_speed": 83.4,
@@ -51,7 +51,7 @@ FULL = {
     "temperature": 294.8,
     "wind": 2.1,
 }
-"""What is added to the second reference flight, so that one has all that an altimeter shows. [SI]"""
+"""Values added to the second reference flight, so that one flight has all readouts. [SI]"""
 
 
 def season(file: Path) -> None:
@@ -81,7 +81,7 @@ def _season() -> Path:
 
 @cache
 def looked_at() -> Any:
-    """What the loop finds in that season where four effects might be missing, worked out once."""
+    """The loop's findings in that season with four possible effects, computed once."""
     from fieldkit.motors import catalogue
     from fieldkit.physics.effect import effects
     from fieldkit.selection import candidates
@@ -94,16 +94,16 @@ def looked_at() -> Any:
 
 
 def unchecked() -> Any:
-    """Shapes are checked where what is worked out is tested; here the same is worked out four times as fast."""
+    """Shapes are checked in the tests of these functions; here they run four times as fast without checks."""
     return patch.object(shapes, "jaxtyping_disable", True)
 
 
 STYLES: dict[Any, list[Any]] = {}
-"""Rules of style sheets, by all that decides them: an app for each test parses none that another has parsed."""
+"""Parsed style sheets by their inputs, so that each is parsed only once for all tests."""
 
 
 def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]], **kind: Any) -> list[Any]:
-    """The rules of a style sheet, parsed at the first asking."""
+    """The rules of a style sheet, parsed on first use."""
     colors = tuple((name, *(token.value for token in tokens)) for name, tokens in variable_tokens.items())
     asked = (scope, css, at, colors, *kind.items())
     if asked not in STYLES:
@@ -116,10 +116,9 @@ LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minu
 
 
 def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, **named: (all, named)) -> Any:
-    """Some work that is done at the first asking: the same is not worked out for every app that is opened.
+    """A cached function, so that results are not recomputed for every app.
 
-    `asked` picks what decides the answer from the arguments, by default all of them. Answers are shared, and nobody
-    changes them.
+    `asked` returns the key from the arguments, by default all of them. Results are shared and must not be changed.
     """
     answers: dict[bytes, Any] = {}
 
@@ -133,7 +132,7 @@ def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, *
 
 
 def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
-    """What decides the forecasts of many motors."""
+    """The cache key for forecasts of many motors."""
     names = [(motor.maker, motor.designation) for motor in motors]
     return repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
 
@@ -144,11 +143,11 @@ ONCE = {
     "fieldkit.services.forecasts.predict": once(predict),
     "fieldkit.analysis.measure": once(measure),
 }
-"""Pure functions of the engine that pages ask again and again, and that take most of their time."""
+"""Pure functions of the engine that pages call often and that take most of their time."""
 
 
 def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One time zone and one moment for all that a ledger signs; what takes long is worked out once."""
+    """A fixed time zone and time stamp, and cached slow functions."""
     for name, work in ONCE.items():
         monkeypatch.setattr(name, work)
     monkeypatch.setenv("TZ", "UTC")
@@ -161,7 +160,7 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 async def opened(
     file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
 ) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, started on a page, once it is calm; as flyers have it if it
+    """The app on a ledger with its settings next to it, started on a page and idle; like a flyer's app if it
     `stays`."""
     app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with (
@@ -181,10 +180,10 @@ async def opened(
 
 
 async def calm(pilot: Pilot[None]) -> None:
-    """Wait until nothing is being worked out, all messages were read and nothing is put off to the next paint.
+    """Wait until all workers are idle, all messages are handled and nothing is deferred to the next paint.
 
-    A look at the queues is cheap and tells when a message still climbs from a widget to its screen; to know that
-    nobody is in the midst of one takes a round through all widgets, at the end.
+    Checking the queues is cheap and shows messages still bubbling from a widget to its screen; a final round through
+    all widgets checks that none is still being handled.
     """
     quiet = 0
     while quiet < 2:
@@ -203,15 +202,15 @@ async def calm(pilot: Pilot[None]) -> None:
 
 
 def _all_read(pilot: Pilot[None]) -> bool:
-    """Whether no message lies in a queue of the app, of the screen in front or of a widget on it."""
+    """Whether the queues of the app, of the front screen and of its widgets are empty."""
     pumps = (pilot.app, *pilot.app.screen.walk_children(with_self=True))
     return all(pump._message_queue.empty() and not pump._next_callbacks for pump in pumps)
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
-    """Press keys one after the other, each once the app is calm again; `_` is no key and waits as well.
+    """Press keys one after the other, each when the app is idle again; `_` only waits.
 
-    Letters of one text come as fast as they are typed: only after the last is the app waited for.
+    Letters of one text are sent without waiting in between.
     """
     for key, after in zip_longest(keys or ("_",), keys[1:], fillvalue="_"):
         if key != "_":
@@ -228,7 +227,7 @@ async def hurry(pilot: Pilot[None], *keys: str) -> None:
 
 
 async def _no_wait(*_: float) -> None:
-    """In place of a pause in which the machine should have fallen idle: `calm` knows, and needs no clock."""
+    """Replaces a pause for idling: `calm` detects it without a clock."""
 
 
 def typed(text: str) -> list[str]:
@@ -248,10 +247,10 @@ def shown(pilot: Pilot[None]) -> str:
 
 
 def told(pilot: Pilot[None], place: str) -> str:
-    """What stands in one place, on one line."""
+    """The text of one widget on one line."""
     return " ".join(str(pilot.app.screen.query_one(place, Static).content).split())
 
 
 def words(pilot: Pilot[None]) -> str:
-    """The screen as one line, blanks between the words, frames left out."""
+    """The screen as one line of words without frames."""
     return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▀▌▁]+", " ", shown(pilot))

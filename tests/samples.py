@@ -1,4 +1,4 @@
-"""The sample logs, and a catalogue of motors small enough to see through."""
+"""The sample logs, and a small catalog of motors."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ SAMPLES = sorted((Path(__file__).parent.parent / "sample_logs").iterdir())
 
 
 def any_motor(name: str) -> str | None:
-    """A catalogue that knows every motor but one."""
+    """A catalog with every motor but one."""
     return f"found {name!r}, expected a motor of the catalogue" if name == "ZZ99-1" else None
 
 

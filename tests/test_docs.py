@@ -1,4 +1,4 @@
-"""What README and manual say is so: commands run, paths exist, examples work, pages follow from the program."""
+"""README and manual are right: commands run, paths exist, examples work, generated pages are up to date."""
 
 import re
 import shlex

@@ -1,4 +1,4 @@
-"""Public functions say what they return, and which errors they raise."""
+"""Public functions say what they return, in which unit, and which errors they raise."""
 
 import ast
 import re
@@ -89,6 +89,19 @@ def test_every_public_function_has_a_docstring(modules: Modules) -> None:
         for name, tree in modules
         for function in _public(tree)
         if not ast.get_docstring(function)
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_a_function_that_returns_numbers_states_their_unit(modules: Modules) -> None:
+    """A unit in brackets, `[m]` or `[1]`, or in words: SI, or the unit of something else."""
+    found = [
+        f"{name}:{function.lineno}: {function.name}"
+        for name, tree in modules
+        for function in _public(tree)
+        if function.returns is not None
+        and re.match(r"float\b|Float\[", ast.unparse(function.returns))
+        and not re.search(r"\[[^\]]+\]|\bSI\b|\bunits?\b", ast.get_docstring(function) or "")
     ]
     assert not found, "\n".join(found)
 

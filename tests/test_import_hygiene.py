@@ -1,4 +1,4 @@
-"""What wakes up when a command starts: each heavy library only if it is needed. Plug-ins keep to their own."""
+"""Imports at the start of a command: heavy libraries only if needed. Plug-ins use only their interface."""
 
 import ast
 import json
@@ -20,7 +20,7 @@ ALLOWED = {
     "parsers": {"importing", "flight", "units", "errors", "shapes", "safe_text", "physics.standard_atmosphere"},
     "models/effects": {"physics", "flight", "errors", "shapes"},
 }
-"""What the plug-ins of a folder may use of the engine."""
+"""Modules of the engine that the plug-ins of a folder may use."""
 
 
 def woken(tmp_path: Path, *arguments: str) -> set[str]:

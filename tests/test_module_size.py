@@ -1,4 +1,4 @@
-"""No module outgrows what a reader can keep in mind."""
+"""No module is too long for a reader."""
 
 from pathlib import Path
 

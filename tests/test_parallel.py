@@ -1,4 +1,4 @@
-"""Long work in pieces: kept as they come, gone on with, the same on a cluster that loses a worker."""
+"""Resumable jobs: results are saved one by one, resumed, and the same on a cluster that loses a worker."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The shelves are found beside the package in a checkout and inside it once installed."""
+"""Plug-in folders are found next to the package in a checkout and inside it when installed."""
 
 import shutil
 import subprocess
@@ -15,7 +15,7 @@ IDLE = "import sys, fieldkit.flight; print(*(m for m in sys.modules if m.startsw
 
 
 def run(code: str, folder: Path) -> list[str]:
-    """The lines that a fresh process prints which finds fieldkit in `folder` first."""
+    """The output lines of a new process with `folder` first on its path."""
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(folder)!r}); {code}"]
     return subprocess.run(command, cwd=folder.parent, capture_output=True, text=True, check=True).stdout.split()
 

@@ -1,4 +1,4 @@
-"""What holds on Windows and macOS too, tried on whatever system runs the tests."""
+"""Rules for Windows and macOS, checked on any system."""
 
 import ast
 import os
@@ -21,7 +21,7 @@ UNIX_NAMES = {
     "select": "epoll kqueue poll",
     "time": "tzset clock_settime pthread_getcpuclockid",
 }
-"""What those modules lack there that it has."""
+"""Names that those modules lack on Windows."""
 
 WITHOUT = f"""
 import os, select, signal, socket, sys, time

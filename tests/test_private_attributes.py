@@ -1,4 +1,4 @@
-"""The program uses what libraries make public: what begins with an underscore may be gone in their next release."""
+"""The program uses only public names of libraries: private ones may disappear in the next release."""
 
 import ast
 import sys

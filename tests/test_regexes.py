@@ -1,4 +1,4 @@
-"""Every regular expression of the program takes a time that grows no faster than what it looks through."""
+"""Every regular expression of the program takes time at most linear in the length of its text."""
 
 import ast
 import importlib

@@ -1,4 +1,4 @@
-"""Text from files and from a ledger is shown and not obeyed; nothing reaches outside, neither folders nor networks."""
+"""Text from files and from a ledger is shown and never interpreted; nothing reaches other folders or the network."""
 
 import ast
 import csv

@@ -1,7 +1,7 @@
-"""Print how well apogee and its time are measured in the recordings beside the checkout: python -m tools.apogees
+"""Print the errors of measured apogees and their times in the recordings next to the checkout: python -m tools.apogees
 
-For each flight the highest median of eleven samples, what is measured, and how far that is off; and the time of the top
-of the parabola through those medians, if the samples show it, and how far the measured one is off.
+For each flight: the highest median of eleven samples, the measured apogee and its difference; and, if the samples
+determine it, the time of the vertex of the parabola through those medians and the difference of the measured time.
 """
 
 import sys

@@ -1,9 +1,8 @@
-"""Runs the benchmarks and keeps what they came to: `python tools/benchmarks.py [NAME ...]`.
+"""Runs the benchmarks and saves the results: `python tools/benchmarks.py [NAME ...]`.
 
-A file a run in `docs/benchmarks/`, named by date and commit: of every benchmark its group, the shortest and the median
-of its rounds in seconds, and what it notes beside them (ratios, rates). With names only those: `start` for
-`tests/benchmarks/bench_start.py`. `--page` runs nothing: it writes `docs/speed.md` from the latest run of each that is
-kept.
+Each run writes a file in `docs/benchmarks/`, named by date and commit, with the group of every benchmark, the shortest
+and the median of its rounds in seconds, and further figures (ratios, rates). A name selects a benchmark: `start` runs
+`tests/benchmarks/bench_start.py`. `--page` only writes `docs/speed.md` from the latest saved run of each.
 """
 
 import json
@@ -24,7 +23,7 @@ NAMES = tuple(sorted(path.stem.removeprefix("bench_") for path in (ROOT / "tests
 
 
 def run(name: str) -> tuple[list[dict[str, Any]], int]:
-    """What the benchmarks of a file came to, and pytest's exit status: one that failed may be missing."""
+    """The results of a file's benchmarks, without failed ones, and pytest's exit status."""
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "benchmarks.json"
         options = ["-o", "addopts=", "--benchmark-only", "-p", "no:cacheprovider", f"--benchmark-json={out}"]
@@ -43,7 +42,7 @@ def _row(file: str, found: dict[str, Any]) -> dict[str, Any]:
 
 
 def machine() -> dict[str, Any]:
-    """What the figures were taken on; nothing that names the machine itself."""
+    """The commit and the type of machine, without its name."""
     commit = subprocess.run(
         ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, check=True, capture_output=True, text=True
     ).stdout.strip()
@@ -58,7 +57,7 @@ def machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
-    """The processor's own name if the system reports it, else its kind."""
+    """The name of the processor if the system reports it, or else its type."""
     told = Path("/proc/cpuinfo")
     lines = told.read_text(encoding="utf-8").splitlines() if told.exists() else []
     named = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
@@ -66,7 +65,7 @@ def _processor() -> str:
 
 
 def latest() -> dict[str, dict[str, Any]]:
-    """The latest run of each file of benchmarks that is kept, with the rows of that file alone."""
+    """The latest saved run of each file of benchmarks, with only the rows of that file."""
     found: dict[str, dict[str, Any]] = {}
     for path in KEPT.glob("*.json"):
         kept = json.loads(path.read_text(encoding="utf-8"))
@@ -77,11 +76,11 @@ def latest() -> dict[str, dict[str, Any]]:
 
 
 def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
-    """The latest runs as Markdown, a table each; what a benchmark only asserts is no row."""
-    yield from ("# What it costs", "")
-    yield "Seconds of a processor, the shortest of some rounds, each beside what it is compared with. Written by"
-    yield "`python tools/benchmarks.py --page` from the runs kept in `docs/benchmarks/`; the command above each table"
-    yield "runs it again."
+    """The latest runs as Markdown, one table each, without benchmarks that only assert."""
+    yield from ("# Speed", "")
+    yield "Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios"
+    yield "differ less between machines than seconds. `python tools/benchmarks.py --page` writes this page from the"
+    yield "runs saved in `docs/benchmarks/`. The command above each table repeats the measurement."
     for name, kept in runs.items():
         said = " ".join(
             (ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split()
@@ -89,7 +88,7 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
         yield from ("", f"## {said.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
-        yield from ("| what | seconds | beside it | rate, each second; how soon |", "|---|---|---|---|")
+        yield from ("| what | seconds | relative to | rate per second; response times |", "|---|---|---|---|")
         yield from (_line(row) for row in kept["benchmarks"] if row.keys() & {"ratio", *RATES})
 
 
@@ -110,7 +109,7 @@ def _line(row: dict[str, Any]) -> str:
 
 
 def _within(row: dict[str, Any]) -> Iterator[str]:
-    """How soon so many of the rounds were over, if a benchmark reports it."""
+    """The time within which each percentage of the rounds ended, if a benchmark reports it."""
     for key, value in row.items():
         if key.startswith("within_"):
             _, share, what, _ = key.split("_")
@@ -118,7 +117,7 @@ def _within(row: dict[str, Any]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Run and keep the benchmarks named on the command line, all by default; pytest's worst exit status."""
+    """Run the benchmarks named on the command line, by default all, and save them. Returns pytest's worst status."""
     if sys.argv[1:] == ["--page"]:
         PAGE.write_text("\n".join(page(latest())) + "\n", encoding="utf-8")
         return 0

@@ -1,10 +1,10 @@
-"""The field ensemble beside the exact posterior of its own problem: `python tools/exact_posterior.py OUT.json`.
+"""Compares the field ensemble with the exact posterior of its problem: `python tools/exact_posterior.py OUT.json`.
 
-Everything random in a simulated flight is integrated out by importance sampling
-(`studies.exact.integrated`), for some fresh flights, readouts by readouts: the least error that any
-method can have, and how far the ensemble's densities are from the exact ones. `--held-out` takes the maker that no
-member saw. About a second of one core a flight and set of readouts. A second run with the same numbers takes the
-integrals from the first, so that another ensemble can be put beside them.
+Everything random in a simulated flight is integrated out by importance sampling (`studies.exact.integrated`), for some
+new flights and each set of readouts. This gives the lowest possible error of any method, and the distance of the
+ensemble's densities from the exact ones. `--held-out` uses the held-out manufacturer's motors. It takes about a second
+of one core per flight and set of readouts. A second run with the same numbers reuses the integrals of the first for
+another ensemble.
 """
 
 import argparse
@@ -29,13 +29,13 @@ from studies.exact.likelihood import Problem, normals_of, parameters, problem
 
 NAMES = ("apogee", "apogee, speed", "all ten")
 ENOUGH = 50.0
-"""Effective draws from which on an integral is counted as found. [1]"""
+"""Minimum number of effective draws of a valid integral. [1]"""
 BLOCK = 25
-"""Flights integrated side by side."""
+"""Number of flights integrated together."""
 
 
 def medians(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Of weighted draws [flight draw]."""
+    """Moments of weighted draws [flight draw]."""
     order = np.argsort(values, axis=1)
     below = np.cumsum(np.take_along_axis(weight, order, axis=1), axis=1)
     return np.array(
@@ -44,7 +44,7 @@ def medians(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def log_prior(truth: Truth) -> np.ndarray:
-    """Log density beforehand of the logarithm of drag area, and alpha."""
+    """Log prior density of the logarithm of drag area, and alpha."""
     low, high = np.log(CD_RANGE)
     ends = ndtr((np.array(ALPHA_RANGE) - 1) / ALPHA_SD)
     return norm.logpdf(truth.alpha, 1, ALPHA_SD) - np.log(ends[1] - ends[0]) - np.log(high - low)
@@ -85,7 +85,7 @@ def density_medians(density: Mixture) -> np.ndarray:
 
 
 def summary(rows: dict[str, np.ndarray]) -> dict[str, float]:
-    """Means over the flights whose integrals were found."""
+    """Means over the flights with valid integrals."""
     kept = rows["size"] >= ENOUGH
     gap = (rows["log_density_exact"] - rows["log_density"])[kept]
     means = {name: float(values[kept].mean()) for name, values in rows.items() if name not in ("rank", "size")}
@@ -105,7 +105,7 @@ def summary(rows: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def main() -> None:
-    """Integrate, compare, write what came out."""
+    """Integrate, compare, write the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("--flights", type=int, default=200)

@@ -30,7 +30,7 @@ REPORT = ROOT / "docs" / "field-ensemble.md"
 
 
 def score_journal(ledger: str) -> None:
-    """How forecasts of a ledger's flights fared, and how many of them the guard warns about."""
+    """Save the scores of a ledger's forecasts, and the number of flights with a warning."""
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger, "score", "--json"]
     said = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     rows = said.pop("flights")
@@ -58,12 +58,12 @@ def _guarded(ledger: str) -> dict:
 
 def report(card: dict) -> Iterator[str]:
     """The whole report, line by line."""
-    yield "# The field ensemble, judged"
+    yield "# Evaluation of the field ensemble"
     yield ""
     yield from prose(
-        "Five small networks give the density of drag area and thrust scale from whatever the altimeter showed. They",
-        "are trained on simulated flights alone. Every figure below was printed by the command named with it; this",
-        "page by `python tools/field_report.py`.",
+        "Five small networks estimate the density of drag area and thrust scale from any set of readouts. They are",
+        "trained on simulated flights only. The command that printed a figure stands with it; this page is written by",
+        "`python tools/field_report.py`.",
     )
     yield "```sh"
     yield card["command"].replace("fieldkit train", "fieldkit train --report")
@@ -71,7 +71,7 @@ def report(card: dict) -> Iterator[str]:
     yield ""
     yield from prose(
         f"{card['simulations']:,} flights simulated in {card['simulation_seconds']:.0f} s,",
-        f"trained in {card['seconds']:.0f} s in all, on one thread of a busy machine.",
+        f"trained in {card['seconds']:.0f} s in total, on one thread of a busy machine.",
     )
     yield from fresh(card)
     yield from calibration(card)
@@ -83,9 +83,9 @@ def report(card: dict) -> Iterator[str]:
 
 def fresh(card: dict) -> Iterator[str]:
     titles = {
-        "test": "Fresh flights",
-        "test_held_out": f"Motors of {card['held_out']}, which no member saw",
-        "test_peers": "Motors of the same classes that they saw",
+        "test": "New simulated flights",
+        "test_held_out": f"Motors of {card['held_out']}, held out of training",
+        "test_peers": "Motors of the same classes in the training set",
     }
     for key, title in titles.items():
         yield f"## {title}"
@@ -96,7 +96,7 @@ def fresh(card: dict) -> Iterator[str]:
             cover = [" / ".join(f"{100 * share:.1f}" for share in shares) for shares in covers]
             figures = [f"{one['log_density']:.3f}", f"{one['cd_mae']:.4f}", f"{one['alpha_mae']:.4f}"]
             rows.append([name, *figures, *cover, percent(one["false_alarms"], 2)])
-        headers = ["readouts", "log density", "MAE Cd", "MAE alpha", "coverage 50/80/90/95 %: drag area", "alpha"]
+        headers = ["readouts", "log density", "MAE Cd", "MAE alpha", "coverage 50/80/90/95%: drag area", "alpha"]
         yield from table([*headers, "warned"], rows)
     worst = max(
         abs(covered - float(level))
@@ -104,39 +104,39 @@ def fresh(card: dict) -> Iterator[str]:
         for parameter in one["coverage"].values()
         for level, covered in parameter.items()
     )
-    yield f"The farthest of the coverages on fresh flights is {100 * worst:.1f} points from what it says."
+    yield f"The largest error of a coverage on new flights is {100 * worst:.1f} percentage points."
     yield ""
     both = card["test_held_out"], card["test_peers"]
     ratios = {name: one["cd_mae"] / both[1][name]["cd_mae"] - 1 for name, one in both[0].items()}
-    said = ", ".join(f"{name} {100 * ratio:+.1f} %" for name, ratio in ratios.items())
-    yield f"Error of Cd on the maker held out over that on its classes: {said}."
+    said = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
+    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {said}."
     yield ""
 
 
 def calibration(card: dict) -> Iterator[str]:
     yield "## Calibration: ranks and expected coverage"
     yield ""
-    yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are even where it is right: the"
-    yield "fullest and the emptiest bin against an even one. The last columns are the fraction of flights whose truth"
-    yield "is among the nearest 10, 50 and 90 % of the posterior to a random point (TARP)."
-    yield ""
+    yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are uniform if the posterior is"
+    yield "right; the table has the fullest and the emptiest bin relative to a uniform one. The last columns are the"
+    yield "fraction of flights whose truth is among the 10, 50 and 90% of the posterior nearest to a random point"
+    yield "(TARP). "
     rows = []
     for name, one in card["test"].items():
         ranks = [
-            f"{100 * one['ranks'][p]['excess']:+.0f} % / {100 * one['ranks'][p]['lack']:+.0f} %"
+            f"{100 * one['ranks'][p]['excess']:+.0f}% / {100 * one['ranks'][p]['lack']:+.0f}%"
             for p in ("drag_area", "alpha")
         ]
         curve = dict(zip(one["expected_coverage"]["at"], one["expected_coverage"]["covered"], strict=True))
         rows.append([name, *ranks, *(percent(curve[at]) for at in (0.1, 0.5, 0.9))])
-    yield from table(["readouts", "ranks of drag area", "of alpha", "10 %", "50 %", "90 %"], rows)
+    yield from table(["readouts", "ranks of drag area", "of alpha", "10%", "50%", "90%"], rows)
 
 
 def limits(card: dict) -> Iterator[str]:
     yield "## Against exact posteriors"
     yield ""
-    yield "The paper's rocket, prior and simulator, noise of 3 m, 1 m/s, 3 % and 0.1 s, 500 flights, by a grid: an"
-    yield "ensemble of the same kind trained on that problem. Then the same with the burn time uncertain by 5 %"
-    yield "(log-normal, at the same impulse)."
+    yield "An ensemble of the same kind, trained on a problem with a known posterior (from a grid): the paper's rocket,"
+    yield "prior and simulator, noise of 3 m, 1 m/s, 3% and 0.1 s, 500 flights. Then the same with the burn time"
+    yield "uncertain by 5% (log-normal, at the same impulse)."
     yield ""
     rows = []
     for key, title in (("restricted", ""), ("restricted_burn_uncertain", "burn uncertain: ")):
@@ -144,15 +144,15 @@ def limits(card: dict) -> Iterator[str]:
             cd, alpha = (f"{one[f'{p}_mae']:.4f} / {one[f'{p}_mae_exact']:.4f}" for p in ("cd", "alpha"))
             rows.append([title + name, cd, alpha, f"{one['kl']:.3f}"])
     yield from table(["readouts", "MAE Cd / exact", "MAE alpha / exact", "KL [nat]"], rows)
-    for name, title in (("exact", "fresh flights"), ("exact_held_out", f"motors of {card['held_out']}")):
+    for name, title in (("exact", "new flights"), ("exact_held_out", f"motors of {card['held_out']}")):
         found = measured(name)
         if found is None:
             continue
         option = " --held-out" if found["held_out"] else ""
         yield from prose(
-            f"With everything random in a simulated flight integrated out, {title}:",
+            f"The full problem, with all random inputs of a simulated flight integrated out, {title}:",
             f"`python tools/exact_posterior.py OUT --flights N{option} --draws {found['draws']}`. KL is the mean",
-            "difference of the log densities of the truth; flights whose integral had fewer than 50 effective draws",
+            "difference of the log densities of the truth. Flights with fewer than 50 effective draws in the integral",
             "are left out.",
         )
         rows = []
@@ -161,7 +161,7 @@ def limits(card: dict) -> Iterator[str]:
                 continue
             pairs = [
                 f"{one[p]:.4f} / {one[f'{p}_exact']:.4f} ({100 * one[f'{p}_above_limit']:+.1f} ± "
-                f"{100 * one[f'{p}_above_limit_se']:.1f} %)"
+                f"{100 * one[f'{p}_above_limit_se']:.1f}%)"
                 for p in ("cd", "alpha")
             ]
             count, gap = f"{one['flights']} ({one['not_found']})", f"{one['kl']:.2f} ± {one['kl_se']:.2f}"
@@ -180,9 +180,9 @@ def rivals() -> Iterator[str]:
     by = ", ".join(f"{name} {value}" for name, value in packages.items())
     yield from prose(
         f"`python tools/rivals.py OUT --flights 20000`: {found['flights']:,} flights, log density of",
-        f"{found['judged']:,} fresh ones; with {by}. `sbi` is NPE with its",
-        "default settings, `zuko` a neural spline flow in the ensemble's own loop, `mixture` the ensemble's members at",
-        "this size, five at once; `shipped` was trained on a million flights. Seconds are processor time of training.",
+        f"{found['judged']:,} new ones; with {by}. `sbi` is NPE with default settings,",
+        "`zuko` a neural spline flow in the ensemble's training loop, `mixture` the ensemble's five members at this",
+        "size, and `shipped` the ensemble trained on a million flights. Seconds are processor time of training.",
     )
     names = list(found["shipped"])
     sbi = found["rivals"]["sbi"]["seconds"]
@@ -191,7 +191,7 @@ def rivals() -> Iterator[str]:
         cells = (f"{one['log_density'][key]:.3f}" for key in names)
         rows.append([name, *cells, f"{one['epochs']}", f"{one['seconds']:.0f}", f"{one['seconds'] / sbi:.2f}"])
     rows.append(["shipped", *(f"{found['shipped'][key]:.3f}" for key in names), "", "", ""])
-    yield from table(["estimator", *names, "epochs", "seconds", "over sbi's"], rows)
+    yield from table(["estimator", *names, "epochs", "seconds", "relative to sbi"], rows)
 
 
 def journal() -> Iterator[str]:
@@ -201,9 +201,9 @@ def journal() -> Iterator[str]:
     yield "## Real flights, forward in time"
     yield ""
     yield from prose(
-        "A public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal): each flight of a rocket forecast",
-        "from its earlier ones, clusters and stages left out; no weather, no diameters.",
-        "`fieldkit import launches.csv rockets.csv && fieldkit score`.",
+        "A public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal). Each flight of a rocket is",
+        "forecast from its earlier ones; clusters and staged flights are left out; weather and diameters are not",
+        "recorded. `fieldkit import launches.csv rockets.csv && fieldkit score`.",
     )
     rows = [
         [
@@ -215,23 +215,26 @@ def journal() -> Iterator[str]:
         ]
         for one in found["errors"]
     ]
-    yield from table(["forecast by", "flights", "median error", "mean", "MAE"], rows)
+    yield from table(["method", "flights", "median error", "mean", "MAE"], rows)
     groups = found["by_earlier"].items()
     by = ", ".join(f"{percent(one['median_share'])} with {name} ({one['flights']})" for name, one in groups)
-    told = [f"By how many flights came before: {by}. In the 90 % interval: {percent(found['coverage90'])}."]
+    told = [
+        f"Median error by the number of earlier flights: {by}. In the 90% interval: {percent(found['coverage90'])}."
+    ]
     if later := found["corrected"]:
-        told.append(f"Of the {later['flights']} intervals that earlier forecasts corrected,")
-        told.append(f"{percent(later['coverage90'])} hold; {percent(later['own_coverage90'])} would have without.")
+        told.append(
+            f"Of the {later['flights']} intervals corrected by earlier forecasts, {percent(later['coverage90'])}"
+        )
+        told.append(f"contain the flight; without the correction it would be {percent(later['own_coverage90'])}.")
     yield from prose(*told)
     again = next(one["median_share"] for one in found["errors"] if one["name"] == "the last flight on the same motor")
     yield from prose(
-        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by.",
-        "If flights scatter equally and independently, the difference of two of them is wider than the scatter of one",
-        "by the root of two: a forecast that knew all of the rocket and the motor would still miss by",
-        f"{percent(again / 2**0.5)} in the median, and one that knows them by the mean of two flights by",
-        f"{percent(again / 2**0.5 * 1.5**0.5)}.",
-        "The law that stands for a diameter if there is none, and how far forecasts doubt the simulator and the",
-        "device, were set looking at these flights: to that extent this is in-sample.",
+        "The error of `the last flight on the same motor` is the difference of two flights. If flights scatter equally",
+        "and independently, it is larger than the scatter of one flight by the square root of two. So a forecast with",
+        f"perfect knowledge of rocket and motor would still have a median error of {percent(again / 2**0.5)}, and one",
+        f"from the mean of two flights {percent(again / 2**0.5 * 1.5**0.5)}.",
+        "The rule for a missing diameter and the discrepancies of simulator and device were chosen with these flights",
+        "in view, so the result is in-sample to that extent.",
     )
     warned = found["guard"]
     which = ", ".join(f"{name} {count}" for name, count in warned["by_readout"].items())
@@ -246,9 +249,9 @@ def bench() -> Iterator[str]:
     yield "## Corrected intervals where the model is wrong"
     yield ""
     yield from prose(
-        "Histories that hide an effect, every flight forecast from the earlier ones by the plain model; the intervals",
-        "from the twenty-first forecast on, before and after their correction. `python -m bench.make SETS --sets 1",
-        "--seed 77`, `python -m bench.forward SETS --limit 9`:",
+        "Histories with a hidden effect, each flight forecast from the earlier ones by the plain model, with the",
+        "intervals from the 21st forecast on before (`own`) and after the correction. `python -m bench.make SETS",
+        "--sets 1 --seed 77`, `python -m bench.forward SETS --limit 9`:",
     )
     yield "```"
     yield path.read_text(encoding="utf-8").rstrip()
@@ -256,7 +259,7 @@ def bench() -> Iterator[str]:
 
 
 def main() -> None:
-    """Score a ledger if asked to, and write the report."""
+    """Score a ledger if requested, and write the report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--journal", default=None, help="a ledger with the journal's flights")
     options = parser.parse_args()

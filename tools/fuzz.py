@@ -1,9 +1,9 @@
 """Fuzzes every parser with atheris: python tools/fuzz.py [--seconds 60] [--format NAME] [--runs N]
 
-Begins with the sample logs, keeps what is new in build/fuzz/corpus, and stops at the first fault with the input that
-brings it, in build/fuzz. `python tools/fuzz.py --again FILE` runs that input alone. What must hold is what
-tests/importing/test_bad_input.py asks of bad logs. atheris is no dependency: pip install atheris into the
-environment that has the rest; without it, a message says that and the test with hypothesis remains.
+It starts with the sample logs, saves new inputs in build/fuzz/corpus, and stops at the first failure, with its input in
+build/fuzz. `python tools/fuzz.py --again FILE` runs only that input. The requirements are those of
+tests/importing/test_bad_input.py. atheris is not a dependency: install it with pip in the same environment. Without it,
+the tool prints a message, and the test with hypothesis remains.
 """
 
 import argparse
@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 
 
 def main() -> int:
-    """Run what the command line asks for; the exit status."""
+    """Run according to the command line, and return the exit status."""
     reader = argparse.ArgumentParser(description="Fuzz every parser.")
     reader.add_argument("--seconds", type=int, default=60)
     reader.add_argument("--runs", type=int, default=-1, help="So many inputs, whatever time they take.")

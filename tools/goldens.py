@@ -1,4 +1,4 @@
-"""Write what the sample logs read as, for `tests/parsers/test_every_parser.py`; the change is there to be looked at.
+"""Write the values read from the sample logs, for `tests/parsers/test_every_parser.py`; review the changes.
 
 python -m tools.goldens [PART OF A NAME]
 

@@ -6,22 +6,22 @@ from typing import Any
 from tools.markdown import measured, percent, prose, table
 
 OTHER = "_other"
-"""Ends the names of figures of a network that is not shipped."""
+"""Suffix of the names of figures for a network that is not shipped."""
 FORECAST_COLUMNS = (
     "",
     "flights",
     "CRPS: network",
     "fit",
-    "ratio (90 %)",
+    "ratio (90%)",
     "median error: network",
     "fit",
-    "in 90 %: network",
+    "in 90%: network",
     "fit",
 )
 
 
 def forecast_row(name: str, one: Mapping[str, Any]) -> tuple[str, ...]:
-    """Both on the same flights."""
+    """A row with the network and the fit on the same flights."""
     low, high = one["ratio90"]
     return (
         name,
@@ -38,8 +38,8 @@ def forecast_row(name: str, one: Mapping[str, Any]) -> tuple[str, ...]:
 
 def beside_fit() -> Iterator[str]:
     """The network and the fit on the same flights."""
-    yield from ("## Beside the fit", "")
-    yield from prose("The fit is `predict` and the search is `loop`, on the same flights in the same run.")
+    yield from ("## Comparison with the fit", "")
+    yield from prose("The fit is `predict` and the loop is `loop`, on the same flights in the same run.")
     if said := measured("history_simulated"):
         yield from (f"`{said['command']}`", "")
         worlds = {"selection": "certified hyperprior", "forecast": "learned hyperprior"}
@@ -66,9 +66,9 @@ def beside_fit() -> Iterator[str]:
                 "AUC of inclusion",
                 "AUC of none",
                 "verdict right",
-                "likeliest effect is there",
+                "most likely effect is present",
                 "false alarms",
-                "seconds a set",
+                "seconds per set",
             ),
             (
                 (
@@ -90,7 +90,7 @@ def beside_fit() -> Iterator[str]:
 
 
 def network_before() -> Iterator[str]:
-    """The shipped network and the one before it, beside the fit on the same flights."""
+    """The shipped and the previous network, relative to the fit on the same flights."""
     rows = [
         (f"{title}{key}", *(text for one in (now, other) for text in _ratio_and_coverage(one)))
         for name, title in _FORECASTS.items()
@@ -98,14 +98,20 @@ def network_before() -> Iterator[str]:
     ]
     if not rows:
         return
-    yield from ("## The network before", "")
+    yield from ("## The previous network", "")
     yield from prose(
-        "The shipped network is trained on the hyperprior that forecasts are made with (docs/priors.md), and on every",
-        "effect file, each with the prior probability that the fit gives it (`fieldkit/selection/prior.py`). The one",
-        "before it was trained on an earlier hyperprior, in which altimeters showed speed low as the one open device",
-        "does, and on twelve effects, each as probable as any other. Both were measured with the fit of today.",
+        "The shipped network is trained with the hyperprior of forecasts ([priors](priors.md)) and every effect file,",
+        "each with the prior probability of the fit (`fieldkit/selection/prior.py`). The previous network was trained",
+        "with an earlier hyperprior, in which all altimeters showed a low speed like the one device with open data,",
+        "and with twelve equally probable effects. Both are compared with the current fit.",
     )
-    columns = ("forecasts", "shipped: CRPS over the fit's", "in 90 %", "before: CRPS over the fit's", "in 90 %")
+    columns = (
+        "forecasts",
+        "shipped: CRPS relative to the fit",
+        "in 90%",
+        "previous: CRPS relative to the fit",
+        "in 90%",
+    )
     yield from table(columns, rows)
     now, other = (measured(f"history_bench{end}") for end in ("", OTHER))
     if now and other:
@@ -115,16 +121,16 @@ def network_before() -> Iterator[str]:
                 f" {one['network']['inclusion_auc']:.3f} now and {two['network']['inclusion_auc']:.3f} before, right"
                 f" verdicts {percent(one['network']['right'])} and {percent(two['network']['right'])}, false alarms"
                 f" {percent(one['network']['false_alarms'])} and {percent(two['network']['false_alarms'])}."
-                for key, title in (("all", "all"), ("beside the loop", "those that the loop searched"))
+                for key, title in (("all", "all"), ("beside the loop", "the same sets as the loop"))
                 for one, two in [(now["selection"][key], other["selection"][key])]
             )
         )
     yield from prose(
-        "It was exchanged because a program has one hyperprior: `infer`, the page Flights and quick forecasts answer",
-        "by what `predict` answers by. It forecasts real flights of the journal and simulated ones from the learned",
-        "hyperprior better, and gives no false alarm on the sets without an effect; its intervals on the bench, whose",
-        "rockets lack effects more often than the prior has it, hold fewer flights than before, and it finds effects a",
-        "little less well, as an effect is less probable to it.",
+        "The previous network was replaced so that `infer`, the page Flights and quick forecasts use the same",
+        "hyperprior as `predict`. The shipped network forecasts the journal's flights and simulated ones from the",
+        "learned hyperprior better, and has no false alarms on the sets without an effect. On the bench, whose rockets",
+        "have effects more often than the prior expects, its intervals contain fewer flights, and it detects effects a",
+        "little less well, because its prior probability of an effect is lower.",
     )
 
 
@@ -133,13 +139,13 @@ def _ratio_and_coverage(one: Mapping[str, Any]) -> tuple[str, str]:
 
 
 GOALS = {"ratio": 1.02, "auc": 0.02, "coverage": (0.87, 0.93)}
-"""What a network has to reach beside the fit to take its place: CRPS over the fit's, AUC below the loop's, and the
-fraction of flights in its 90 % interval. [1]"""
+"""Requirements for a network to replace the fit: its CRPS relative to the fit's, the AUC below the loop's, and the
+fraction of flights in its 90% interval. [1]"""
 
 
 def use() -> Iterator[str]:
-    """Where the network reaches the fit, and what it is used for."""
-    yield from ("## What it is used for", "")
+    """Whether the network is as good as the fit, and what it is used for."""
+    yield from ("## Quick answers only", "")
     low, high = GOALS["coverage"]
     lines = []
     for name, title in _FORECASTS.items():
@@ -154,10 +160,10 @@ def use() -> Iterator[str]:
                 )
             )
     yield from prose(
-        f"To take the fit's place it would need a CRPS of at most {GOALS['ratio']:.2f} of the fit's and",
-        f"{low:.0%} to {high:.0%} of flights in its 90 % interval:",
+        f"To replace the fit, the network would need a CRPS of at most {GOALS['ratio']:.2f} times the fit's and",
+        f"{low:.0%} to {high:.0%} of flights in its 90% interval:",
     )
-    yield from table(("forecasts", "CRPS over the fit's", "in 90 %", "reached"), lines)
+    yield from table(("forecasts", "CRPS relative to the fit", "in 90%", "reached"), lines)
     said = measured("history_bench")
     both = (said or {}).get("selection", {}).get("beside the loop", {})
     if "fit" in both:
@@ -168,8 +174,8 @@ def use() -> Iterator[str]:
             f"({-behind:+.3f} on {both['sets']} sets).",
         )
     yield from prose(
-        "Until all of it is reached on flights of the bench and on open flights it is the quick answer alone: `loop`",
-        "and `predict` search and fit, and what they find is what a ledger keeps.",
+        "Until it meets all of these on the bench and on open flights, it gives only quick answers. `loop` and",
+        "`predict` search and fit, and the ledger saves their results.",
     )
 
 

@@ -1,4 +1,4 @@
-"""The history network beside the fit, measured on simulated histories, sets of the bench and flights of a ledger."""
+"""Compares the history network with the fit on simulated histories, sets of the bench and flights of a ledger."""
 
 import json
 import tempfile
@@ -39,13 +39,14 @@ from tools.markdown import MEASURED
 DRAWS = 1000
 """Draws of each forecast."""
 FRESH_SEED = 20_261
-"""Of histories that training never draws."""
+"""Seed of histories that training never draws."""
 FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True)
 class ForecastRow:
-    """One flight by both: CRPS and error of the median over the apogee, whether it lay in the 90 % interval."""
+    """Scores of both on one flight: CRPS and error of the median relative to the apogee, and whether it was in the 90%
+    interval."""
 
     earlier: int
     fit: tuple[float, float, bool]
@@ -55,13 +56,13 @@ class ForecastRow:
 
 
 def scored(draws: np.ndarray, flown: float) -> tuple[float, float, bool]:
-    """CRPS and absolute error of the median over the apogee flown, and whether it lies in the 90 % interval."""
+    """CRPS and absolute error of the median relative to the flown apogee, and whether it is in the 90% interval."""
     low, middle, high = np.quantile(draws, (0.05, 0.5, 0.95))
     return crps(draws, flown) / flown, abs(middle / flown - 1), bool(low <= flown <= high)
 
 
 def summary(rows: Sequence[ForecastRow]) -> dict[str, Any]:
-    """Means of both, and a 90 % bootstrap interval of the ratio of their CRPS."""
+    """Means of both, and a 90% bootstrap interval of the ratio of their CRPS."""
     fit, network = (np.array([getattr(row, way) for row in rows], float) for way in ("fit", "network"))
     rng = np.random.default_rng(1)
     some = rng.integers(len(rows), size=(2000, len(rows)))
@@ -79,14 +80,14 @@ def summary(rows: Sequence[ForecastRow]) -> dict[str, Any]:
 
 
 def by_earlier(rows: Sequence[ForecastRow]) -> dict[str, Any]:
-    """Of all rows, and by how many flights came before."""
+    """Scores of all rows, and by the number of earlier flights."""
     bins = {"all": (0, 999), "1-2": (1, 2), "3-5": (3, 5), "6-12": (6, 12), "13 or more": (13, 999)}
     found = {name: [row for row in rows if low <= row.earlier <= high] for name, (low, high) in bins.items()}
     return {name: summary(some) for name, some in found.items() if some}
 
 
 def simulated(count: int, network: Ensemble) -> None:
-    """Both on fresh histories: forecasts, Cd and alpha."""
+    """Scores of both on new histories: forecasts, Cd and alpha."""
     known, _ = split_motors()
     rng, choice = np.random.default_rng(FRESH_SEED), stock(known)
     rows: dict[str, list[ForecastRow]] = {"selection": [], "forecast": []}
@@ -142,7 +143,8 @@ def flights_of(path: Path) -> FlownFlights:
 
 
 def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> None:
-    """Both on sets with undeclared effects: forecasts of the later flights of all; the search on the first `loops`."""
+    """Scores of both on sets with undeclared effects: forecasts of the later flights of all sets, and the loop on the
+    first `loops`."""
     labels = json.loads((folder / "labels.json").read_text())[:first]
     rows: list[ForecastRow] = []
     judged: list[dict[str, Any]] = []
@@ -191,7 +193,7 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
 
 
 def selection(judged: Sequence[Mapping[str, Any]], ways: Sequence[str]) -> dict[str, Any]:
-    """Verdicts that are right, the AUC of inclusion over all sets and effects together, false alarms, seconds."""
+    """Right verdicts, the AUC of inclusion over all sets and effects, false alarms, seconds."""
     found: dict[str, Any] = {"sets": len(judged)}
     for way in ways if judged else ():
         pairs = [
@@ -230,7 +232,7 @@ def selection(judged: Sequence[Mapping[str, Any]], ways: Sequence[str]) -> dict[
 
 
 def journal(name: str, ledger: str, network: Ensemble) -> None:
-    """Both forward in time on the flights of a ledger, each from those before it of all rockets."""
+    """Scores of both forward in time on the flights of a ledger, each from all rockets' earlier flights."""
     motors = catalogue()
     with Ledger.open(ledger) as book:
         flown = followed(book.flights(), motors)
@@ -264,13 +266,13 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
 
 
 def write(name: str, network: Ensemble, document: Mapping[str, Any]) -> None:
-    """Keep what was measured of a network, apart if it is not the one that is shipped."""
+    """Save the measurements of a network, under another name if it is not the shipped one."""
     name += "" if network is load_history() else OTHER
     (MEASURED / f"{name}.json").write_text(json.dumps(rounded(document), indent=1) + "\n", encoding="utf-8")
 
 
 def rounded(value: Any) -> Any:
-    """The same with figures to four digits."""
+    """A copy with figures rounded to four digits."""
     if isinstance(value, Mapping):
         return {key: rounded(one) for key, one in value.items()}
     if isinstance(value, list):

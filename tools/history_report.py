@@ -1,9 +1,9 @@
-"""The history network beside the fit, and the page about it: `python tools/history_report.py`.
+"""Compares the history network with the fit, and writes its page: `python tools/history_report.py`.
 
-`--simulated N` scores both on N fresh histories of the one model, `--bench SETS` on sets of `python -m bench.make`,
-`--ledger LEDGER` forward in time on the flights of a ledger; each writes figures alone into `docs/measured/`, with
-`--network FOLDER` those of a network that is not shipped. Without
-options `docs/history-network.md` is written from these and from the card of the shipped network.
+`--simulated N` scores both on N new histories from the model, `--bench SETS` on sets of `python -m bench.make`, and
+`--ledger LEDGER` forward in time on the flights of a ledger. Each writes only figures into `docs/measured/`. `--network
+FOLDER` selects a network other than the shipped one. Without options, `docs/history-network.md` is written from these
+figures and the card of the shipped network.
 """
 
 import argparse
@@ -28,17 +28,16 @@ SCALES = len(SCATTER_NODES) * len(READING_NODES)
 
 def report(card: Mapping[str, Any]) -> Iterator[str]:
     """The whole page, line by line."""
-    yield "# The history network, judged"
+    yield "# Evaluation of the history network"
     yield ""
     yield from prose(
-        "`fieldkit loop --quick` is answered by a network that sees a rocket's whole history at once. It is shown what",
-        "one linear pass over the one model makes of the history: the evidence for every effect in every place, the",
-        "forecast of the plan, residuals of flights left out (score compression: Alsing, Wandelt and Feeney, Massive",
-        "optimal data compression and density estimation for scalable, likelihood-free inference in cosmology, 2018).",
-        "Trained on simulated histories alone, it corrects them. One flight or sixty make the same number of features,",
-        "and each effect is judged by one function of what it shows and of what the whole history shows. This page",
-        "is written",
-        "by `python tools/history_report.py`.",
+        "`fieldkit loop --quick` uses a network that processes a rocket's whole history at once. Its features come",
+        "from one linear pass over the model: the evidence for every effect in every place, the forecast of the plan,",
+        "and leave-one-out residuals (score compression: Alsing, Wandelt and Feeney, Massive optimal data compression",
+        "and density estimation for scalable, likelihood-free inference in cosmology, 2018). The network, trained on",
+        "simulated histories only, corrects these results. The number of features does not depend on the number of",
+        "flights, and one function of an effect's features and the history's features gives the probability of each",
+        "effect. This page is written by `python tools/history_report.py`.",
     )
     yield from ("```sh", card["command"], "```", "")
     shards = measured("history_shards") or {"seconds": card["simulation_seconds"]}
@@ -55,45 +54,43 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
 
 
 def asked() -> Iterator[str]:
-    """Where the network answers, and what is checked."""
-    yield from ("## Where it answers", "")
+    """Uses of the network, and the check of its forecasts."""
+    yield from ("## Uses", "")
     yield from prose(
-        "`loop --quick`: the probability of every effect. `predict --quick`: the next apogee, Cd and alpha. In",
-        "Add: Cd, alpha and the next apogee move with each readout that is typed; what the flights would show is",
-        "kept between readouts, and simulated again for another set-up alone. Many motors are forecast in one",
-        "batch (`forecasts_at_once`). How long each takes beside the fit is in [speed](speed.md), from `python",
-        "tools/benchmarks.py history`.",
+        "`loop --quick` gives the probability of every effect, and `predict --quick` the next apogee, Cd and alpha. On",
+        "the page Add, Cd, alpha and the next apogee follow each readout as it is typed; flights are simulated again",
+        "only if the setup changes. Many motors are forecast in one batch (`forecasts_at_once`). [Speed](speed.md)",
+        "compares the run times with the fit's (`python tools/benchmarks.py history`).",
     )
     yield from prose(
         f"A quick forecast says *checked by the fit* if importance sampling confirms it. {DRAWS_OF_CHECK}",
-        "draws of log Cd and log alpha come from the network's normal distribution, the model's other unknowns",
-        "from the linear fit given those, their covariance inflated by 15 %. The readouts of each draw are",
-        "simulated; its weight is the prior times the likelihood of the one model (each flight's noise a",
-        f"multivariate Student t, summed over a grid of {SCALES} scales of scatter and reading) over the density",
-        "that it was drawn from. A generalized Pareto distribution is fitted to the largest weights; its shape k",
+        "draws of log Cd and log alpha come from the network's normal distribution, and the model's other parameters",
+        "from the linear fit given those, with their covariance inflated by 15%. The readouts of each draw are",
+        "simulated. Its weight is the prior times the likelihood of the model (multivariate Student t noise for each",
+        f"flight, summed over a grid of {SCALES} scales of scatter and reading), divided by the density it was drawn",
+        "from. A generalized Pareto distribution is fitted to the largest weights; its shape k",
         f"must be at most {RELIABLE_PARETO_K} (Vehtari, Simpson, Gelman, Yao and Gabry, Pareto smoothed importance",
-        f"sampling, Journal of Machine Learning Research 25, 2024), after {MORE_DRAWS} times as many draws where",
-        "the first do not reach it. The weighted draws are the model's forecast of the plan's apogee, and the",
-        "effective fraction of the network's own draws of it, weighted by that, must be at least",
-        f"{LEAST_EFFECTIVE}, which is a judgment: most of them count. Else the fit answers. What is printed is the",
-        "network's forecast as it is, not the weighted one. Effects that the loop accepted are in the fit's",
-        "forecast alone.",
+        f"sampling, Journal of Machine Learning Research 25, 2024), after {MORE_DRAWS} times as many draws if",
+        "necessary. The weighted draws are the model's forecast of the plan's apogee. The network's draws of the",
+        f"apogee are weighted by that forecast, and their effective fraction must be at least {LEAST_EFFECTIVE}, a",
+        "judgment. If either check fails, the fit answers instead. The printed forecast is the network's, without the",
+        "weights. It does not include effects accepted in the loop; only the fit's forecast does.",
     )
     yield from prose(
-        "Weights are float32. Rounding them to float16 would halve the file and moves no quantile by a thousandth",
-        "of a standard deviation, but a processor without half precision converts them back at every start: at",
-        "less than a megabyte it gains nothing, and it is not done.",
+        "Weights are float32. With float16 the file would be half as large and no quantile would change by more than a",
+        "thousandth of a standard deviation, but processors without half precision would convert the weights at every",
+        "start, and the file is less than a megabyte.",
     )
 
 
 def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
-    """What training says of the network."""
-    for title, key in (("Histories it never saw", "test"), ("Motors of Quest, which it never saw", "test_held_out")):
+    """The evaluation in the network's card."""
+    for title, key in (("Held-out histories", "test"), ("Motors of Quest, held out of training", "test_held_out")):
         test = card[key]
         yield from (f"## {title}", "")
         yield from prose(
-            f"{test['histories']:,} histories. CRPS and errors of the median are fractions of the apogee; in brackets",
-            "the linear pass that the network starts from.",
+            f"{test['histories']:,} histories. CRPS and errors of the median are relative to the apogee; in",
+            "parentheses the result of the linear pass.",
         )
         groups = {"all": test["forecast"]} | {f"{name} flights": x for name, x in test["by_flights"].items()}
         groups |= {f"{name} kinds of readouts": x for name, x in test["by_readouts"].items()}
@@ -101,9 +98,9 @@ def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
             (
                 "histories",
                 "count",
-                "coverage 40 %",
-                "80 %",
-                "90 %",
+                "coverage 40%",
+                "80%",
+                "90%",
                 "CRPS",
                 "median error",
                 "fullest / emptiest tenth of ranks",
@@ -127,18 +124,18 @@ def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
         p = test["parameters"]
         yield from prose(
             f"Mean absolute error of Cd {p['cd_mae']:.3f} ({p['linear_cd_mae']:.3f}), of alpha {p['alpha_mae']:.4f}",
-            f"({p['linear_alpha_mae']:.4f}); in their 90 % intervals {percent(p['cd_coverage90'])}",
+            f"({p['linear_alpha_mae']:.4f}); in their 90% intervals {percent(p['cd_coverage90'])}",
             f"({percent(p['linear_cd_coverage90'])}) and {percent(p['alpha_coverage90'])}",
             f"({percent(p['linear_alpha_coverage90'])}).",
         )
     yield from ("### Inclusion", "")
     yield from prose(
-        "Histories of eight flights and more from the hyperprior that effects are judged with, strengths from the",
-        "effects' own priors, many too weak to be seen. AUC is the probability that a history with the effect is given",
-        "a higher probability than one without; log score is above that of the base rate.",
+        "Histories with eight or more flights, from the hyperprior for effects, with strengths from the effects'",
+        "priors, many of them too weak to detect. AUC is the probability that a history with the effect gets a higher",
+        "probability than one without. The log score is relative to the base rate.",
     )
     yield from table(
-        ("", "with it", "without", "AUC", "of the linear evidence", "log score [nat]", "calibration error"),
+        ("", "with it", "without", "AUC", "AUC of the linear evidence", "log score [nat]", "calibration error"),
         (
             (
                 name,
@@ -156,15 +153,15 @@ def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
 
 
 def main() -> int:
-    """Measure what is asked for, else write the page."""
+    """Run the requested measurement, or write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--simulated", type=int)
     parser.add_argument("--bench", type=Path)
-    parser.add_argument("--loops", type=int, default=0, help="sets that are searched too")
-    parser.add_argument("--first", type=int, help="only the first so many sets")
+    parser.add_argument("--loops", type=int, default=0, help="number of sets to search with the loop")
+    parser.add_argument("--first", type=int, help="number of sets to use")
     parser.add_argument("--ledger")
-    parser.add_argument("--name", default="journal", help="what the figures of a ledger are kept under")
-    parser.add_argument("--network", type=Path, help="a folder with a network other than the shipped one")
+    parser.add_argument("--name", default="journal", help="name for the figures of a ledger")
+    parser.add_argument("--network", type=Path, help="folder of a network other than the shipped one")
     given = parser.parse_args()
     MEASURED.mkdir(exist_ok=True)
     network = checked(load_folder(given.network)) if given.network else load_history()

@@ -1,8 +1,8 @@
-"""Writes the pages of the manual that follow from the program: `python tools/manual.py`.
+"""Writes the generated pages of the manual: `python tools/manual.py`.
 
-`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the effects, `models.md` from the
-cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the
-first words of the code. A test compares them with what is there.
+`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the effects, `models.md` from the cards of
+the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the first words
+of the code. A test compares them with the files.
 """
 
 import ast
@@ -29,11 +29,11 @@ from tools.prior_page import prior_table
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 SESSIONS = (DOCS / "examples.sh", DOCS / "examples-long.sh")
-"""Examples: what the tests run as it stands, and what stays open or computes for long."""
+"""Files of examples: those that the tests run, and those that stay open or take long."""
 
 
 def examples() -> dict[str, list[str]]:
-    """The lines of the example sessions by command: remarks and command lines, in their order."""
+    """The lines of the examples by command: comments and command lines, in order."""
     found: dict[str, list[str]] = {}
     remarks: list[str] = []
     for line in (line for file in SESSIONS for line in file.read_text(encoding="utf-8").splitlines()[1:]):
@@ -46,7 +46,7 @@ def examples() -> dict[str, list[str]]:
 
 
 def commands() -> str:
-    """Every command: what it does, examples, options."""
+    """Every command: its help, examples and options."""
     group = get_command(app)
     assert isinstance(group, TyperGroup)
     context = group.context_class(group, info_name="fieldkit")
@@ -81,7 +81,7 @@ def _first_sentence(text: str) -> str:
 
 
 def effect_table() -> str:
-    """Every effect: what it is, its parameter, its prior, its source."""
+    """Every effect: description, parameter, prior, source."""
     rows = [_effect_row(name, effect) for name, effect in effects().items()]
     return f"""# The effects
 
@@ -125,11 +125,11 @@ def _prior(prior: Prior) -> str:
 
 
 CARD = ("recipe", "physics", "command", "seed", "n_train", "members", "features", "outputs")
-"""What of a card its page lists first, if it is there."""
+"""Entries of a card that its page lists first."""
 
 
 def model_cards() -> str:
-    """The trained ensembles: what each was trained on, with what, and by which command."""
+    """The trained ensembles: training data, settings and command of each."""
     parts = [_card(name, read_card(trained_folder(name))) for name in trained()]
     return f"""# The trained ensembles
 
@@ -173,7 +173,7 @@ def _told(value: Any) -> str:
 
 
 def code_map() -> str:
-    """Where what is in the code: a row a package, those that may import others above those."""
+    """The map of the code: a row per package, in the order of the layers."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
     rows = [f"| {_linked(name)} | {_first_words(name)} |" for layer in layers for name in re.findall(r"\w+", layer)]
@@ -216,7 +216,7 @@ def _first_words(name: str) -> str:
 
 
 def pages() -> Iterator[tuple[Path, str]]:
-    """Every page that this writes, with its text."""
+    """Every page that this tool writes, with its text."""
     written = {"commands": commands, "effects": effect_table, "models": model_cards, "map": code_map}
     for name, write in {**written, "priors": prior_table}.items():
         yield DOCS / f"{name}.md", write()

@@ -1,4 +1,4 @@
-"""Pieces of the pages in `docs/` that are written from the program and from what was measured."""
+"""Parts of the generated pages in `docs/`."""
 
 import json
 import textwrap
@@ -8,7 +8,7 @@ from typing import Any
 
 WRITTEN_BY = "This page is written by `python tools/manual.py`."
 MEASURED = Path(__file__).parents[1] / "docs" / "measured"
-"""Figures of measurements that take long, each file with the command that made it."""
+"""Results of long measurements, each file with its command."""
 
 
 def prose(*parts: str) -> Iterator[str]:
@@ -26,11 +26,11 @@ def table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str
 
 
 def measured(name: str) -> dict[str, Any] | None:
-    """What was measured under a name, if it was."""
+    """The measurement with a name; None if there is none."""
     path = MEASURED / f"{name}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
 def percent(share: float | None, digits: int = 1) -> str:
     """A fraction in percent, `-` for none."""
-    return "-" if share is None else f"{100 * share:.{digits}f} %"
+    return "-" if share is None else f"{100 * share:.{digits}f}%"

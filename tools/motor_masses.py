@@ -41,8 +41,8 @@ def estimate_propellant(rows: list[Row]) -> None:
 def estimate_casing(rows: list[Row]) -> None:
     """Estimates what stays behind if the loaded mass is missing; hybrids are left alone.
 
-    The median of the maker's motors in the same case (leave-one-out error 3 % in the median), else a
-    power law of diameter and length fitted to the motors of the same kind (10 to 12 %).
+    The median of the maker's motors in the same case (leave-one-out error 3% in the median), else a
+    power law of diameter and length fitted to the motors of the same kind (10 to 12%).
     """
     known = [entry for entry in rows if entry["casing_g"] and entry["kind"] != "hybrid"]
     laws = {kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")}

@@ -1,4 +1,4 @@
-"""Makes the pictures of the README: what `fieldkit demo` prints, and pages of the app: `python tools/pictures.py`."""
+"""Makes the pictures of the README, the output of `fieldkit demo` and pages of the app: `python tools/pictures.py`."""
 
 import asyncio
 import html
@@ -18,18 +18,18 @@ ROOT = Path(__file__).parents[1]
 PICTURE = ROOT / "docs" / "demo.svg"
 WIDTH = 80
 STEPS = 3
-"""The steps of the demo that the picture holds."""
+"""The steps of the demo in the picture."""
 
 
 def demo() -> str:
-    """What `fieldkit demo` prints in a terminal 80 columns wide, with its colors."""
+    """The output of `fieldkit demo` in a terminal 80 columns wide, with its colors."""
     environment = {**os.environ, "COLUMNS": str(WIDTH), "FORCE_COLOR": "1", "TERM": "xterm-256color"}
     command = [sys.executable, "-m", "fieldkit.cli.main", "demo"]
     return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
 
 def picture(text: str) -> str:
-    """A terminal with this text as SVG, in whatever monospaced font there is: nothing is fetched."""
+    """A terminal with this text as SVG, in any monospaced font: no font is downloaded."""
     console = Console(record=True, width=WIDTH, file=io.StringIO(), force_terminal=True)
     console.print(Text.assemble(("$ ", "bold green"), "fieldkit demo"))
     console.print(Text.from_ansi(text))
@@ -37,14 +37,14 @@ def picture(text: str) -> str:
 
 
 def tidied(svg: str) -> str:
-    """A picture without fonts to fetch, each word in its place."""
+    """A picture without fonts to download, each word at its position."""
     svg = re.sub(r"@font-face\s*\{.*?\}\s*", "", svg, flags=re.DOTALL)
     svg = re.sub(r'(<text [^>]*?x=")([\d.]+)("[^>]*?textLength=")([\d.]+)("[^>]*>)([^<]*)</text>', _apart, svg)
     return "".join(f"{line.rstrip()}\n" for line in svg.splitlines())
 
 
 def _apart(run: re.Match[str]) -> str:
-    """A run of text as its words, each in its place: not every viewer keeps blanks in front of a text."""
+    """A run of text as its words, each at its position, because some viewers drop leading spaces."""
     start, x, middle, length, end, content = run.groups()
     text = html.unescape(content)
     width = float(length) / len(text)
@@ -62,12 +62,12 @@ PAGES = {
     "app_flight": ("field", ["enter"]),
 }
 SIZE = (120, 44)
-"""Of the terminal in the pictures."""
-"""Pages of the app that the README shows: their colors, and the keys that lead there; `_` waits."""
+"""Size of the terminal in the pictures."""
+"""Pages of the app in the README: their colors, and the keys to press; `_` waits."""
 
 
 async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
-    """A page of the app as SVG, after keys were pressed."""
+    """A page of the app as SVG, after pressing keys."""
     from textual.pilot import Pilot  # a picture of it, not a part of it
 
     from fieldkit.tui.app import FieldkitApp

@@ -8,25 +8,25 @@ from tools.markdown import WRITTEN_BY
 
 SOURCES = {
     "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
-    "thrust": "log of delivered over certified impulse; lots within 2 to 3 % (NFPA 1125 allows 10 % in a test)",
-    "mass": "log of the mass flown over the mass written down: altimeter, recovery, wadding",
-    "stretch": "log of the burn over the certified one",
-    "delay": "log of the delay over the printed one (NFPA 1125: within 20 %, at most 3 s)",
-    "tilt": "launch angle of a single flight, in units of 5 degrees, squared",
-    "apogee": "log of the apogee over what drag, thrust and mass make of it",
-    "top_speed": "log of what the device shows over the simulated one",
+    "thrust": "log ratio of delivered to certified impulse; lots within 2 to 3% (NFPA 1125 allows 10% in a test)",
+    "mass": "log ratio of flown to recorded mass: altimeter, recovery, wadding",
+    "stretch": "log ratio of actual to certified burn time",
+    "delay": "log ratio of actual to rated delay (NFPA 1125: within 20%, at most 3 s)",
+    "tilt": "squared launch angle of a single flight, in units of (5 degrees)²",
+    "apogee": "log ratio of apogee to the one from drag, thrust and mass",
+    "top_speed": "log ratio of the readout to the simulated one",
     "burn_time": "as top speed",
     "peak_accel": "as top speed",
     "coast_to_apogee": "as top speed",
-    "apogee_to_eject": "what the device shows less the simulated one [s]",
-    "coast_drag": "log of drag in a log over the simulated one; 15 degrees from vertical it is 3.5 % more",
-    "burn_impulse": "log of impulse over mass in a log over the simulated one; 15 degrees from vertical 3 % less",
+    "apogee_to_eject": "readout minus the simulated one [s]",
+    "coast_drag": "log ratio of drag in a log to the simulated one; 15 degrees off vertical adds 3.5%",
+    "burn_impulse": "log ratio of impulse per mass in a log to the simulated one; 15 degrees off vertical takes off 3%",
 }
-"""What a random effect is of, and where the figure that learning begins from is from."""
+"""Definition of each random effect, and the source of its starting figure."""
 
 
 def prior_table() -> str:
-    """Every prior and noise figure of the model, with its source, and how forecasts with it fared."""
+    """Every prior and noise figure of the model with its source, and the scores of forecasts."""
     card, given = learned(), certified()
     names = list(dict.fromkeys([*card.sds, *given.sds]))
     rows = [_random_effect(name, card, given) for name in names]
@@ -49,44 +49,45 @@ def prior_table() -> str:
 
 The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
 rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
-deviations of these effects are the hyperprior. *Start* are the round figures that the fit starts from, *learned* the
-result of fitting real flights, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop assumes
-while it searches for an effect: motors, masses and devices within their specifications, so that an effect and not the
-plain model has to explain a misfit. {WRITTEN_BY}
+deviations of these effects are the hyperprior. *Start* has the round figures from which the fit starts. *Learned* is
+the result of fitting real flights, `fieldkit/data/hyperprior.json`; forecasts use it. *Search* is the hyperprior of the
+loop: motors, masses and devices match their specifications, so that an effect and not the plain model explains a
+difference. {WRITTEN_BY}
 
-| quantity | differs by | start | learned | search | definition and source |
+| quantity | varies by | start | learned | search | definition and source |
 |---|---|---|---|---|---|
 {chr(10).join(rows)}
 
-| mean over all flyers of | start | learned | known to |
+| mean over all flyers | start | learned | standard deviation |
 |---|---|---|---|
 {chr(10).join(means)}
 
-Devices have no mean: each maker means to show what happened. The fleet of a flyer may be off the mean by how far fleets
-differ and by how well the mean is known, both. *Logged* is of readouts that were measured in the samples of a log.
+The biases of devices have mean zero, because manufacturers aim at the truth. The mean of a flyer's fleet varies by the
+variation among fleets plus the standard deviation of the overall mean. *Logged* is for readouts measured in the samples
+of a log.
 
-Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
-factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
-by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
-follow a Student t with {card.tail:g} degrees of freedom. If a readout has a standard deviation of its own, that is
-used.
+The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
+its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the
+noise of its readouts ({card.reading.log_sd:g}, a judgment, because the open flights come from one device). Single
+flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
+readout replaces these figures.
 
 | readout | learned | search |
 |---|---|---|
 {chr(10).join(noise)}
 
-The log frontal area of a rocket whose diameter was not recorded has a standard deviation of {card.unknown_area:.2f}
-(learned together with that of drag), {given.unknown_area:g} in the search. The parachute opens in
+The log frontal area of a rocket without a recorded diameter has a standard deviation of {card.unknown_area:.2f}
+(learned together with drag), {given.unknown_area:g} in the search. The parachute opens in
 {card.opening[0]:g} ± {card.opening[1]:g} s.
 
-Priors of the strength of each effect are in [the effects](effects.md), those of the networks' simulated flights in
-[the trained ensembles](models.md). The network of whole histories has the hyperprior that it was trained with in its
-card; the field ensemble, which warns of odd flights, has a prior of its own.
+[The effects](effects.md) have the priors of their strengths, and [the trained ensembles](models.md) those of the
+networks' simulated flights. The card of the history network has the hyperprior of its training; the field ensemble,
+which warns about unusual flights, has a separate prior.
 
-## What it was learned from
+## Training data
 
 `{card.about["command"]}`, log evidence {card.about["log_evidence"]["before"]:.1f} with the start,
-{card.about["log_evidence"]["after"]:.1f} with what was learned.
+{card.about["log_evidence"]["after"]:.1f} with the learned hyperprior.
 
 | flyer | flights | rockets | sha256 of the files |
 |---|---|---|---|
@@ -105,15 +106,15 @@ def _random_effect(name: str, card: Hyperprior, given: Hyperprior) -> str:
 
 
 def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
-    """How rockets were forecast that the hyperprior had not seen, beside simpler ways."""
+    """Scores on rockets held out of the hyperprior's training, with simpler methods."""
     if not scores:
         return
     yield """
 ## Held-out rockets
 
-Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
-that rocket. What the other rockets of its flyer had flown before is known. In percent of the flown apogee; the
-interval score is of the 90 % interval."""
+Each flight of a rocket is forecast from the earlier ones, with a hyperprior learned without that rocket. Earlier
+flights of the flyer's other rockets are used. All figures are in percent of the flown apogee; the interval score is for
+the 90% interval."""
     for flyer, tables in scores.items():
         for title, rows in tables.items():
             yield f"\n### {flyer.replace('_', ' ')}: {title}\n"

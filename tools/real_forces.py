@@ -1,8 +1,8 @@
-"""What the published logs say of the force along a climb: `python tools/real_forces.py LOGS OUT.md`.
+"""The force along a climb in the published logs: `python tools/real_forces.py LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was felt, what
-is known of rocket and motor, and so whether a missing force can be had; if mass and motor are known, the law that
-this one flight asks for, beside a drag of its own. Of every coast, drag area over mass, which needs neither.
+LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was measured, what
+is known of rocket and motor, and whether a missing force can be computed. If mass and motor are known: the law from
+this flight alone, with a free drag. For every coast: drag area over mass, which needs neither.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_o
 
 @dataclass(frozen=True)
 class Known:
-    """What SOURCES.md or the file of conditions says of the rocket of a log, and what stands against using it."""
+    """Information about the rocket of a log from SOURCES.md or the file of conditions, and objections to using it."""
 
     motor: str = ""
     dry_mass: float | None = None
@@ -36,17 +36,17 @@ KNOWN = {
     "altos_csv__2012-05-28": Known(caveat="its boost returns after the coast"),
     "entacore_aim_xtra": Known("E190 / H148R", None, None, "two stages"),
 }
-"""By how a file's name begins."""
+"""By the start of a file's name."""
 CD = 0.5
-"""Where the law begins; each flight has a drag of its own. [1]"""
+"""The starting value of Cd; each flight has a free drag. [1]"""
 GUESSED_DIAMETER = 0.15
-"""If none is known, as a place to begin. [m]"""
+"""Starting value of an unknown diameter. [m]"""
 SLOW, FAST = 0.3, 0.7
-"""Mach numbers between which a coast is compared."""
+"""Range of Mach numbers for comparing coasts. [1]"""
 SOUND = 335.0
-"""Speed that Mach numbers are of. [m/s]"""
+"""Speed of sound for Mach numbers. [m/s]"""
 NOISY = 0.1
-"""Of the drag, above which what no term explains would hide one. [1]"""
+"""Unexplained residuals above this fraction of the drag could hide a term. [1]"""
 
 
 def main() -> None:
@@ -76,7 +76,7 @@ HEAD = [
     "",
     "Computed by `python tools/real_forces.py LOGS docs/real-forces.md`, LOGS being a folder of published recordings.",
     "A missing force needs the mass of the rocket and the motor; drag area over mass in the coast needs none of them:",
-    "median and central 80 % between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
+    "median and central 80% between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
     "flights of one rocket, and no two of these are of one rocket or by one logger; `top_shot` and `juno3` are one",
     "flight each by two loggers, `hedy` one logger's raw and filtered files. Where heights alone were recorded, the",
     "push is their second derivative, and the spread is that of smoothing.",
@@ -96,7 +96,7 @@ def recorded(path: Path) -> Recorded | None:
 
 
 def judged(name: str, said: Recorded, known: Known) -> FlightForce | str:
-    """The missing force of a log, or why there is none."""
+    """The missing force of a log, or the reason there is none."""
     if said.forces is None:
         return "; ".join(said.notes) or "no climb from lift-off"
     lacking = [what for what, there in (("motor", known.motor), ("mass", known.dry_mass)) if not there]
@@ -108,7 +108,7 @@ def judged(name: str, said: Recorded, known: Known) -> FlightForce | str:
 
 
 def drag_area(forces: Forces) -> str:
-    """Drag area over mass in the coast, in square centimetres a kilogram."""
+    """Drag area over mass in the coast. [cm^2/kg]"""
     coast = np.isfinite(forces.drag_area)
     mach = forces.speed / SOUND
     rows = coast & (mach > SLOW) & (mach < FAST)
@@ -120,7 +120,7 @@ def drag_area(forces: Forces) -> str:
 
 
 def told(one: FlightForce) -> list[str]:
-    """The law that one flight asks for, and the points behind it."""
+    """The law from one flight, and its points."""
     terms = [
         f"{found.term.name} {found.value:+.3f} ± {found.sd:.3f} {found.term.unit}"
         + (f" (or {', '.join(found.also)})" if found.also else "")
@@ -137,7 +137,7 @@ def told(one: FlightForce) -> list[str]:
 
 
 def nothing(one: FlightForce) -> str:
-    """What it means that a flight asks for no term: nothing is missing, or what scatters would hide it."""
+    """The meaning of a law without terms: nothing is missing, or scatter would hide it."""
     left, drag = one.law.left, float(one.missing.drag.max())
     said = f"{left:.2g} m/s² are left beside a drag of {drag:.2g} m/s² at the most"
     return f"too noisy to say, {said}" if left > NOISY * drag else f"nothing is missing, {said}"

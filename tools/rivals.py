@@ -1,11 +1,10 @@
-"""The field ensemble beside other estimators on the same simulated flights: `python tools/rivals.py OUT.json`.
+"""Compares the field ensemble with other estimators on the same simulated flights: `python tools/rivals.py OUT.json`.
 
-`sbi`'s neural posterior estimation with its default settings, and a spline flow of `zuko` fitted by the ensemble's own
-loop, both shown the ensemble's features and the same flights; and the ensemble's mixture at that size, and as shipped.
-Judged by the mean log density of fresh flights, readouts by readouts. A second run with the same numbers keeps the
-rivals of the first if they are left out, so that another ensemble can be put beside them.
-
-Needs torch, onnx, sbi and zuko; the last two are no part of any extra of fieldkit.
+The rivals are `sbi`'s neural posterior estimation with default settings and a spline flow of `zuko` in the ensemble's
+training loop, both with the ensemble's features and the same flights, and the ensemble's mixture at that size and as
+shipped. The score is the mean log density of new flights for each set of readouts. A second run with the same numbers
+reuses the rivals of the first for another ensemble. It needs torch, onnx, sbi and zuko; the last two are not in any
+extra of fieldkit.
 """
 
 import argparse
@@ -30,14 +29,14 @@ from fieldkit.model.prior_predictive import simulate, split_motors
 from fieldkit.plugins import trained_folder
 
 JUDGED = 5000
-"""Fresh flights."""
+"""Number of new flights."""
 FLOW_EPOCHS = 20
 LogDensity = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Log density of logits [flight 2] given features [flight feature]."""
 
 
 def scaler(columns: np.ndarray) -> Callable[[np.ndarray], torch.Tensor]:
-    """Features as every rival is shown them: standardized and clipped as the ensemble does."""
+    """Features for the rivals, standardized and clipped as in the ensemble."""
     mean, sd = columns.mean(axis=0), columns.std(axis=0) + 1e-6
     return lambda values: torch.from_numpy(
         ((values - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
@@ -45,7 +44,7 @@ def scaler(columns: np.ndarray) -> Callable[[np.ndarray], torch.Tensor]:
 
 
 def by_sbi(observed: np.ndarray, target: np.ndarray) -> tuple[LogDensity, dict]:
-    """NPE with default settings on flights as observed once."""
+    """NPE with default settings on one observation of the flights."""
     from sbi.inference import NPE
 
     scale = scaler(observed)
@@ -63,7 +62,8 @@ def by_sbi(observed: np.ndarray, target: np.ndarray) -> tuple[LogDensity, dict]:
 
 
 def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensity, dict]:
-    """A neural spline flow of zuko, by the ensemble's loop: flights observed again each epoch, one cycle of Adam."""
+    """A neural spline flow of zuko in the ensemble's training loop: new observations in each epoch, one cycle of
+    Adam."""
     import zuko
 
     scale = scaler(first)
@@ -96,7 +96,7 @@ def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensit
 
 
 def by_mixture(observe: Callable) -> tuple[LogDensity, dict]:
-    """The ensemble's own members at this size."""
+    """The ensemble's members at this size."""
     began = time.process_time()
     members, mean, sd = fit(observe, TrainingPlan(epochs=FLOW_EPOCHS))
 
@@ -113,7 +113,7 @@ def by_mixture(observe: Callable) -> tuple[LogDensity, dict]:
 
 
 def main() -> None:
-    """Train them all, judge them all, write what came out."""
+    """Train and evaluate all, and write the results."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("--flights", type=int, default=50_000)

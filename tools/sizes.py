@@ -1,4 +1,4 @@
-"""Says what wheels and source archives hold and weigh: `python tools/sizes.py dist`."""
+"""Prints the contents and sizes of wheels and source archives: `python tools/sizes.py dist`."""
 
 import sys
 import tarfile
@@ -8,11 +8,11 @@ from pathlib import Path
 from zipfile import ZipFile
 
 MOST = 6
-"""Folders of an archive that are listed."""
+"""Number of folders to list per archive."""
 
 
 def contents(archive: Path) -> Iterator[tuple[str, int]]:
-    """Every file in an archive: its path in it, and its size unpacked. [byte]"""
+    """Every file in an archive: its path and unpacked size. [byte]"""
     if archive.suffix == ".whl":
         with ZipFile(archive) as wheel:
             yield from ((one.filename, one.file_size) for one in wheel.infolist())

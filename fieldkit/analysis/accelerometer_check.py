@@ -85,7 +85,7 @@ class Agreement:
         """What is wrong if they do not."""
         if self.is_off:
             return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
-        return f"makes a climb of {100 / self.scale:.0f} % of that by the heights"
+        return f"makes a climb of {100 / self.scale:.0f}% of that by the heights"
 
 
 def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:

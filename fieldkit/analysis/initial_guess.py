@@ -71,7 +71,7 @@ def _in_silence(knots: Float[Array, "knot"], push: Push) -> Flags:
 
 
 def levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
-    """Net acceleration with the accelerometer's zero as the pad shows it; None if it is not believed."""
+    """Net acceleration with the accelerometer's zero from the pad; None if it is implausible. [m/s^2]"""
     if lift is None:
         return push.felt - GRAVITY
     rest = push.felt[(push.time < lift - 0.1) & (push.time > lift - 10)]

@@ -13,12 +13,12 @@ _LONG_FILTER = 500_000
 
 
 def mad_sd(values: Float[Array, "_"]) -> float:
-    """Standard deviation of the bulk of values, by the median absolute deviation; 0 for none."""
+    """Robust standard deviation from the median absolute deviation, in the unit of the values; 0 without values."""
     return float(1.4826 * np.median(np.abs(values - np.median(values)))) if values.size else 0.0
 
 
 def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
-    """Median over a window of an odd number of samples; beyond the ends samples come again in reverse.
+    """Running median over an odd number of samples, in their unit; samples are mirrored at the ends.
 
     A long channel is left to scipy, whose filter is faster and takes longer to import than a short one to filter.
     """
@@ -33,7 +33,7 @@ def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
 
 
 def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Array, "_"]:
-    """The slope of a parabola through each window of an odd number of even samples, in the window's middle.
+    """The slope at the center of a parabola through each window of an odd number of even samples, per unit of time.
 
     Half a window is lost at either end (Savitzky and Golay, Analytical Chemistry 36, 1964).
     """

@@ -59,7 +59,7 @@ def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
 
 
 def apply(rows: SplineRows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
-    """The curve of coefficients, one or many, at the times of `rows`."""
+    """The curve of one or many sets of coefficients at the times of `rows`, in their unit."""
     return np.asarray(sum(rows.value[:, k] * coefficients[..., rows.first + k] for k in range(_DEGREE + 1)))
 
 
@@ -73,7 +73,7 @@ class CurvePosterior:
     evidence: float
 
     def draws(self, count: int, random: np.random.Generator) -> Float[Array, "draw knot"]:
-        """Coefficients drawn from the posterior."""
+        """Coefficients drawn from the posterior, in the unit of the curve."""
         from scipy.linalg.lapack import dtbtrs
 
         noise = random.standard_normal((self.mean.size, count))
@@ -93,7 +93,7 @@ class WeightedSums:
     size: int
 
     def of(self, weights: Float[Array, "weight"]) -> Float[Array, "place"]:
-        """The sums for some weights."""
+        """The sums for some weights. [1]"""
         return np.asarray(np.bincount(self.places.ravel(), (self.factors * weights).ravel(), self.size), float)
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
-from fieldkit.quantities import counted
+from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
     from fieldkit.capture import CaptureOptions, Ended, Event, Port, Stored
@@ -209,7 +209,7 @@ def _received(
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
     for note in receipt.notes:
-        complain(f"note: {note}")
+        complain(f"note: {in_system(note, system())}")
     if not json:
         say(
             f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"

@@ -6,6 +6,7 @@ import typer
 
 from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import open_ledger
+from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
     from fieldkit.analysis.compare import Comparison
@@ -44,7 +45,7 @@ def compare(
         return
     for recording in found:
         for note in recording.recorded.notes:
-            complain(f"note: {recording.name}: {note}")
+            complain(f"note: {recording.name}: {in_system(note, system())}")
     _print(found, compared)
 
 

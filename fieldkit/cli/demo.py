@@ -103,7 +103,7 @@ def _infer(found: "Demo") -> None:
 def _predict(found: "Demo") -> None:
     say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean flights with certified thrust")
     say()
-    headers = ("motor", "config", "apogee", "90 % interval", "ejection")
+    headers = ("motor", "config", "apogee", "90% interval", "ejection")
     shown, rows = ShownUnits(system()), []
     for one in found.predictions:
         p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())

@@ -126,7 +126,7 @@ def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
 
 
 def _print_table(predictions: "list[Prediction]") -> None:
-    headers = ("flight", "config", "motor", "apogee", "5 %", "95 %", "eject", "model")
+    headers = ("flight", "config", "motor", "apogee", "5%", "95%", "eject", "model")
     rows = []
     for one in predictions:
         p05, p50, p95 = one.apogee_quantiles()
@@ -143,7 +143,7 @@ def _print_table(predictions: "list[Prediction]") -> None:
                 one.model,
             )
         )
-    print_table(headers, rows, numbers=["apogee", "5 %", "95 %", "eject"])
+    print_table(headers, rows, numbers=["apogee", "5%", "95%", "eject"])
 
 
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:

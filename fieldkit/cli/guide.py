@@ -188,7 +188,7 @@ def _table(choices: "list[MotorChoice]", most: int) -> None:
     from fieldkit.planning.quantiles import three
 
     shown = ShownUnits(system())
-    headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")
+    headers = ("motor", "shown", "90%", "true", "rail", "T/W", "avg", "top", "✗", "eject")
     rows = []
     for choice in choices:
         said = choice.prediction

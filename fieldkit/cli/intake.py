@@ -13,7 +13,7 @@ from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
-from fieldkit.quantities import counted
+from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
     from fieldkit.importing import ColumnChoice, Rejected
@@ -149,7 +149,7 @@ def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
     for note in notes:
-        complain(f"note: {note}")
+        complain(f"note: {in_system(note, system())}")
 
 
 def _document(receipt: "Receipt") -> dict[str, object]:

@@ -167,7 +167,7 @@ def _compared(file: Path, json: bool) -> None:
     ]
     headers = ("motor", "figure", "catalogue", "tested", "off", "basis")
     print_table(headers, rows, numbers=headers[2:5])
-    complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5 %")
+    complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5%")
     if len(found.differences) > MAX_LISTED_MOTORS:
         complain(f"the {MAX_LISTED_MOTORS} largest differences are listed, --json has all")
     if found.unknown:

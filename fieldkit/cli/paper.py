@@ -55,7 +55,7 @@ def _flight(one: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _histories(report: "PaperReport") -> None:
-    headers = ("flight", "motor", "apogee", "one apogee", "history", "90 %", "Cd", "alpha")
+    headers = ("flight", "motor", "apogee", "one apogee", "history", "90%", "Cd", "alpha")
     say("Each flight left out [m]: from one apogee at a time, and by the history network")
     say()
     print_table(headers, (_history(one) for one in report.flights), numbers=headers[2:])

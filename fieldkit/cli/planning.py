@@ -154,9 +154,7 @@ def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | No
     motor = motors.resolve(plan.motor or (last.motor if last else "")).motor
     mass = parse(text, "mass", "g") - motor.loaded_mass
     if mass <= 0:
-        raise BadValue(
-            f"lift_off_mass: found {text}, expected more than the {motor.loaded_mass * 1e3:.0f} g of its motor"
-        )
+        raise BadValue(f"lift_off_mass: found {text}, expected more than the mass of its motor")
     return mass
 
 

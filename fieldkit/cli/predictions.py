@@ -44,12 +44,12 @@ def predictions(
     rockets = {one.made.rocket for one in found}
     units = ShownUnits(system())
     apogee = f"apogee {units.length_unit}"
-    headers = ["no", "made", "flight", "motor", apogee, "90 %", "flown", "miss", ""]
+    headers = ["no", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
     rows = [_cells(one, units) for one in shown]
     if len(rockets) > 1:
         headers.insert(2, "rocket")
         rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
-    print_table(headers, rows, numbers=["no", apogee, "90 %", "flown", "miss"])
+    print_table(headers, rows, numbers=["no", apogee, "90%", "flown", "miss"])
     for one in shown:
         if one.stale:
             say_wrapped(f"  {one.made.number}: {'; '.join(one.changes)}", "   ")

@@ -9,6 +9,7 @@ from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -133,7 +134,7 @@ def _print_events(recording: "Recording") -> None:
         ]
         print_table(("measured", "", "by"), figures)
     for note in recorded.notes:
-        complain(f"note: {note}")
+        complain(f"note: {in_system(note, system())}")
 
 
 @app.command()

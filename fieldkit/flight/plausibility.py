@@ -254,7 +254,7 @@ def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, f
     off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
     acceleration = figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
     burn = figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
-    return f"top speed looks {100 * off:.0f} % {way} for {acceleration} over {burn}; check all three"
+    return f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three"
 
 
 def _unlike(flight: Flight, usual: Mapping[str, float], figure: Callable[[Column, float], str]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The next flight at once: the forecast of the network of whole histories, with no fit except one linear pass."""
+"""Fast forecast of the next flight: the history network and one linear pass, without a fit."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FlownFlights = Sequence[tuple[Flight, Found]]
 BATCH = 50
-"""Flights by themselves whose response is simulated together: some 5,000 simulated flights. [1]"""
+"""Number of separate flights whose response is computed in one batch of about 5,000 simulations. [1]"""
 
 
 def prepare_at_once(
@@ -35,9 +35,10 @@ def prepare_at_once(
     shared: SharedPrior | None = None,
     ensemble: "Ensemble | None" = None,
 ) -> PreparedHistory:
-    """Flights of a rocket in the order flown, at least one, and plans, as far as readouts do not matter.
+    """The part of a history that does not depend on readouts, from a rocket's flights in the order flown, at least one,
+    and plans.
 
-    `shared` is what the flyer's other rockets show. Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
     return prepared(history, response_of(history), quick_candidates)
@@ -50,7 +51,7 @@ def _history(
     shared: SharedPrior | None,
     ensemble: "Ensemble | None",
 ) -> History:
-    named = [  # a plan without a name would be where places without a beginning begin
+    named = [  # a place without a start has an empty id, which a plan must not share
         (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
     ]
     flights, found = zip(*flown, *named, strict=True)
@@ -58,8 +59,8 @@ def _history(
 
 
 def fit_in_use(ready: PreparedHistory) -> LinearFit:
-    """The linear fit of a prepared history by the hyperprior that forecasts are made with now, which may have been
-    learned after the network was trained."""
+    """The linear fit of a prepared history with the current hyperprior for forecasts, which may be newer than the
+    network."""
     again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
     return summarized(again, again.flown, ()).forecast
 
@@ -67,7 +68,7 @@ def fit_in_use(ready: PreparedHistory) -> LinearFit:
 def answer_at_once(
     ready: PreparedHistory, flown: Sequence[Flight], ensemble: "Ensemble | None" = None
 ) -> list[QuickAnswer]:
-    """What the network says of each plan of a prepared history, its flown flights with the readouts they have now."""
+    """The network's answer for each plan of a prepared history, with the current readouts of its flown flights."""
     network = ensemble or load_history()
     return answers(summarized(ready, flown, tuple(network.card["effects"])), network)
 
@@ -79,9 +80,9 @@ def forecast_at_once(
     shared: SharedPrior | None = None,
     ensemble: "Ensemble | None" = None,
 ) -> QuickAnswer:
-    """What the network forecasts of a plan from the flights of its rocket, in the order flown; at least one of them.
+    """The network's forecast of a plan from the flights of its rocket in the order flown, at least one.
 
-    Flights with an anomaly tag count as flown and are not used. The rest is as in `prepare_at_once`.
+    Flights with an anomaly tag count as flown and are not used. Other arguments and errors as in `prepare_at_once`.
     """
     used = [flight.clean for flight, _ in flown]
     ready = prepare_at_once(flown, [plan], used, shared=shared, ensemble=ensemble)
@@ -95,9 +96,10 @@ def forecasts_at_once(
     shared: SharedPrior | None = None,
     ensemble: "Ensemble | None" = None,
 ) -> list[QuickAnswer]:
-    """What the network forecasts of plans that differ in their motors alone, each as if it flew next, in their order.
+    """The network's forecasts of alternative plans that differ only in their motors, in their order.
 
-    All fly in one batch; motors that the rocket flew and others are summarized apart. The rest as `forecast_at_once`.
+    All are simulated in one batch; motors flown before and new ones are summarized separately. Other arguments and
+    errors as in `forecast_at_once`.
     """
     known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
     kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
@@ -120,10 +122,10 @@ def each_at_once(
     *,
     ensemble: "Ensemble | None" = None,
 ) -> list[QuickAnswer]:
-    """What the network says of each flight by itself, of any rockets, for the plan to fly the same again.
+    """The network's answer for each single flight, of any rockets, with the plan to repeat it.
 
-    `shared` is what the other rockets of each one's flyer show. All fly in batches. Flights with an anomaly tag are
-    used like any other. The rest as `forecast_at_once`.
+    `shared` is the information from the other rockets of each flyer. Flights are simulated in batches. Flights with an
+    anomaly tag are used like any other. Other arguments and errors as in `forecast_at_once`.
     """
     found: list[QuickAnswer] = []
     for first in range(0, len(flown), BATCH):

@@ -1,24 +1,25 @@
-"""Intervals corrected by how earlier ones fared: a flyer's own flights, forecast before they flew, say how wide.
+"""Intervals corrected by the results of the flyer's earlier forecasts.
 
-A forecast's interval is stretched (or drawn together) about its median, in the logarithm, by what would have put
-nine in ten of the earlier flights inside of theirs. If the next flight is like the earlier ones, nine in ten of
-the corrected intervals hold it, whatever the model got wrong (Vovk, Gammerman and Shafer, Algorithmic Learning in
-a Random World, 2005; with every earlier forecast made from what was known then, as here, it is the online form).
+The interval of a forecast is stretched or narrowed around its median, in the logarithm, by the factor that would have
+put 90% of the earlier flights inside their intervals. If flights are exchangeable, 90% of the corrected intervals
+contain the flight, even if the model is wrong (Vovk, Gammerman and Shafer, Algorithmic Learning in a Random World,
+2005, in the online form, because every earlier forecast used only what was known then).
 """
 
 from collections.abc import Mapping, Sequence
 from math import ceil, log
 
 MIN_FORECASTS_TO_CORRECT = 20
-"""Earlier forecasts from which on intervals are corrected: with fewer, the widest of them would decide. [1]"""
+"""Minimum number of earlier forecasts for a correction: with fewer, the largest surprise would determine it. [1]"""
 LEVEL = 0.9
 """Nominal coverage of an interval. [1]"""
 
 
 def surprise(flown: float, interval: Sequence[float]) -> float:
-    """How far out a flown apogee lies: 0 at the median, 1 at the near end of the 90 % interval, by ratio. [1]
+    """The distance of a flown apogee from the median, as a log ratio in units of the half interval on its side: 1 at
+    the end of the 90% interval. [1]
 
-    `interval` is the forecast's 5, 50 and 95 % quantile [m]. inf if the interval has no width.
+    `interval` is the forecast's 5, 50 and 95% quantiles [m]. inf if the interval has no width.
     """
     p05, p50, p95 = interval
     if not min(flown, p05, p50, p95) > 0:
@@ -28,7 +29,7 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
 
 
 def stretch(surprises: Sequence[float]) -> float | None:
-    """By what to multiply the width of the next interval, or None while there are too few flights. [1]"""
+    """The factor on the width of the next interval; None if there are too few flights. [1]"""
     count = len(surprises)
     if count < MIN_FORECASTS_TO_CORRECT:
         return None
@@ -37,7 +38,7 @@ def stretch(surprises: Sequence[float]) -> float | None:
 
 
 def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, float]:
-    """The 5, 50 and 95 % quantile of a forecast whose interval is stretched about its median. [m]"""
+    """The 5, 50 and 95% quantiles of a forecast with its interval stretched around its median. [m]"""
     p05, p50, p95 = interval
     if not p50 > 0:
         return p05, p50, p95
@@ -45,7 +46,7 @@ def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, f
 
 
 def saved_surprises(saved: Sequence[Mapping[str, object]]) -> list[float]:
-    """Surprises of the forecasts saved in a ledger, one for each flight: the last that was made."""
+    """Surprises of the forecasts saved in a ledger, one for each flight, from its latest forecast."""
     last = {(one["rocket"], one["flight_id"]): one for one in saved if "flown_m" in one}
     found = []
     for one in last.values():

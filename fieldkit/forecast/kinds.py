@@ -1,4 +1,4 @@
-"""Kinds of plans: those that a model of a rocket's flights can take in together without one changing another."""
+"""Kinds of plans: plans that one model can forecast together without affecting each other."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
@@ -16,10 +16,10 @@ def by_kind(
     planned: Sequence[tuple[Flight, Found]],
     work: Callable[[Sequence[int]], Sequence[T]],
 ) -> list[T]:
-    """What some work makes of plans, given their rows, in the order of the plans: those of a kind at once.
+    """Apply a function to the plans, all plans of a kind at once, given their rows; results in the order of the plans.
 
-    Of one kind are plans that bring the same news to what has flown. With others a model would hold terms that they
-    have no part in, and each would be less certain, or luckier, for the company it keeps.
+    Plans of one kind add the same new terms to the model. With plans of another kind the model would have terms that do
+    not concern them, which would change their forecasts.
     """
     kinds: dict[tuple[object, ...], list[int]] = {}
     for row, news in enumerate(_news(flown, [flight for flight, _ in planned], [found for _, found in planned])):
@@ -31,9 +31,9 @@ def by_kind(
 def _news(
     flown: Sequence[tuple[Flight, Found]], plans: Sequence[Flight], found: Sequence[Found]
 ) -> Iterator[tuple[object, ...]]:
-    """What each plan brings that terms of a model hang on: a motor, a configuration, a site or a day that is new or
-    not, a diameter, the conditions that effects need or stand in for. Of a rocket never flown builds are distinguished,
-    for each may have a design of its own."""
+    """The properties of each plan that decide the model's terms: whether its motor, configuration, site and day are
+    new, whether it has a diameter, and the conditions that effects need or replace. Configurations of a rocket never
+    flown are distinguished, because each may have its own design."""
     past = [flight for flight, _ in flown]
     known = {per: set(groups(past, [one for _, one in flown], per)) for per in GROUP_LEVELS}
     ours = {per: groups(plans, found, per) for per in GROUP_LEVELS}

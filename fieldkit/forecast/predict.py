@@ -1,8 +1,8 @@
-"""The next flight, as a distribution: the posterior of a rocket's model, flown many times.
+"""The distribution of the next flight: simulations with draws from the posterior of a rocket's model.
 
-Draws of the shared unknowns come from the posterior, scatter and reading errors again for every flight, and
-all of them fly in one batch. Without flights the priors are simulated, and the prediction reports that.
-A forecast does not depend on the other plans in the request: each flies on the same draws as it would alone.
+Shared terms are drawn from the posterior, scatter and reading errors separately for every flight, and all draws are
+simulated in one batch. Without flights the priors are simulated, and the prediction reports that. A forecast does not
+depend on the other plans in the request: each uses the same draws as alone.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -30,12 +30,13 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
 DRAWS = 1000
-"""Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
+"""Number of simulations for each prediction; the error of a 5% quantile is about a tenth of the standard deviation."""
 MAX_LOG_APOGEE_RATIO = 1.5
-"""Limit of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
+"""Limit of the log ratio of an apogee to its expectation in a draw, because the tail of a Student t has no physical
+bound. [1]"""
 DESIGN_CD_SD = 0.2
-"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights show,
-for paint, lugs and gaps are rarely as drawn. An expert judgment, which flights soon outweigh. [1]"""
+"""Standard deviation of the log Cd from a design program: less than the 0.35 of any rocket, but not zero, because
+paint, lugs and gaps are rarely as drawn. An expert judgment that flights soon outweigh. [1]"""
 
 
 def forecast_model(
@@ -47,8 +48,8 @@ def forecast_model(
     shared: SharedPrior | None = None,
     hyperprior: Hyperprior | None = None,
 ) -> Model:
-    """The model of a rocket that its next flight is forecast with, by default with the learned hyperprior; arguments as
-    in `rocket_model`."""
+    """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
+    `rocket_model`."""
     return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
 
 
@@ -59,10 +60,11 @@ def model_name(accepted: Sequence[Place]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class FittedForecast:
-    """The posterior of a rocket's flights for planned ones: draws of every term, ready to be flown.
+    """Posterior draws of every term for the simulation of planned flights.
 
-    `model` is that of the planned flights, `at` the point where the posterior is centered. `rests_on` counts the
-    flights in its fit, `name` names it; `rng` draws the scatter of single flights. `left_out` as in `Prediction`.
+    `model` is the model of the planned flights, and `at` the center of the posterior. `rests_on` counts the flights in
+    the fit, and `name` is the model's name; `rng` draws the scatter of single flights. `left_out` is as in
+    `Prediction`.
     """
 
     model: Model
@@ -88,15 +90,14 @@ def predict(
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
-    """Predict planned flights of one rocket from those it has flown, in the order flown.
+    """Predict planned flights of one rocket from its flights in the order flown.
 
-    The plans are flown one after the other, which matters to what grows from flight to flight and to nothing else.
-    With `averaged` the forecast is a mixture over sets of accepted effects, each as far as it is probable.
-    Flights with an anomaly tag count as flown and are not used in the fit; outliers hardly count. Wind
-    that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
-    are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
-    `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one.
-    Raises ImpossibleFlight for a flight without a dry mass.
+    The plans are flown one after the other, which matters only to effects that grow from flight to flight. With
+    `averaged`, the forecast is a mixture over sets of accepted effects, weighted by their probabilities. Flights with
+    an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
+    prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
+    configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
+    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
@@ -133,8 +134,8 @@ def learn(
     draws: int = DRAWS,
     seed: int = 0,
 ) -> FittedForecast:
-    """Fit the flights flown, for planned ones of a kind (see `fieldkit.forecast.kinds`), each with its turn in the
-    order flown, by default the next for all of them; the rest as in `predict`."""
+    """Fit the flown flights for plans of one kind (see `fieldkit.forecast.kinds`). Each plan has its flight index, by
+    default the next for all. Other arguments and errors as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     used_in_fit = [flight.clean for flight, _ in flown] + [False] * len(planned)
@@ -143,11 +144,13 @@ def learn(
     every = tuple(dict.fromkeys(place for own in acting for place in own))
     order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
     designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
-    if designs and shared:  # a design takes the place of what other rockets show of drag
+    if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
     model = _designed(model, designs) if designs else model
-    past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and is not used in the fit
+    past = slice(
+        0, max(len(flown), 1)
+    )  # without flown flights, the first plan is a placeholder that is not used in the fit
     data = observe(flights[past], used_in_fit[past], model.hyperprior)
     rng = np.random.default_rng(seed)
     parts = []
@@ -163,13 +166,14 @@ def learn(
 
 
 def _allotted(chances: Sequence[float], draws: int) -> list[int]:
-    """Draws of each part of a mixture, all of them together, as near to their probabilities as whole numbers are."""
+    """Number of draws of each component of a mixture, in proportion to their probabilities after rounding, summing to
+    all draws."""
     ends = np.round(np.cumsum(chances) / np.sum(chances) * draws).astype(int)
     return [int(count) for count in np.diff(ends, prepend=0)]
 
 
 def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
-    """The terms of a model that are not those of some places."""
+    """The terms of a model except those of some effects in their places."""
     if not places:
         return list(range(len(model.terms)))
     out = {str(place) for place in places}
@@ -184,12 +188,12 @@ def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
 def _drawn_with(
     model: Model, terms: Sequence[int], data: Data, flown: int, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 2"], tuple[str, ...]]:
-    """The point that a fit of some of a model's terms ends at, draws of every term, zero for those it has not, and of
-    the scales, and a line for each outlier."""
+    """The final point of a fit of some of a model's terms, draws of every term (zero for terms it lacks) and of the
+    scales, and a line for each outlier."""
     part = model.only(terms)
     known = set(part.shared.names) if part.shared else set()
     acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
-    used = acted or [0]  # of a rocket never flown, one prior stands in for what was fitted
+    used = acted or [0]  # a rocket never flown has the prior instead of a fit
     result = fit_robustly(replace(part.part(slice(0, len(data.seen))).only(used), coarse=True), data)
     part = replace(part, hyperprior=result.model.hyperprior)
     own, scales = term_draws(part, used, result, draws, rng)
@@ -202,8 +206,8 @@ def _drawn_with(
 
 
 def _designed(model: Model, cds: Mapping[str, float]) -> Model:
-    """The model of a rocket with designs: each configuration starts from its own Cd, and what flights of one show of
-    how far the design is off serves the others. What the fleet's drag is off does not matter then."""
+    """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
+    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect."""
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
     fleet = fleet_term("drag")
@@ -220,10 +224,10 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
 def fly_ahead(
     fitted: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
-    """Fly the planned flights on what was learned, each a batch of draws.
+    """Simulate the planned flights with the posterior draws, one batch of draws per flight.
 
-    With `paired` all flights share the random draw of the day, so that they differ by what is planned alone. `delay_sd`
-    is how far delays stray from what is printed, as a ratio, in place of what the model takes.
+    With `paired`, all flights share random draws, so that they differ only by their plans. `delay_sd` is the relative
+    standard deviation of delays around their rating, instead of the model's. [1]
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scatter_scale = fitted.scales[:, :1]
@@ -244,7 +248,7 @@ def fly_ahead(
     if delay_sd is not None:
         scatter["delay"] = draw() * delay_sd
     readings = shown(part, values, scatter)
-    # of a hop of a meter the reading's error in ratio knows no bounds
+    # for an apogee of about a meter the relative reading error is unbounded
     own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)
     higher = np.exp(own)
     apogee = readings["apogee"] * higher
@@ -266,14 +270,14 @@ def fly_ahead(
             model=fitted.name,
             left_out=fitted.left_out,
             random_draws=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
-            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
+            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # every field is an array of draws
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
     ]
 
 
 def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
-    """Effects whose column was written down, and that no accepted effect stands for already."""
+    """Effects whose column is recorded and that no accepted effect replaces."""
     known = {place.effect for place in accepted}
     return [
         Place(name)

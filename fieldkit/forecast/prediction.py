@@ -1,4 +1,4 @@
-"""The forecast of one planned flight: draws of what the altimeter will show, and what they rest on."""
+"""The forecast of one planned flight: draws of its readouts, and the data they are based on."""
 
 from dataclasses import dataclass, field, replace
 
@@ -13,16 +13,15 @@ LEVELS = np.array([0.05, 0.5, 0.95])
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
+    """The forecast of a planned flight: draws of the apogee and of other figures. SI.
 
     `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from apogee to
     the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
-    `drift` how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
-    `across_speed` how fast it still moves there. `cd` and `alpha` are the drag coefficient and thrust factor flown
-    with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that were fitted
-    by the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
-    fared, 1 if there are too few of them. `left_out` has a line for each flight that was not used, and for each
-    readout that is an outlier and hardly counts.
+    `drift` and `across` are the positions of the apogee downwind and to the right of that, and `drift_speed` and
+    `across_speed` the velocity there. `cd` and `alpha` are the drag coefficient and thrust factor, and `random_draws`
+    the scatter of single flights by cause. `rests_on` counts the flights in the model's fit. `stretched_by` is the
+    factor on the width of `apogee` from the results of `earlier_forecasts`, 1 if there are too few of them. `left_out`
+    has a line for each flight that was not used, and for each outlier readout.
     """
 
     plan: Flight
@@ -51,23 +50,24 @@ class Prediction:
     across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
-        """At 5, 50 and 95 %. [m]"""
+        """The 5, 50 and 95% quantiles of the apogee. [m]"""
         return quantiles(self.apogee, LEVELS)
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
-        """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
+        """A copy with the log apogee stretched around its median by a factor [1]; None changes nothing."""
         if factor is None:
             return self
         return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
-        """How wide the 90 % interval would be, over what it is, after so many more clean flights like the plan. [1]
+        """The expected ratio of the 90% interval's width after this number of further clean flights like the plan to
+        its present width. [1]
 
-        What flights differ by stays; what is common to all and not known yet falls as a normal mean's variance does
-        (with q the squared width of what stays and t that of the rest, to t / (1 + n t / q) after n; Gelman et al.,
-        Bayesian Data Analysis, 3rd edition, 2013, section 2.5), the logarithm of the apogee being about linear in all
-        of it. Widths are those of intervals: of a variance with a Student t's tails a thousand draws say little. How
-        much flights scatter is taken as known: of a new rocket it is not, and its interval narrows more.
+        The scatter of flights stays; the uncertainty of common terms falls like the variance of a normal mean: with the
+        squared width q of the scatter and t of the rest, to t / (1 + n t / q) after n flights (Gelman et al., Bayesian
+        Data Analysis, 3rd edition, 2013, section 2.5). The logarithm of the apogee is taken as linear in all terms.
+        Widths are those of intervals, because a thousand draws determine the variance of a Student t poorly. The size
+        of the scatter is taken as known; for a new rocket it is not, and the interval narrows more.
         """
         luck, rest = self._luck_and_rest()
         stays, left = interval_width(luck) ** 2, interval_width(rest) ** 2
@@ -77,8 +77,8 @@ class Prediction:
         return float(interval_width(luck + shrunk * rest) / interval_width(luck + rest))
 
     def _luck_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-        """The part of the logarithm of the apogee that the random draws of single flights explain, by regression, and
-        the rest of it, each about zero, over the draws that fly."""
+        """The part of the log apogee that the scatter of single flights explains, by regression, and the rest, both
+        centered, over the draws that leave the pad."""
         flown = self.apogee > 0
         logs = np.log(self.apogee[flown])
         if len(logs) <= len(self.random_draws):
@@ -90,22 +90,23 @@ class Prediction:
 
     @property
     def median_eject(self) -> float | None:
-        """From apogee to the ejection charge, or None without a delay. [s]"""
+        """Median time from apogee to the ejection charge; None without a delay. [s]"""
         return median(self.eject)
 
 
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:
-    """As np.quantile has them, which is slower and wakes numpy's masked arrays."""
+    """The same as np.quantile, in the unit of the values; np.quantile is slower and imports masked arrays."""
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))
 
 
 def interval_width(draws: Float[Array, "draw"]) -> float:
-    """From the 5 % to the 95 % quantile; 0 without draws."""
+    """Distance from the 5% to the 95% quantile, in the unit of the draws; 0 without draws."""
     return float(np.ptp(quantiles(draws, LEVELS))) if len(draws) else 0.0
 
 
 def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    """Draws of an apogee moved away from their median, by ratio; draws that stay on the pad are unchanged."""
+    """Draws of an apogee stretched around their median in the logarithm; draws that stay on the pad do not change.
+    [m]"""
     flown = apogee > 0
     if factor == 1.0 or not flown.any():
         return apogee
@@ -114,6 +115,6 @@ def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "dra
 
 
 def median(values: Float[Array, "draw"]) -> float | None:
-    """The median of the draws that have a value, or None."""
+    """The median of the draws with a value, in their unit; None if there are none."""
     finite = values[np.isfinite(values)]
     return float(quantiles(finite, LEVELS)[1]) if len(finite) else None

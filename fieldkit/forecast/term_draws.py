@@ -12,11 +12,11 @@ from fieldkit.shapes import Array, Float, Int, Integers
 def term_draws(
     model: Model, fitted: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of every term: those that act on flown flights from their posterior, the others from their prior.
+    """Draws of every term: terms that act on flown flights from their posterior, the others from their prior.
 
-    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn. Those of
-    one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others as
-    alone.
+    Terms of a motor never flown are independent of the flights, so hundreds of motors do not slow down the fit. Terms
+    of one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others
+    as alone.
     """
     own, which = _sampled(result, draws, rng)
     sds = term_sds(model)[which]
@@ -32,7 +32,7 @@ def term_draws(
 
 
 def _level(name: str) -> str:
-    """What terms of one random effect have in common: `thrust of` for that of every motor."""
+    """The common name of the terms of one random effect, such as `thrust of` for every motor."""
     if name == fleet_term(name.partition(" of ")[0]):
         return name
     first, between, _ = name.partition(" on " if " on " in name else " of ")
@@ -42,7 +42,7 @@ def _level(name: str) -> str:
 def _sampled(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
-    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
+    """Draws of a model's terms within their bounds, and the pair of scales of each draw."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(result.covariance)
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
@@ -51,6 +51,6 @@ def _sampled(
 
 
 def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 2"]:
-    """By what the scatter and the readings of a flight to come are scaled."""
+    """Scales of the scatter and the readings of a future flight."""
     scatter, reading, _ = result.model.hyperprior.scales()
     return np.stack([scatter[which], reading[which]], axis=-1)

@@ -16,7 +16,7 @@ def paper_features(
 ) -> Float[Array, "flight feature"]:
     """The paper's features from apogee [m], the paper's index of the motor, and dry mass [kg].
 
-    Total impulse [N s] and burn time [s] are those that the paper declares for the motor.
+    Total impulse [N s] and burn time [s] are the values the paper gives for the motor.
     """
     impulse = np.array([declared.total_impulse for declared in paper.MOTORS])
     burn_time = np.array([declared.burn_time for declared in paper.MOTORS])

@@ -1,7 +1,7 @@
-"""What the field ensemble is shown of a flight: one function of arrays, used in training and in the field.
+"""The features of a flight for the field ensemble: one function of arrays, used in training and in the field.
 
-A readout is shown as the logarithm of its ratio to what a closed form gives at the middle of the prior,
-so that a sounding rocket and a 13 mm toy look the same; what is missing is a zero and a flag.
+A readout enters as the log of its ratio to a closed-form value at the middle of the prior, so that a sounding rocket
+and a 13 mm toy have features of the same size. A missing readout is a zero and a flag.
 """
 
 import numpy as np
@@ -18,17 +18,17 @@ from fieldkit.physics.atmosphere import GRAVITY, altimeter_gain, pad_air
 from fieldkit.shapes import Array, Flags, Float
 
 _PROBES = np.array([[1.0, 1.0], [2.0, 1.0], [0.5, 1.0], [1.0, 1.15], [1.0, 0.85]])
-"""Multiples of drag area and thrust at which the closed form is taken, the middle of the prior first."""
+"""Multiples of drag area and thrust at which the closed form is evaluated, the middle of the prior first."""
 _MIN_SCALE = 1e-3
 
 
 def closed_form(
     motor: dict[str, Array], dry_mass: Array, drag_area: Array, thrust: Array, density: Array
 ) -> dict[str, Array]:
-    """Top speed [m/s], apogee [m] and coast [s] straight up, at even thrust, mass and density of the air.
+    """Top speed [m/s], apogee [m] and coast time [s] of a vertical flight at constant thrust, mass and air density.
 
-    The height of the burn is stretched by how early the thrust comes.
-    Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
+    The height gained during the burn is scaled by how early the thrust comes. Source: Fehskens and Malewicki
+    (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     empty = dry_mass + motor["casing"]
     mass = empty + 0.5 * motor["propellant"]
@@ -48,10 +48,10 @@ def closed_form(
 
 
 def _settled(observed: Observed) -> tuple[Array, Array]:
-    """Top speed and burn time, each sharpened or replaced by average acceleration if there is one.
+    """Top speed and burn time, each refined or replaced by the average acceleration if there is one.
 
-    Speed is acceleration times burn time to the last digit, so acceleration adds nothing but digits: a
-    burn time shown to a tenth of a second is known better than that from the other two.
+    Top speed is average acceleration times burn time exactly, so acceleration adds only digits: it gives a burn time
+    that is displayed to a tenth of a second more precisely.
     """
     speed, burn, average = (observed.readout(name) for name in ("top_speed", "burn_time", "avg_accel"))
     average = np.where(average > 0, average, np.nan)
@@ -61,20 +61,21 @@ def _settled(observed: Observed) -> tuple[Array, Array]:
 
 
 def _log(ratio: Array) -> Array:
-    """A logarithm that a readout of zero does not break."""
+    """The logarithm, floored so that a readout of zero stays finite."""
     return np.log(np.clip(ratio, _MIN_SCALE, 1 / _MIN_SCALE))
 
 
 def features(observed: Observed) -> Float[Array, "flight feature"]:
-    """The features for the ensemble, a column for each of `FEATURES`; nothing in it is nan."""
+    """The features for the ensemble, one column for each of `FEATURES`, without nan. [1]"""
     columns = _columns(observed)
     return np.nan_to_num(np.stack([columns[name] for name in FEATURES], axis=-1), nan=0.0)
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
-    """The readouts alone against the closed form, nan if missing: a column for each of `INDEPENDENT_READOUTS`.
+    """Each readout relative to its closed-form value, one column for each of `INDEPENDENT_READOUTS`; nan if missing.
+    [1]
 
-    What the ensemble predicts for a readout from the others, to see which does not fit.
+    The ensemble predicts each from the others to find one that disagrees.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         motor, nominal = _nominal(observed)
@@ -95,7 +96,7 @@ def shown(observed: Observed) -> Float[Array, "flight seen"]:
 
 
 def _nominal(observed: Observed) -> tuple[dict[str, Array], dict[str, Array]]:
-    """The motors' figures by name, and the closed form at the middle of the prior in standard air."""
+    """The motors' figures by name, and the closed-form values at the middle of the prior in standard air."""
     motor = {name: observed.figure(name) for name in FIGURES}
     low, high = drag_area_range(observed)
     middle = np.exp(0.5 * (low + high))
@@ -120,7 +121,7 @@ def _columns(observed: Observed) -> dict[str, Array]:
 
 
 def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Array], gain: Array) -> dict[str, Array]:
-    """Each readout against the closed form, pairs that determine drag by themselves, and the flags."""
+    """Each readout relative to its closed-form value, the pairs that determine drag without the rest, and the flags."""
     dry_mass = observed.given("dry_mass")
     speed, burn = _settled(observed)
     apogee = observed.readout("apogee") / gain
@@ -160,7 +161,7 @@ def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Ar
 def _circumstances(
     observed: Observed, motor: dict[str, Array], nominal: dict[str, Array], bounds: tuple[Array, Array], density: Array
 ) -> dict[str, Array]:
-    """The circumstances of the flight: rocket, motor, air, rail; no outcomes."""
+    """The conditions of the flight (rocket, motor, air, rail), without outcomes."""
     dry_mass = observed.given("dry_mass")
     mass = dry_mass + motor["casing"] + motor["propellant"]
     mean = motor["total_impulse"] / motor["burn_time"]

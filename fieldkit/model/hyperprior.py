@@ -1,13 +1,13 @@
-"""The hyperprior: how far rockets, motors, days and single flights differ, and what a device makes of each readout.
+"""The hyperprior: how much rockets, motors, days and single flights vary, and how each device biases each readout.
 
-Every quantity of the model (drag, thrust, mass, burn, delay, and each readout's own discrepancy) is a mean plus random
-effects: of the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day
-and the single flight. All but delay and the time to ejection are logarithms of ratios [1]; these two are in the units
-named below. This module is the one place where their standard deviations are stated.
+Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy for each readout) is a mean plus random
+effects for the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day
+and the single flight. All are log ratios [1] except the delay and the time to ejection, whose units are given below.
+Their standard deviations are stated in this module and nowhere else.
 
-`learned` is the card that `fieldkit learn` wrote: marginal likelihood of real flights. `certified` is the same model
-given that motors, masses and devices are what their papers say, as the search for effects needs it: there an effect and
-not the plain model has to stand for a motor that is off its certificate.
+`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified` is
+the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
+and not the plain model, explains a motor that differs from its certificate.
 """
 
 import json
@@ -27,17 +27,18 @@ from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
 FROM_LOGS = ("coast_drag", "burn_impulse")
-"""Readouts that only the samples of a log show."""
+"""Readouts that only the samples of a log provide."""
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject", *FROM_LOGS)
 """Readouts that the model compares. Average acceleration is top speed over burn time and adds no information; the
-rest belongs to the descent."""
+others describe the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
-"""What random effects act on: `stretch` is the burn, the delay is by ratio, `apogee_to_eject` in seconds."""
+"""Quantities with random effects. `stretch` scales the burn time; the delay is a log ratio; `apogee_to_eject` is in
+seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
-"""Readouts that each device shows by its own rule, and that the samples of a sensor show without one."""
+"""Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
 LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight", "logged")
-"""Groups of flights that share a random effect, widest first; `logged` is a rocket's readouts that were measured in the
-samples of a sensor, which take no part in the bias of a device."""
+"""Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
+sensor's samples, to which the bias of a device does not apply."""
 CARD = "hyperprior.json"
 
 Kind = Literal["learned", "certified"]
@@ -45,15 +46,15 @@ Kind = Literal["learned", "certified"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hyperprior:
-    """Means and standard deviations of every random effect, and the noise of each readout.
+    """Mean and standard deviation of every random effect, and the noise of each readout.
 
-    `means` are by quantity; `drag` is that of log Cd. `mean_sds` is how well each is known: few flyers, of one device,
-    show it. `sds` are by `quantity.level`; one that is missing or zero is an effect the model does not have. `fixed` is
-    the noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m, m/s), `ratio` that which grows with it [1].
-    `unknown_area` is the standard deviation of the log frontal area of a rocket whose diameter was not recorded.
-    `opening` is mean and standard deviation of the parachute's opening time [s]. `scatter` scales the random effects of
-    single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of freedom of the Student
-    t that single flights and readings follow.
+    `means` are by quantity; `drag` is the mean log Cd. `mean_sds` is the uncertainty of each mean, which comes from few
+    flyers with one device. `sds` are by `quantity.level`; a missing or zero entry means that the model lacks that
+    effect. `fixed` is the constant noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m, m/s), and `ratio` is
+    the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
+    diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
+    `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
+    `tail` is the degrees of freedom of the Student t distribution of single flights and readings.
     """
 
     kind: Kind
@@ -70,39 +71,40 @@ class Hyperprior:
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def sd(self, quantity: str, level: str) -> float:
-        """Standard deviation of one random effect, 0 for one that the model does not have."""
+        """Standard deviation of one random effect; 0 if the model lacks it. [1] or [s]"""
         return self.sds.get(f"{quantity}.{level}", 0.0)
 
     def mean(self, quantity: str) -> float:
-        """Mean of a quantity over all flyers."""
+        """Mean of a quantity over all flyers. [1] or [s]"""
         return self.means.get(quantity, 0.0)
 
     def fleet_sd(self, quantity: str) -> float:
-        """How far a flyer's fleet may lie from the mean: flyers differ, and the mean itself is known so well. [1], [s]
+        """Standard deviation of a flyer's fleet mean: variation among flyers plus the uncertainty of the overall mean.
+        [1], [s]
 
-        0 for a quantity in which flyers do not differ.
+        It is 0 for a quantity that does not vary among flyers.
         """
         between = self.sd(quantity, "fleet")
         return float(np.hypot(between, self.mean_sds.get(quantity, 0.0))) if between else 0.0
 
     def with_sds(self, **sds: float) -> "Hyperprior":
-        """The same with other standard deviations, `quantity__level` for `quantity.level`."""
+        """A copy with other standard deviations; a keyword `quantity__level` stands for `quantity.level`."""
         return replace(self, sds={**self.sds, **{name.replace("__", "."): sd for name, sd in sds.items()}})
 
     def refined(self) -> "Hyperprior":
-        """The same with finer grids of both scales: what a posterior is reported with, a fit having found its place."""
+        """A copy with finer grids for both scales, used to report a posterior once a fit has converged."""
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-        """Scatter scale, reading scale and normalized log prior of every pair on the grid."""
+        """The scatter scale, reading scale and normalized log prior of every pair on the grid."""
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
-        """The card, as `learned` reads it."""
+        """The card, in the form that `learned` reads."""
         return {**self.about, **self.model_json()}
 
     def model_json(self) -> dict[str, Any]:
-        """The same without what it was learned from."""
+        """A copy without the record of its training data."""
         return {
             "means": dict(self.means),
             "mean_sds": dict(self.mean_sds),
@@ -121,7 +123,7 @@ class Hyperprior:
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
-"""What a fit is followed on; the posterior it ends with is on grids twice as fine."""
+"""Grids used during a fit; the final posterior uses grids twice as fine."""
 
 CERTIFIED_PRIOR = Hyperprior(
     kind="certified",
@@ -155,8 +157,9 @@ CERTIFIED_PRIOR = Hyperprior(
     scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
     reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
 )
-"""Motors within their certificate (2 to 3 % within a lot), Cd from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
-masses as weighed, devices as specified. `tilt` is in units of a launch angle of 5 degrees, squared."""
+"""Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
+masses are as weighed, and devices meet their specifications. `tilt` is the squared launch angle in units of (5
+degrees)^2."""
 
 
 START = Hyperprior(
@@ -207,32 +210,32 @@ START = Hyperprior(
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
-"""What the fit starts from, and stays near if flights do not determine it: round figures from before any real flight
-was looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
-differ by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and
-wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. Devices are off
-about the truth, for each maker means to show it: the open flights come from one device, and one does not distinguish a
-mean over devices from how far they differ. How far devices
-differ from each other in noise (`reading`) stays a judgment for the same reason. Readouts measured in
-samples differ from the simulated ones as those of one rocket do, and have no device's rule in them. What a log shows of
-drag and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it two
-altimeters of one open flight differ by 13 and 9 %, more than climbing 15 degrees from vertical explains (1/cos 15 =
-1.035 of the drag, cos 15 = 0.97 of the impulse)."""
+"""The starting point of the fit, which stays near it if the flights are not informative: round figures chosen before
+looking at any real flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates
+(certification tests differ by that much; NFPA 1125 allows 10%), burn times within 5% and delays within 10%. Masses
+are within 5%, because altimeter, recovery system and wadding are not always weighed. All devices of one kind share a
+bias of 5%; single flights scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the
+truth: the open flights come from one device, which cannot separate the mean over devices from the variation among them.
+The variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
+from simulated ones by a bias for each rocket, with no rule of a device. Drag and impulse from a log carry the standard
+deviation that analysis gives them (`ratio` is used if it is missing). In addition, two altimeters on one open flight
+differ by 13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for
+impulse)."""
 
 _LOGGED = {key: sd for key, sd in START.sds.items() if key.endswith(".logged")}
-"""What a card of an older fieldkit lacks: no open flight has a readout of both kinds, so these stay judgments."""
+"""Values that cards of older versions lack. They are judgments, because no open flight has a readout of both kinds."""
 
 
 def certified() -> Hyperprior:
-    """The hyperprior given that motors, masses and devices are what their papers say."""
+    """The hyperprior for motors, masses and devices that match their documents."""
     return CERTIFIED_PRIOR
 
 
 @cache
 def learned() -> Hyperprior:
-    """The hyperprior in use: the flyer's own from `fieldkit learn --keep`, else the one that ships with fieldkit.
+    """The hyperprior in use: the flyer's from `fieldkit learn --keep`, otherwise the one shipped with fieldkit.
 
-    Raises DamagedModel.
+    Raises DamagedModel if the card cannot be read.
     """
     own = hyperprior_file()
     if own.exists():
@@ -244,7 +247,7 @@ def learned() -> Hyperprior:
 
 
 def _noise_of(card: Mapping[str, Any], readout: str) -> Mapping[str, float]:
-    """The noise of a readout; of those from logs, which a card of an older fieldkit lacks, as in `START`."""
+    """The noise of a readout. Readouts from logs, which cards of older versions lack, take it from `START`."""
     place = READOUTS.index(readout)
     start = {"fixed": START.fixed[place], "ratio": START.ratio[place]}
     noise: Mapping[str, float] = card["noise"].get(readout, start) if readout in FROM_LOGS else card["noise"][readout]
@@ -252,7 +255,7 @@ def _noise_of(card: Mapping[str, Any], readout: str) -> Mapping[str, float]:
 
 
 def read_card(text: str, name: str) -> Hyperprior:
-    """A hyperprior from its card. Raises DamagedModel, naming the card, for one that cannot be."""
+    """A hyperprior from its card. Raises DamagedModel, naming the card, if its values are impossible."""
     try:
         card = json.loads(text)
         noise = [_noise_of(card, readout) for readout in READOUTS]

@@ -1,4 +1,4 @@
-"""Simulated flights as their flyers write them down: noise, rounding and gaps."""
+"""Simulated flights as flyers record them, with noise, rounding and gaps."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,8 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Of a readout, SI: its error is `floor` and `share` of its size, each times a Student t; `step` is shown."""
+    """Noise of a readout in SI: `floor` and `share` times its size, each times a Student t; the display rounds to
+    `step`."""
 
     floor: float
     share: float
@@ -35,14 +36,15 @@ NOISE: Mapping[str, Noise] = MappingProxyType(
         "duration": Noise(0.4, 0.015, 0.1),
     }
 )
-"""What sensors, judging when a burn or a flight ends, and writing down add to each readout by itself. Most errors
-are small and a few are large: they follow a Student t with `TAIL` degrees of freedom. Average acceleration follows
-from speed and burn time as measured."""
+"""Independent error of each readout from the sensor, the detection of burnout and landing, and copying. Most errors are
+small and a few are large: they follow a Student t with `TAIL` degrees of freedom. Average acceleration is computed from
+the measured speed and burn time."""
 OFFSET = 0.15 * GRAVITY
-"""Of the accelerometer, standard deviation: its zero is set once on the pad, nose up or not quite, and drifts by
-tenths of a g. Peak acceleration is off by it, and speed by it times the burn: a tenth of a slow flight's. [m/s^2]"""
+"""Standard deviation of the accelerometer's offset, which is set once on the pad, perhaps not quite vertical, and
+drifts by tenths of a g. It adds to the peak acceleration and, times the burn time, to the speed: a tenth of it on a
+slow flight. [m/s^2]"""
 GAIN = 0.02
-"""Of the accelerometer, standard deviation; peak acceleration and speed share it. [1]"""
+"""Standard deviation of the accelerometer's scale error, which peak acceleration and speed share. [1]"""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "apogee": ("apogee",),
@@ -51,13 +53,13 @@ SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "all ten": READOUT_NAMES,
     }
 )
-"""Sets of readouts that ensembles are judged on, by name."""
+"""Sets of readouts on which ensembles are evaluated, by name."""
 _SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
-"""Of those four, of all but one, and of any; in training."""
+"""Probabilities in training of those four sets, of all readouts but one, and of any subset."""
 
 
 def measure(rng: np.random.Generator, truth: Truth) -> Observed:
-    """The flights as their flyers could write them down: every readout with its noise and rounding."""
+    """The flights as flyers could record them: every readout with its noise and rounding."""
     readouts = truth.readouts.copy()
     count = len(truth)
     speed, burn, peak = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time", "peak_accel"))
@@ -78,9 +80,10 @@ def measure(rng: np.random.Generator, truth: Truth) -> Observed:
 
 
 def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
-    """The standard deviation of what `measure` adds to each readout, in SI; infinite for average acceleration.
+    """The standard deviation of the error that `measure` adds to each readout, in SI; infinite for average
+    acceleration.
 
-    Of a Student t with `TAIL` degrees of freedom the variance is `TAIL` / (`TAIL` - 2).
+    The variance of a Student t with `TAIL` degrees of freedom is `TAIL` / (`TAIL` - 2).
     """
     size = np.nan_to_num(observed.readouts, nan=0.0)
     noise = [NOISE[name] for name in READOUT_NAMES]
@@ -96,7 +99,7 @@ def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
 
 
 def forget(rng: np.random.Generator, observed: Observed) -> Observed:
-    """The same flights with gaps such as flyers leave: subsets of the readouts, conditions, the diameter."""
+    """The same flights with the gaps that flyers leave in readouts, conditions and the diameter."""
     keep = _subsets(rng, len(observed))
     readouts = np.where(keep, observed.readouts, np.nan)
     declared = observed.declared.copy()
@@ -110,7 +113,7 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
 
 
 def _subsets(rng: np.random.Generator, count: int) -> Flags:
-    """Which readouts each flight keeps."""
+    """Whether each flight keeps each readout."""
     fixed = np.array([[name in kept for name in READOUT_NAMES] for kept in SUBSETS.values()])
     kind = rng.choice(len(_SHARES), size=count, p=_SHARES)
     width = len(READOUT_NAMES)

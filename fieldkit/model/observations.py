@@ -1,4 +1,4 @@
-"""Flights as a flyer wrote them down, as arrays; and the priors of what was not."""
+"""Recorded flights as arrays, and the priors of what was not recorded."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,17 +17,17 @@ CD_RANGE = (0.2, 1.5)
 ALPHA_RANGE, ALPHA_SD = (0.6, 1.4), 0.13
 """The prior of alpha: normal around 1 with this standard deviation, between these ends. [1]
 
-Certified motors keep within 7 % of their impulse (NFPA 1125); alpha also takes up what a scale or a rod
-that is further off than thought does to the thrust.
+Certified motors are within 7% of their impulse (NFPA 1125); alpha also absorbs the effect on thrust of a scale or a
+launch rod that is further off than assumed.
 """
 MIN_PRIOR_DIAMETER, MAX_PRIOR_DIAMETER = 0.013, 0.1
-"""The prior of the diameter reaches from here, or from a motor's width, to there. [m]"""
+"""Bounds of the diameter's prior; the motor's diameter replaces the lower one if it is larger. [m]"""
 
 READOUT_NAMES = tuple(column.name for column in READOUTS)
 DECLARED_FIELDS = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
-"""What a flyer may record beside the readouts; only the dry mass is required."""
+"""What a flyer may record besides the readouts; only the dry mass is required."""
 INDEPENDENT_READOUTS = tuple(name for name in READOUT_NAMES if name != "avg_accel")
-"""The readouts that are evidence of their own: average acceleration is top speed over burn time."""
+"""The independent readouts, without average acceleration, which is top speed over burn time."""
 FIGURES = (
     "total_impulse",
     "burn_time",
@@ -39,16 +39,16 @@ FIGURES = (
     "casing",
     "diameter",
 )
-"""What a motor physically is, as the ensemble sees it, in SI: `middle` and `spread` are the mean and the
-standard deviation of time weighted by thrust."""
+"""Figures of a motor for the ensemble, in SI: `middle` and `spread` are the mean and standard deviation of time
+weighted by thrust."""
 
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """Flights as written down, one entry a flight, SI, nan for "not recorded".
+    """Recorded flights in SI, one entry per flight, nan for "not recorded".
 
-    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED_FIELDS`, `readouts` for each of
-    `READOUT_NAMES`. So has `sd`, the recorded standard deviation of each; None if none is recorded.
+    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED_FIELDS`, and `readouts` for each of
+    `READOUT_NAMES`. `sd` has the recorded standard deviation of each readout; None if none is recorded.
     """
 
     motor: Float[Array, "flight figure"]
@@ -60,40 +60,40 @@ class Observed:
         return len(self.motor)
 
     def figure(self, name: str) -> Float[Array, "flight"]:
-        """A figure of the motors."""
+        """One figure of all motors, in SI."""
         return self.motor[:, FIGURES.index(name)]
 
     def given(self, name: str) -> Float[Array, "flight"]:
-        """Something declared, nan if it was not."""
+        """One declared field of all flights in SI; nan if it was not recorded."""
         return self.declared[:, DECLARED_FIELDS.index(name)]
 
     def readout(self, name: str) -> Float[Array, "flight"]:
-        """A readout, nan if there is none."""
+        """One readout of all flights in SI; nan if it is missing."""
         return self.readouts[:, READOUT_NAMES.index(name)]
 
     def rows(self, which: Any) -> "Observed":
-        """Some of the flights."""
+        """The selected flights."""
         sd = None if self.sd is None else self.sd[which]
         return Observed(self.motor[which], self.declared[which], self.readouts[which], sd)
 
     def without(self, *names: str) -> "Observed":
-        """The same flights with some readouts not recorded."""
+        """A copy with some readouts removed."""
         readouts = self.readouts.copy()
         readouts[:, [READOUT_NAMES.index(name) for name in names]] = np.nan
         return replace(self, readouts=readouts)
 
     def with_readouts(self, readouts: Float[Array, "flight readout"]) -> "Observed":
-        """The same flights with these readouts in place of theirs."""
+        """A copy with these readouts."""
         return replace(self, readouts=readouts)
 
     def only(self, *names: str) -> "Observed":
-        """The same flights with these readouts alone."""
+        """A copy with only these readouts."""
         return self.without(*(name for name in READOUT_NAMES if name not in names))
 
 
 @cache
 def figures(motor: Motor) -> Float[Array, "figure"]:
-    """The figures of a motor, in the order of `FIGURES`."""
+    """The figures of a motor in SI, in the order of `FIGURES`."""
     middle, variance = motor.moments
     return np.array(
         [
@@ -124,10 +124,11 @@ def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
 def diameter_range(
     motor_diameter: Float[Array, "flight"], dry_mass: Float[Array, "flight"]
 ) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-    """Slimmest and widest body that carries a motor at a mass: the prior is uniform in the logarithm. [m]
+    """Smallest and largest body diameter for a motor and a mass; the prior is uniform in the logarithm between them.
+    [m]
 
-    No slimmer than the motor and a wall, no wider than five motors, and no lighter for its width than
-    7 g at 20 mm, growing with the square: 105 g at 77 mm, as the lightest kits are.
+    The body is at least as wide as the motor and a wall, at most five motors wide, and no lighter than the lightest
+    kits of its diameter: 7 g at 20 mm, growing with the square to 105 g at 77 mm.
     """
     slim = np.maximum(MIN_PRIOR_DIAMETER, motor_diameter + 0.001)
     wide = np.minimum(np.minimum(MAX_PRIOR_DIAMETER, 5 * motor_diameter), 0.02 * np.sqrt(dry_mass / 0.007))
@@ -135,7 +136,7 @@ def diameter_range(
 
 
 def disc(diameter: Float[Array, "*any"]) -> Float[Array, "*any"]:
-    """Area of a circle by its diameter. [m^2]"""
+    """Area of a circle of this diameter. [m^2]"""
     return np.pi / 4 * diameter**2
 
 

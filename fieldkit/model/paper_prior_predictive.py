@@ -1,4 +1,4 @@
-"""Simulated flights with known drag and thrust: what ensembles learn from and are judged by."""
+"""Simulated flights with known drag and thrust, for training and evaluating ensembles."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -30,12 +30,12 @@ class PaperDraws:
 
     @property
     def features(self) -> Float[Array, "flight feature"]:
-        """What the paper's ensemble is shown of them."""
+        """Features of the paper's ensemble, in SI."""
         return paper_features(self.apogee, self.motor, self.dry_mass)
 
 
 def paper_draws(rng: np.random.Generator, count: int) -> PaperDraws:
-    """Flights with Cd, alpha, motor and configuration at random and the altimeter's noise on the apogee."""
+    """Flights with random Cd, alpha, motor and configuration, and the altimeter's noise on the apogee."""
     motor = rng.integers(len(paper.MOTORS), size=count)
     dry_mass = rng.choice(np.array(list(paper.DRY_MASS.values())), size=count)
     cd, alpha = rng.uniform(*CD_RANGE, size=count), rng.uniform(*ALPHA_RANGE, size=count)

@@ -1,8 +1,8 @@
-"""Simulated flights with known drag and thrust: what the field ensemble learns from and is judged by.
+"""Simulated flights with known drag and thrust, for training and evaluating the field ensemble.
 
-Everything a field does to a flight is drawn at random, so that a posterior fitted here is honest about
-it: a scale that is off, a rod off vertical, wind, air that nobody measured, a motor that burns slower than
-its certificate, a charge that fires early, an altimeter that shows a little too much.
+Every nuisance in the field is drawn at random, so that a posterior trained here allows for it: a wrong scale, a launch
+rod off vertical, wind, unmeasured air, a motor that burns slower than its certificate, a charge that fires early, an
+altimeter that reads a little high.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,21 +34,21 @@ from fieldkit.physics.thrust_steps import burns
 from fieldkit.shapes import Array, Float, Int
 
 CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
-"""Impulse classes of the motors flown; each class is as likely as any other that the catalog has."""
+"""Impulse classes of the motors flown; all classes in the catalog are equally likely."""
 HELD_OUT = "Quest"
-"""The maker whose motors no ensemble ever sees: it is judged on them."""
+"""The manufacturer whose motors are held out of training and used for evaluation."""
 MIN_MOTOR_DIAMETER = 0.008
-"""Motors of this diameter and less are left out. [m]"""
+"""Motors up to this diameter are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
-"""Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
+"""Bounds of the thrust-to-weight ratio at lift-off; the dry mass is uniform in its logarithm between them. [1]"""
 STEPS = 8
-"""Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
+"""Minimum number of integration steps in a burn; the knots of most thrust curves require more."""
 TAIL = START.tail
-"""Degrees of freedom of what scatters with tails: now and then a motor or a reading is far off. [1]"""
+"""Degrees of freedom of heavy-tailed scatter: a few motors and readings are far off. [1]"""
 DELAY_SPREAD = 0.3
-"""Of a delay beside its share, standard deviation: short ones scatter by more than a tenth. [s]"""
+"""Standard deviation of a delay in addition to its relative part: short delays scatter by more than a tenth. [s]"""
 LONGEST_STRETCH = float(np.log(2.0))
-"""Of a burn, as a logarithm. [1]"""
+"""Standard deviation of the log burn time. [1]"""
 
 PRIORS: Mapping[str, str] = MappingProxyType(
     {
@@ -70,12 +70,12 @@ PRIORS: Mapping[str, str] = MappingProxyType(
         "altimeter_gain": "that of the air, and 1 % of the device [1]",
     }
 )
-"""Every prior and nuisance, in words; what each readout suffers is in `measured.NOISE`."""
+"""Every prior and nuisance, in words; the noise of each readout is in `observation_noise`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """Simulated flights as nobody sees them, one entry a flight: `readouts` without noise, all declared."""
+    """The true simulated flights, one entry per flight: `readouts` without noise, every field declared."""
 
     motor: Float[Array, "flight figure"]
     declared: Float[Array, "flight declared"]
@@ -87,7 +87,7 @@ class Truth:
         return len(self.alpha)
 
     def rows(self, which: Any) -> "Truth":
-        """Some of the flights."""
+        """The selected flights."""
         return Truth(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     @property
@@ -102,21 +102,21 @@ class Truth:
 
 
 def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
-    """Those up to class I that can lift an altimeter: the 6 mm ones cannot."""
+    """Motors up to class I that can lift an altimeter, which 6 mm motors cannot."""
     return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > MIN_MOTOR_DIAMETER]
 
 
 def split_motors() -> tuple[list[Motor], list[Motor]]:
-    """All motors up to class I except those of the held-out maker, and those of that maker."""
+    """The motors up to class I of all manufacturers but the held-out one, and the motors of that one."""
     flown = flown_motors(catalogue().motors)
     return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
 
 
 def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, named: Sequence[str] = ()) -> Truth:
-    """About as many flights as asked for: those that never leave the pad or barely do are left out.
+    """About the requested number of flights: flights that do not leave the pad, or barely do, are left out.
 
-    Effects that are `named` act on every flight, each at a strength drawn from its prior. Raises
-    BadValue for one that is not there.
+    Effects in `named` act on every flight, each with a strength drawn from its prior. Raises BadValue for an unknown
+    effect.
     """
     row = _draw_motors(rng, motors, count)
     table = np.stack([figures(motor) for motor in motors])[row]
@@ -142,7 +142,7 @@ def _draw_motors(rng: np.random.Generator, motors: Sequence[Motor], count: int) 
 
 
 def _draw_declared(rng: np.random.Generator, table: Float[Array, "flight figure"]) -> dict[str, Array]:
-    """What a flyer would write down if they wrote down everything, without slips."""
+    """A complete record of the flights, without mistakes."""
     count = len(table)
     impulse, burn_time, width = table[:, 0], table[:, 1], table[:, 8]
     loaded = table[:, 6] + table[:, 7]
@@ -185,7 +185,7 @@ def _draw_delays(
     drag_area: Array,
     alpha: Array,
 ) -> Float[Array, "flight"]:
-    """A delay on sale, mostly one near the coast that is to be expected; nan if none is. [s]"""
+    """A delay on sale, mostly near the expected coast time; nan if there is none. [s]"""
     longest = max(len(motor.delays) for motor in motors)
     sold = np.full((len(motors), longest), np.nan)
     for number, motor in enumerate(motors):
@@ -201,7 +201,7 @@ def _draw_delays(
 
 @runtime_checkable
 class Chance(Protocol):
-    """What the field of a flight is drawn from: a generator of random numbers, or what stands in for one."""
+    """The source of random numbers for a flight's conditions: a generator, or a replacement for one."""
 
     def normal(self, loc: Any = ..., scale: Any = ..., size: Any = ...) -> Any: ...
     def uniform(self, low: Any = ..., high: Any = ..., size: Any = ...) -> Any: ...
@@ -215,7 +215,7 @@ def flown_field(
     area: Array,
     alpha: Array,
 ) -> Setup:
-    """What truly flew: the declared figures with their errors, and what nobody declares."""
+    """The true flight: the declared figures with their errors, and everything undeclared."""
     count = len(table)
     elevation = declared["site_elevation"]
     temperature = declared["temperature"] + rng.normal(0.0, 1.5, count)
@@ -247,7 +247,7 @@ def flown_field(
 
 @dataclass(frozen=True, slots=True)
 class _Still:
-    """Stands for the motors until they are put in."""
+    """A placeholder until the motors are filled in."""
 
     time: Array
     thrust: Array

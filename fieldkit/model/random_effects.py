@@ -1,4 +1,4 @@
-"""Registered effects as further nuisances of simulated flights: each acts at a strength drawn from its prior."""
+"""Registered effects as additional nuisances of simulated flights, each with a strength drawn from its prior."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,14 +12,14 @@ from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 MOST_FLOWN = 20
-"""Flights that a rocket flew before, at most, for effects that grow from flight to flight. [1]"""
+"""Maximum number of earlier flights of a rocket, for effects that grow from flight to flight. [1]"""
 
 Bends = tuple[tuple[Effect, Float[Array, "flight"]], ...]
-"""Effects and their strengths, one a flight."""
+"""Effects and their strengths, one per flight."""
 
 
 def known_effects(names: Sequence[str]) -> dict[str, Effect]:
-    """The effects of these names, each once. Raises BadValue for one that is not registered."""
+    """The effects with these names, without duplicates. Raises BadValue for one that is not registered."""
     registry = effects()
     for name in names:
         if name not in registry:
@@ -28,7 +28,7 @@ def known_effects(names: Sequence[str]) -> dict[str, Effect]:
 
 
 def priors(names: Sequence[str]) -> dict[str, str]:
-    """The priors of these effects in words, as a card has them."""
+    """The priors of these effects in words, for a card."""
     return {name: _words(effect) for name, effect in known_effects(names).items()}
 
 
@@ -43,9 +43,9 @@ def _words(effect: Effect) -> str:
 def bent(
     rng: np.random.Generator, names: Sequence[str], setup: Setup, declared: Mapping[str, Float[Array, "flight"]]
 ) -> tuple[Setup, Bends]:
-    """The set-up as the named effects have it, and what they will do to the readings.
+    """The setup as changed by the named effects, and the effects that will act on the readings.
 
-    Without names nothing is drawn. Effects that act on something declared find it in `declared`.
+    Without names, no random number is drawn. Effects that depend on a declared field read it from `declared`.
     """
     bends: list[tuple[Effect, Array]] = []
     for effect in known_effects(names).values():
@@ -59,14 +59,14 @@ def bent(
 
 
 def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
-    """The readouts as the effects show them."""
+    """The readouts as changed by the effects."""
     for effect, strength in bends:
         readouts = effect.bend_reading(readouts, strength)
     return readouts
 
 
 def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "flight"]:
-    """Draws of a prior, within its bounds."""
+    """Draws of a prior, within its bounds, in the unit of the effect."""
     values = rng.normal(prior.mean, prior.sd, count)
     while (beyond := (values < prior.low) | (values > prior.high)).any():
         values[beyond] = rng.normal(prior.mean, prior.sd, int(beyond.sum()))
@@ -74,7 +74,7 @@ def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "f
 
 
 def _flights(effect: Effect, declared: Mapping[str, Array]) -> list[Flight]:
-    """Flights that have what an effect needs of them, and nothing else."""
+    """Flights with the fields that an effect needs, and nothing else."""
     if not effect.needs:
         return []
     return [Flight().with_changes(**{effect.needs: float(value)}) for value in declared[effect.needs]]

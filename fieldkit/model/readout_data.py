@@ -1,4 +1,4 @@
-"""What was read off the altimeter, as a fit compares it: logarithms of ratios, and the expected error of each."""
+"""Altimeter readouts in the form that a fit compares, log ratios, with the expected error of each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,16 +13,15 @@ from fieldkit.shapes import Array, Flags, Float
 
 OBSERVED_READOUTS = READOUTS
 IS_LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED_READOUTS])
-"""Which of them are compared by ratio rather than by difference."""
+"""Whether each is compared by ratio rather than by difference."""
 
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """What was observed, as the fit compares it: logarithms of ratios if a readout is `IS_LOGARITHMIC`.
+    """The observations in the form that the fit compares: log ratios for readouts that are `IS_LOGARITHMIC`.
 
-    `sd` is the expected error of each readout, or that which is recorded of it; `seen` marks what was recorded on
-    flights used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than
-    1 for an outlier.
+    `sd` is the expected or recorded error of each readout; `seen` marks readouts recorded on flights used in the fit.
+    `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
     """
 
     values: Float[Array, "flight readout"]
@@ -32,7 +31,7 @@ class Data:
 
 
 def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
-    """The observed readouts of flights, those that `used_in_fit` marked as seen."""
+    """The observed readouts of flights; those of flights marked in `used_in_fit` are seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         raw = _speed_from_average(raw, flights)
@@ -44,7 +43,7 @@ def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: 
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
-    """Readouts in SI as the fit compares them."""
+    """Readouts, given in SI, in the form that the fit compares."""
     with np.errstate(invalid="ignore", divide="ignore"):
         result: Float[Array, "*batch readout"] = np.where(IS_LOGARITHMIC, np.log(raw), raw)
     return result
@@ -53,16 +52,16 @@ def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readou
 def reading_sd(
     raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = CERTIFIED_PRIOR
 ) -> Float[Array, "*draw flight readout"]:
-    """Expected error of each readout as compared: a fixed part, and one that grows with the readout. [1] or [s]"""
+    """Expected error of each readout as compared: a constant part and a part proportional to the readout. [1] or [s]"""
     fixed, ratio = np.array(hyperprior.fixed), np.array(hyperprior.ratio)
     safe = np.where(np.isfinite(raw) & (raw > 0), raw, 1.0)
     return np.where(IS_LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
 
 
 def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
-    """The standard deviation that is recorded of each readout, as it is compared; nan if none is.
+    """The recorded standard deviation of each readout, as compared; nan if there is none. [1] or [s]
 
-    Of a readout that is compared by its logarithm it is the standard deviation over the value.
+    For a readout compared by its logarithm it is the relative standard deviation.
     """
     found = np.stack(
         [np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED_READOUTS], axis=-1
@@ -74,10 +73,10 @@ def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
 
 
 def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in the samples of a sensor or comes from a simulation, 0 for others.
+    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
 
-    A flight without the readout is like the last one before it that has it, the first ones like the first that has it:
-    a rocket keeps its altimeter. Without any the altimeter is one that shows its readouts.
+    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
+    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
     """
     shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
     own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])

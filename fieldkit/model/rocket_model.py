@@ -1,8 +1,8 @@
-"""The flight model of one rocket: which numbers are unknown, and what is believed of them before a flight.
+"""The flight model of one rocket: the unknown parameters and their priors.
 
-Every unknown is a `Term`: a normal prior, possibly cut off, and the weight with which it acts on each
-flight. Terms that act on many flights are shared (drag of the rocket, thrust of a motor type, the strength
-of an effect); what differs from flight to flight is scatter, drawn for each.
+Every parameter is a `Term`: a normal prior, possibly truncated, and the weight with which it acts on each flight. Terms
+that act on many flights are shared (drag of the rocket, thrust of a motor type, strength of an effect); what varies
+from flight to flight is scatter, drawn for each flight.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,18 +24,18 @@ OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
 GROUP_LEVELS = ("motor", "config", "site", "day")
-"""What flights are grouped by."""
+"""Properties that group flights."""
 
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One unknown number: what it bends, its prior, and how strongly it acts on each flight.
+    """One parameter: what it changes, its prior, and how strongly it acts on each flight.
 
-    `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
-    effect. `low` and `high` cut the prior off. `scaled_by` names the scale that multiplies its standard deviation,
-    if it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
+    `bends` is a property of the flight, the name of a readout (a bias of the reading, as a ratio), or an effect. `low`
+    and `high` truncate the prior. `scaled_by` names the scale that multiplies its standard deviation, if there is one:
+    a rocket with much scatter is known less well, and a noisy device has a larger bias.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """A random effect of single flights: what it bends, and its standard deviation about zero."""
+    """A random effect of single flights: what it changes, and its standard deviation around zero."""
 
     bends: Bends | Literal["apogee"]
     sd: float
@@ -58,12 +58,12 @@ class Scatter:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A rocket's flights, in the order flown, and the unknowns they share.
+    """A rocket's flights in the order flown, and their shared parameters.
 
-    `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
-    they have in common with this one. A `coarse` one flies by the curves and steps of `COARSE_SETTINGS`: to fit
-    flights, or for hundreds of motors at once. `flight_index` are the places of the flights in the order flown, from 0;
-    plans that a flyer chooses among share one.
+    `hyperprior` has the standard deviations, and `shared` the information from other rockets in the ledger about the
+    terms they have in common with this one. A `coarse` model simulates with the curves and steps of `COARSE_SETTINGS`,
+    to fit flights or to try hundreds of motors at once. `flight_index` is the position of each flight in the order
+    flown, from 0; alternative plans share one.
     """
 
     flights: tuple[Flight, ...]
@@ -86,31 +86,30 @@ class Model:
         return scatter_of(self.hyperprior)
 
     def with_terms(self, *terms: Term) -> "Model":
-        """The same model with more unknowns."""
+        """A copy with more terms."""
         return replace(self, terms=(*self.terms, *terms))
 
     def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
-        """The same model with another prior mean of one unknown, and its standard deviation unless `sd` is given."""
+        """A copy with another prior mean for one term, and another standard deviation if `sd` is given."""
         terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
         return replace(self, terms=tuple(terms))
 
     def only(self, terms: Sequence[int]) -> "Model":
-        """The same flights with some of the unknowns."""
+        """A copy with only some of the terms."""
         return replace(self, terms=tuple(self.terms[i] for i in terms))
 
     def part(self, rows: slice) -> "Model":
-        """The same unknowns acting on some of the flights."""
+        """A copy with only some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
         kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index")}
         return replace(self, **kept, terms=terms)
 
 
 def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
-    """Frontal area of the body; without a diameter, that of a rocket of this dry mass as they are built. [m^2]
+    """Frontal area of the body; without a diameter, the typical area of a rocket of this dry mass. [m^2]
 
-    The mass is the mean of the first `flown` flights, by default of all; of a rocket never flown, each plan's own.
-
-    The law of thumb, d = 60 mm (m / 0.4 kg)^0.2, is a fit to the drag of 34 rockets from 36 g to 3.8 kg in a
+    The mass is the mean over the first `flown` flights, by default over all; for a rocket never flown, each plan has
+    its own. The rule of thumb d = 60 mm (m / 0.4 kg)^0.2 is a fit to the drag of 34 rockets from 36 g to 3.8 kg in a
     public launch ledger (jdsmith39/RocketLaunchJournal, flights to 2017), with Cd as in `CD`.
 
     Raises ImpossibleFlight for a flight without a dry mass.
@@ -123,7 +122,7 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
 
 
 def has_logs(flights: Sequence[Flight]) -> bool:
-    """Whether any flight has a readout that only the samples of a log show."""
+    """Whether any flight has a readout that only the samples of a log provide."""
     return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
 
 
@@ -144,9 +143,10 @@ def base_model(
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket without effects: every random effect that the hyperprior has, for the groups there are.
+    """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
 
-    `flown` as in `reference_area`, `flight_index` and `shared` as in `Model`, the turns by default one after the other.
+    `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
+    from 0.
     """
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
@@ -161,7 +161,7 @@ def base_model(
 
 
 def with_shared(model: Model, shared: SharedPrior | None) -> Model:
-    """The model with what other rockets show of the terms that it shares with them."""
+    """The model with the information from other rockets about the terms that it shares with them."""
     own = shared.only(model.names) if shared else None
     if own is None or not own.names:
         return replace(model, shared=None)
@@ -204,17 +204,18 @@ def _quantity_terms(
 
 
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:
-    """Days that one of the first `flown` flights shares with another; that of a single one is part of its scatter."""
+    """Days with more than one of the first `flown` flights; the effect of a day with one flight is part of its
+    scatter."""
     return [day for day in dict.fromkeys(days[:flown]) if day and days.count(day) > 1]
 
 
 def fleet_term(quantity: str) -> str:
-    """The name of the term for what all rockets of a flyer have in common in a quantity."""
+    """The name of the term for one quantity of a flyer's whole fleet."""
     return f"{quantity} of the fleet"
 
 
 def shared_names(model: Model) -> list[str]:
-    """The terms of a model that other rockets of the same ledger have too: of the fleet, and of motor types."""
+    """The terms that other rockets of the same ledger also have: for the fleet and for motor types."""
     motors = dict.fromkeys(groups(model.flights, model.found, "motor"))
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
     known |= {fleet_term(quantity) for quantity in QUANTITIES}
@@ -222,13 +223,14 @@ def shared_names(model: Model) -> list[str]:
 
 
 def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:
-    """The random effects of single flights; those of days of a single flight are part of them."""
+    """The random effects of single flights, including those of days with one flight."""
     kinds: tuple[Bends | Literal["apogee"], ...] = ("thrust", "drag", "stretch", "delay", "tilt")
     return tuple(Scatter(kind, sd) for kind in kinds if (sd := hyperprior.sd(kind, "flight")))
 
 
 def apogee_scatter(model: Model) -> Float[Array, "flight"]:
-    """Standard deviation of the log apogee of single flights beside what scatter in thrust and drag makes of it. [1]"""
+    """Standard deviation of the log apogee of single flights in addition to the effect of scatter in thrust and drag.
+    [1]"""
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     names = set(model.names)
     alone = np.array([f"apogee on {own}" not in names for own in groups(model.flights, model.found, "day")])

@@ -1,4 +1,4 @@
-"""Factors on standard deviations that differ from rocket to rocket: how noisy its flights are, and its readings."""
+"""Factors on standard deviations that vary from rocket to rocket: one for its flights, one for its readings."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -28,7 +28,7 @@ class Scale:
 
     @property
     def log_prior(self) -> Float[Array, "scale"]:
-        """Log prior weight of each value of the grid, not normalized."""
+        """Log prior weight of each value of the grid, not normalized. [nat]"""
         return np.asarray(-0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2)
 
 
@@ -36,7 +36,8 @@ class Scale:
 def scale_pairs(
     scatter: Scale, reading: Scale
 ) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """Scatter scale, reading scale and normalized log prior of every pair on two grids; the arrays are read-only."""
+    """The scatter scale, reading scale and normalized log prior of every pair on two grids; the arrays are
+    read-only."""
     values = np.meshgrid(scatter.values, reading.values, indexing="ij")
     prior = (scatter.log_prior[:, None] + reading.log_prior).ravel()
     found = values[0].ravel(), values[1].ravel(), prior - np.logaddexp.reduce(prior)

@@ -1,4 +1,4 @@
-"""What flights of other rockets show of the terms that all rockets of a flyer share, as a normal distribution."""
+"""Information from other rockets' flights about the terms that a flyer's rockets share, as a normal distribution."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedPrior:
-    """A normal distribution of named terms, which takes the place of their independent priors in a model."""
+    """A normal distribution of named terms that replaces their independent priors in a model."""
 
     names: tuple[str, ...]
     mean: Float[Array, "term"]
     covariance: Float[Array, "term term"]
 
     def only(self, names: Iterable[str]) -> "SharedPrior":
-        """The marginal distribution of those terms that are among some names."""
+        """The marginal distribution of the terms among these names."""
         wanted = set(names)
         rows = [i for i, name in enumerate(self.names) if name in wanted]
         return SharedPrior(tuple(self.names[i] for i in rows), self.mean[rows], self.covariance[np.ix_(rows, rows)])
@@ -25,10 +25,10 @@ class SharedPrior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Message:
-    """What one rocket's flights add to the knowledge of shared terms: a normal likelihood of them.
+    """The normal likelihood of the shared terms from one rocket's flights.
 
-    Its logarithm is -x'Px/2 + x'h but for a constant, x being the terms less their hyperprior means, P the
-    `precision` and h the `shift`.
+    Its logarithm is -x'Px/2 + x'h plus a constant, if x is the terms minus their hyperprior means, P the `precision`
+    and h the `shift`.
     """
 
     names: tuple[str, ...]
@@ -37,10 +37,9 @@ class Message:
 
 
 def combined(prior: SharedPrior, messages: Sequence[Message]) -> SharedPrior:
-    """The prior of the shared terms, independent so far, after the messages of some rockets (Bayes' rule).
+    """The independent prior of the shared terms updated with the messages of some rockets by Bayes' rule.
 
-    Terms that a message names and the prior does not are left out of it, integrated over nothing: the prior has to name
-    every term of every message.
+    The prior has to name every term of every message: other terms are dropped without being integrated over.
     """
     place = {name: i for i, name in enumerate(prior.names)}
     precision = np.linalg.inv(prior.covariance)

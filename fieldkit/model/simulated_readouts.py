@@ -1,4 +1,4 @@
-"""What the altimeter shows of a rocket's flights, given draws of what its model leaves unknown."""
+"""Simulated altimeter readouts of a rocket's flights for draws of its model's parameters."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,20 +16,20 @@ from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
 EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
-"""Figures of a flight that the altimeter does not show and a plan asks for."""
+"""Figures of a flight that a plan needs and the altimeter does not show."""
 REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
-"""The launch angle that its scatter is measured in. [rad]"""
+"""Unit of the scatter in launch angle. [rad]"""
 COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
-"""Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
-than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
+"""Thrust curves and steps of a coarse model. For 95% of motors they change the apogee by less than 0.2% and the speed
+off the rail by less than 2% (twice that in wind), a small part of the scatter of flights."""
 
 
 def shown(
     model: Model, values: Float[Array, "draw term"], scatter: Mapping[str, Float[Array, "draw flight"]]
 ) -> dict[str, Float[Array, "draw flight"]]:
-    """What the altimeter shows of every flight, in SI, and a few figures it does not show.
+    """Altimeter readouts of every flight, in SI, and a few figures that it does not show.
 
-    `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
+    `scatter` acts on single flights. A flight that does not leave the pad is nan throughout.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)
@@ -47,13 +47,13 @@ def shown(
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
     figures = {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS}
-    higher = np.exp(bent(model, values, "apogee"))  # the simulator is doubted here, not the altimeter
+    higher = np.exp(bent(model, values, "apogee"))  # this is an error of the simulator, not of the altimeter
     sinking = out["duration"] - figures["rise_time"] - np.fmax(np.nan_to_num(out["apogee_to_eject"]), 0.0)
     return out | figures | {"true": flown.apogee * higher, "duration": out["duration"] + (higher - 1) * sinking}
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:
-    """Everything that bends one thing, added up."""
+    """The sum of all terms that act on one property, in the unit of the property."""
     acting = [i for i, term in enumerate(model.terms) if isinstance(term.bends, str) and term.bends == bends]
     if not acting:
         return np.zeros((len(values), len(model.flights)))
@@ -83,7 +83,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
 
 
 def _strengths(model: Model, values: Array) -> list[tuple[Effect, Array]]:
-    """How strongly each effect acts on each flight, all its places together; those that act on none are left out."""
+    """The strength of each effect on each flight, summed over its terms; effects that act on no flight are left out."""
     places: dict[int, list[int]] = {}
     for index, term in enumerate(model.terms):
         if isinstance(term.bends, Effect):

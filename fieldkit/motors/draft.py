@@ -30,7 +30,7 @@ class FileLine:
         return DamagedLog(found, row=self.row, column=column, source=self.source)
 
     def number(self, text: str, column: str, unit: str) -> float:
-        """A number that is finite and of this world. Raises DamagedLog."""
+        """A finite number of plausible size, in the unit of the file. Raises DamagedLog for any other text."""
         try:
             value = float(text)
         except ValueError:
@@ -40,7 +40,7 @@ class FileLine:
         return value
 
     def above(self, text: str, column: str, unit: str, least: float) -> float:
-        """A number above a bound. Raises DamagedLog."""
+        """A number above a bound, in the unit of the file. Raises DamagedLog for any other text."""
         value = self.number(text, column, unit)
         if value <= least:
             raise self.damaged(f"found {text!r}, expected more than {least:g} {unit}", column)

@@ -123,7 +123,7 @@ def _mass(
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
     if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > MASS_ROUNDING:
         if abs(total / fresh.dry_mass - 1) > 0.1:
-            notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
+            notes.append(f"the masses of its parts add up to {total / fresh.dry_mass:.0%} of the simulated mass")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown and fresh is None:
         notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is unknown and left out")

@@ -32,7 +32,7 @@ class Size:
 
 
 def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
-    """A number of a part, which must be finite; the figure behind `auto` if the file keeps it."""
+    """A number of a part in SI, which must be finite; the figure after `auto` if the file has it."""
     text = (part.findtext(name) or "").split()
     try:
         value = float(text[-1]) if text else otherwise

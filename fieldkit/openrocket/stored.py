@@ -38,7 +38,7 @@ MOST_COLUMNS = 500
 LONGEST_NAME = 80
 """Of what is taken from the file as text. [characters]"""
 CD_TOLERANCE = 0.05
-"""Largest difference between Cd from the drag force and the stored Cd; sound files differ by 1 to 2 %. [1]"""
+"""Largest difference between Cd from the drag force and the stored Cd; sound files differ by 1 to 2%. [1]"""
 
 Columns = dict[str, Float[Array, "row"]]
 

@@ -1,7 +1,7 @@
 """The reference paper's simulator, exactly as published.
 
 Vertical flight, exponential density, g of 9.81, three motors with declared figures, thrust that rises in a
-straight line to its peak over the first 8 % of the burn and falls in a straight line to the MEAN thrust at
+straight line to its peak over the first 8% of the burn and falls in a straight line to the MEAN thrust at
 burnout, propellant that burns off evenly in time, no casing mass. The profile delivers 41.3, 64.5 and
 61.0 N s where the certificates say 39.4, 47.3 and 49.7; it is kept as published.
 """

@@ -61,7 +61,7 @@ class Goal:
         return None if self.rule is None else float(self.rule.points(apogee, duration).mean())
 
     def cost(self, apogee: Figures, duration: Figures) -> float:
-        """What is to be as small as can be."""
+        """The quantity to minimize, in the unit of the goal."""
         if self.aim == "points":
             return self.points(apogee, duration) or 0.0
         blurred = max(BAND_SMOOTHING, SEARCH_SMOOTHING * float(apogee.std()))
@@ -153,7 +153,7 @@ def ballast(
     said = forecasts(rocket, [(one, found) for one in plans], draws=draws)
     apogee = np.stack([one.apogee for one in said], axis=-1)
     if not np.median(apogee[:, 0]) > 0:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {masses[0] * 1e3:.0f} g")
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
     duration = _durations(rocket, said)
     curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
     mass = _best(curve, masses, goal)
@@ -215,7 +215,7 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
         edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lower one first")
+        raise ImpossibleFlight("found a lowest mass above the highest one, expected the lower one first")
     return np.linspace(low, high, GRID)
 
 

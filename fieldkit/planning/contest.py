@@ -61,12 +61,12 @@ class Season:
     marks: Mapping[str, str] = field(default_factory=dict)
 
     def points(self, apogee: Float[Array, "*draw"], duration: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-        """Points of flights, fewer being better; an unknown duration (nan) costs none."""
+        """Points of flights; fewer are better, and an unknown duration (nan) adds none. [1]"""
         late = np.maximum(np.maximum(self.window[0] - duration, duration - self.window[1]), 0.0)
         return np.asarray(self.per_metre * np.abs(apogee - self.target) + self.per_second * np.nan_to_num(late))
 
     def sums(self, points: Float[Array, "draw declared"]) -> Float[Array, "draw"]:
-        """The sum of the best of the declared flights, which is the score."""
+        """The sum over the best of the declared flights, which is the score. [1]"""
         return np.asarray(np.sort(points, axis=1)[:, : self.best].sum(axis=1))
 
     def announced(self, target: float | None, window: tuple[float, float] | None) -> "Season":
@@ -173,7 +173,7 @@ def _points(rule: Season, flight: Flight) -> float:
 
 
 def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
-    """The sum of the best of the flights that were declared, by their ids.
+    """The sum over the best of the declared flights, given by their ids. [1]
 
     A flight without a score is one of the attempts and never among the best. Raises BadValue for what cannot be.
     """

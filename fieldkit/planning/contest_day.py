@@ -41,7 +41,7 @@ def read_declared(text: str) -> tuple[str, ...]:
 
 
 def read_points(text: str) -> float:
-    """Points as typed. Raises BadValue."""
+    """Typed points. [1] Raises BadValue if the text is not a number."""
     try:
         points = float(text)
     except ValueError:

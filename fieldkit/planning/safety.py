@@ -154,7 +154,7 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     source = f"ceiling of {site.name}" if site.name else "ceiling entered"
     high = three(heights)[2]
-    text = f"95 % chance to stay below {length(high)} above the pad"
+    text = f"95% chance to stay below {length(high)} above the pad"
     if site.ceiling is None:
         return SafetyCheck("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
     verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
@@ -169,7 +169,7 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
         drifts = f"drifts {length(three(found.drift)[1])} for {speed(1.0, 0)} of wind"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
     _, usual, reach = three(found.away)
-    text = f"{code.finding}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
+    text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
         return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")
     return replace(code, finding=text)

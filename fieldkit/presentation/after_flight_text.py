@@ -9,7 +9,7 @@ from fieldkit.services.next_suggestion import Suggestion
 
 APOGEE = BY_NAME["apogee"]
 VISIBLE_CD_CHANGE = 0.005
-"""Change of Cd from which on it is mentioned: half of the last digit shown. [1]"""
+"""Minimum change of Cd to mention: half of the last digit shown. [1]"""
 
 
 def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
@@ -21,7 +21,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
         source = "Forecast" if found.kept else "From earlier flights"
         yield (
             f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
-            f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval."
+            f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
         )
     before, after = found.cd
     if abs(after - before) >= VISIBLE_CD_CHANGE:
@@ -30,13 +30,13 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
 
 
 def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
-    """The same as name and value, a line each."""
+    """The same as names and values, one per line."""
     source = "Forecast" if found.kept else "Earlier flights"
     yield source, _interval(found.forecast, system)
     if found.miss is not None:
         way = "high" if found.miss >= 0 else "low"
         where = "inside" if found.inside else "OUTSIDE"
-        yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval"
+        yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval"
     before, after = found.cd
     changed = abs(after - before) >= VISIBLE_CD_CHANGE
     yield "Cd", f"{before:.2f} is now {after:.2f}" if changed else f"{after:.2f}, unchanged"
@@ -44,7 +44,7 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
 
 
 def suggestion_line(found: Suggestion, system: str) -> str:
-    """What to do next, in a sentence with the key that leads there."""
+    """What to do next, in a sentence with the key to press."""
     if found.kind == "loop":
         return (
             f"{found.outside} of the last {found.forecasts} flights ended outside their interval: "
@@ -58,7 +58,7 @@ def suggestion_line(found: Suggestion, system: str) -> str:
 
 
 def question(expected: Interval, apogee: float, system: str) -> str:
-    """What is asked before an apogee is saved that can hardly be right."""
+    """The question before an implausible apogee is saved."""
     return (
         f"The apogee is {measure(APOGEE, apogee, system)}. This flight was expected to reach "
         f"{_interval(expected, system)}.\nSave it as it is?"

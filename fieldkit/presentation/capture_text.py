@@ -1,4 +1,4 @@
-"""A running capture in words: its events, and what was received so far."""
+"""A running capture in words: its events, and the amount received so far."""
 
 from fieldkit import capture
 
@@ -22,6 +22,6 @@ def event_line(event: capture.Event) -> str:
 
 
 def counts(progress: capture.Progress) -> list[str]:
-    """How much was received: bytes, samples, damaged samples if there are any."""
+    """The amount received: bytes, samples, and damaged samples if there are any."""
     damaged = [f"{progress.damaged:,} damaged"] if progress.damaged else []
     return [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples", *damaged]

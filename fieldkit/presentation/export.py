@@ -1,4 +1,4 @@
-"""Flights as a table or a JSON document, in the columns of the flight table, to be read by anyone again."""
+"""Flights as a table or a JSON document with the columns of the flight table."""
 
 import csv
 import io
@@ -9,11 +9,11 @@ from fieldkit.flight.readout import render_sd
 from fieldkit.safe_text import as_cell
 
 NUMBERS = {column.header for column in COLUMNS + LOGGED} | {column.sd_header for column in MEASURED}
-"""Headers below which there are numbers alone, which may be negative."""
+"""Headers of purely numeric columns, whose values may be negative."""
 
 
 def csv_table(flights: Sequence[Flight]) -> str:
-    """A flight table (RFC 4180) that imports again as the same flights, and in which a spreadsheet finds nothing to
+    """A flight table (RFC 4180) that imports as the same flights and contains nothing that a spreadsheet would
     compute."""
     out = io.StringIO(newline="")
     headers = table_headers(flights)
@@ -25,9 +25,9 @@ def csv_table(flights: Sequence[Flight]) -> str:
 
 
 def document(flight: Flight) -> dict[str, object]:
-    """A flight as JSON: numbers in the unit of their column, None for "not recorded", else texts.
+    """A flight as JSON: numbers in the unit of their column, None for "not recorded", otherwise text.
 
-    The standard deviation and the source of a readout are there if they are recorded, as is what only a log shows.
+    Standard deviations, sources of readouts and values from logs are included if they are recorded.
     """
     row: dict[str, object] = dict(table_row(flight))
     for column in COLUMNS:

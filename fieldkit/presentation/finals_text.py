@@ -1,4 +1,4 @@
-"""The table of finals: for each target what to weigh and how large the parachute is to be, on one card."""
+"""The table of finals: mass and parachute for each target, on one card."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,13 +14,13 @@ from fieldkit.units import FOOT
 
 
 def finals_headers(system: str = "SI") -> tuple[str, ...]:
-    """The headers of the table: heights in feet, as the rules state them, masses in the units of a system."""
+    """The headers of the table: heights in feet, as in the rules, masses in the units of a system."""
     mass = ShownUnits(system).mass(0.0).split()[1]
     return "target ft", f"dry {mass}", f"lift-off {mass}", "parachute", "apogee ft", "seconds", "points"
 
 
 def finals_rows(table: Sequence[Together], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
-    """A row for each target."""
+    """One row per target."""
     shown = ShownUnits(system)
     return [
         (
@@ -37,7 +37,7 @@ def finals_rows(table: Sequence[Together], found: Found, system: str = "SI") -> 
 
 
 def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI") -> Iterator[str]:
-    """Rocket, motor, season and the day's weather in the units of a system, over the table."""
+    """Rocket, motor, season and the day's weather in the units of a system, above the table."""
     shown = ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     opens, closes = rule.window
@@ -49,7 +49,7 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
 
 
 def finals_basis(flown: TrialFlights) -> Iterator[str]:
-    """What the table rests on, and what one flight more would narrow."""
+    """What the table is based on, and how much one more flight would narrow it."""
     said, fall = flown.forecast, flown.fall
     apogee, descent = 1 - said.narrowed(1), 1 - fall.relative_sd(1) / fall.relative_sd()
     yield f"based on {rests_in_words(said)}; descent: {descent_in_words(fall)}"
@@ -60,6 +60,6 @@ def finals_basis(flown: TrialFlights) -> Iterator[str]:
 FINALS_NOTES = (
     "parachute: area relative to the one flown. *: at the limit of the masses and areas tried; a wider range may be "
     "better. "
-    "apogee, seconds: 5 to 95 %. points: mean per flight.",
+    "apogee, seconds: 5 to 95%. points: mean per flight.",
     "Weigh on the pad; the altimeter's reading counts.",
 )

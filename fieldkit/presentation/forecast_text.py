@@ -1,4 +1,4 @@
-"""A prediction as lines for a flyer: what, how sure, what it rests on."""
+"""A prediction as lines for a flyer: value, interval, basis."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     shown = ShownUnits(system)
     yield f"{name} on {motor.maker} {plan.motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
-    yield f"            90 % interval {shown.lengths(p05, p95)}"
+    yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {_ejection(prediction)}"
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
@@ -45,7 +45,7 @@ def _rests_on(prediction: Prediction) -> str:
 
 
 def rests_in_words(prediction: Prediction) -> str:
-    """What a forecast rests on, and without a flight what one would narrow."""
+    """What a forecast is based on, and how much a first flight would narrow it."""
     count = prediction.rests_on
     if count:
         return f"{counted(count, 'clean flight')}, model {prediction.model}"
@@ -54,6 +54,6 @@ def rests_in_words(prediction: Prediction) -> str:
 
 
 def narrows(prediction: Prediction) -> str:
-    """What more flights would do to the interval, and what they would not."""
+    """How much more flights would narrow the interval."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
     return f"by {one:.0%} after one more clean flight like this, by {many:.0%} after many"

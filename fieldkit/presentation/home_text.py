@@ -1,4 +1,4 @@
-"""What is next, in words and figures, for the first page of the app."""
+"""The next flight in words and figures, for the app's first page."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -21,14 +21,14 @@ def build_of(flight: Flight) -> str:
 
 
 def next_lines(view: "Overview", system: str) -> Iterator[str]:
-    """The rocket that flies next, with its mass if the plan says it."""
+    """The next rocket to fly, with its mass if the plan has one."""
     plan = view.plan
     parts = [build_of(plan), measure(BY_NAME["dry_mass"], plan.dry_mass, system)]
     yield ", ".join(part for part in parts if part)
 
 
 def weather_line(conditions: Flight, system: str) -> str:
-    """The weather of the day: `Today: wind 2.1 m/s, 21 °C`; how to type it if none was typed."""
+    """The weather of the day, `Today: wind 2.1 m/s, 21 °C`, or how to enter it."""
     known = [
         f"{'wind ' if name == 'wind' else ''}{measure(BY_NAME[name], conditions.number(name), system)}"
         for name in WEATHER
@@ -38,17 +38,17 @@ def weather_line(conditions: Flight, system: str) -> str:
 
 
 def forecast_title(one: "SavedForecast") -> str:
-    """What flies on what: `Astra A on F24-4W`."""
+    """Rocket and motor: `Astra A on F24-4W`."""
     made = one.made
     build = f"{made.rocket} {made.payload.get('config', '')}".strip()
     return f"{build} on {made.payload.get('motor', '')}"
 
 
 def forecast_lines(one: "SavedForecast", system: str) -> Iterator[str]:
-    """What is next to the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
+    """Details of the forecast apogee: its unit, the interval, when it was saved, whether it is stale."""
     low, _, high = (f"{float(number(APOGEE, value, system)):.0f}" for value in one.interval)
     yield f"{spelled(unit_of(APOGEE, system))} forecast"
-    yield f"90 % {low}-{high}"
+    yield f"90% {low}-{high}"
     yield f"saved {one.made.at.astimezone():%m-%d %H:%M}" + (", stale" if one.stale else "")
 
 
@@ -59,7 +59,7 @@ def flown_title(one: "ListedFlight") -> str:
 
 
 def flown_lines(one: "ListedFlight", system: str) -> Iterator[str]:
-    """What is next to the apogee flown: its unit, and how it did beside its forecast."""
+    """Details of the flown apogee: its unit, and how it compares with its forecast."""
     yield f"{spelled(unit_of(APOGEE, system))} flown"
     said = one.forecast
     if said is None or said.miss is None or one.flight.apogee is None:
@@ -85,7 +85,8 @@ def day_line(flights: "Sequence[ListedFlight]", system: str) -> str:
 
 
 def sparkline(values: Sequence[float], width: int) -> str:
-    """Values as a row of bars from their least to their greatest, the greatest of each cell if they are many."""
+    """Values as a row of bars scaled from the minimum to the maximum; each bar is the maximum of its values if there
+    are many."""
     if not values:
         return ""
     width = min(width, len(values))

@@ -1,4 +1,4 @@
-"""What files hold, before anything of them is stored: as text and as JSON under the keys of the contract."""
+"""Contents of files before they are stored: as text, and as JSON under the keys of the contract."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, measure, number, spelled, unit_of
+from fieldkit.quantities import ShownUnits, in_system, measure, number, spelled, unit_of
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
 if TYPE_CHECKING:
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
     from fieldkit.importing.tables.columns_read import ColumnRead
 
 PLOT_WIDTH = 60
-"""Cells of a plot in text."""
+"""Width and height of a text plot. [character]"""
 MOST_FLIGHTS = 20
-"""Of the flights of a table so many are printed; the JSON has them all."""
+"""Maximum number of flights of a table that are printed; the JSON has all of them."""
 
 
 def document(files: tuple[FileView, ...]) -> dict[str, Any]:
-    """What `inspect --json` prints."""
+    """The document of `inspect --json`."""
     return {"files": [_file(one) for one in files]}
 
 
 def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
-    """What `import --json` says of each file: its format, the apogee of its one flight, and what one should know."""
+    """The entry of each file in `import --json`: its format, the apogee if it has one flight, and notes."""
     return [
         {
             "file": one.file,
@@ -39,7 +39,7 @@ def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
 
 
 def _file(one: FileView) -> dict[str, Any]:
-    """One file; the readouts and events of its first flight stand above, those of all under `flights`."""
+    """One file; readouts and events of its first flight are at the top level, those of all flights under `flights`."""
     flights, simulations = ([_flight(flight) for flight in part] for part in (one.flights, one.simulations))
     first: dict[str, Any] = next(iter([*flights, *simulations]), {"readouts": {}, "events": []})
     return {
@@ -72,7 +72,7 @@ def _flight(one: FlightView) -> dict[str, Any]:
 
 
 def _curve(one: "FlightCurve | None") -> dict[str, Any] | None:
-    """The whole flight as it is drawn, from lift-off."""
+    """The whole flight for a plot, from lift-off."""
     if one is None:
         return None
     channels = {"time_s": one.time, "height_m": one.height, "speed_mps": one.speed, "accel_mps2": one.acceleration}
@@ -108,7 +108,7 @@ def in_a_line(one: FileView, system: str = "SI") -> str:
 
 
 def _apogees(one: FileView, shown: ShownUnits) -> str:
-    """The apogee of a file's flight, or of several the lowest and the highest."""
+    """The apogee of a file's flight; for several flights, the lowest and the highest."""
     found, count = tuple(f.readouts["apogee"].value for f in one.shown if "apogee" in f.readouts), len(one.shown)
     flights = (
         ", simulation"
@@ -143,7 +143,7 @@ def lines(one: FileView, system: str = "SI") -> Iterator[str]:
     if len(one.shown) > MOST_FLIGHTS:
         yield f"  and {len(one.shown) - MOST_FLIGHTS} more flights; --json lists them all"
     for note in one.notes:
-        yield f"  note      {note}"
+        yield f"  note      {in_system(note, system)}"
     count = len(one.flights)
     yield f"  would store {count} flight{'' if count == 1 else 's'}, {one.rejected} rejected"
 
@@ -166,7 +166,7 @@ def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
 
 
 def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:
-    """Height, speed and acceleration of the whole flight as rows of bars, with the times of its events below."""
+    """Height, speed and acceleration of the whole flight as rows of bars, with the times of events below."""
     if curve is None:
         return
     first, last = float(curve.time[0]), float(curve.time[-1])

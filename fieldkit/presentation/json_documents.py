@@ -1,4 +1,4 @@
-"""What the loop found and how forecasts fared as JSON, under the keys of the contract."""
+"""The results of the loop and the scores of forecasts as JSON under the keys of the contract."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -25,11 +25,11 @@ MIDDLES = {
     "scaled": "scalar",
     "repeated": "last_on_motor",
 }
-"""Keys under which the medians of rivals have been since the first version."""
+"""Keys of the rivals' medians, unchanged since the first version."""
 
 
 def loop_document(found: Findings) -> dict[str, Any]:
-    """A diagnosis under the contract's keys, and what else is reported of it."""
+    """A diagnosis under the contract's keys, with further details."""
     diagnosis = found.diagnosis
     before = finite(found.left_out.before.json())
     return {
@@ -97,7 +97,7 @@ def _verdict(found: Findings) -> dict[str, Any]:
 
 
 def _probabilities(found: Findings) -> dict[str, Any]:
-    """The posterior: of each effect, of nothing, and of the sets that forecasts are averaged over."""
+    """The posterior: probabilities of each effect, of no effect, and of the sets in averaged forecasts."""
     diagnosis = found.diagnosis
     return {
         "none": diagnosis.posterior.nothing,
@@ -123,7 +123,7 @@ def _test(test: Advice) -> dict[str, Any]:
 
 
 def _forward(found: Findings) -> dict[str, Any]:
-    """How flights were forecast from those before them alone, and what was chosen for each."""
+    """The forecasts of flights from earlier ones, and the set chosen for each."""
     chosen = zip(found.diagnosis.model.flights, found.ahead.chosen, found.ahead.seen, strict=True)
     return {
         "n_flights": found.forward.before.flights,
@@ -142,7 +142,7 @@ def _gain(compared: Compared) -> dict[str, Any]:
 
 
 def score_document(found: ScoreReport) -> dict[str, Any]:
-    """Forecasts replayed forward in time, judged."""
+    """The scores of forecasts replayed forward in time."""
     return {
         "flights": [_forecast(row) for row in found.rows],
         "errors": [asdict(way) for way in found.ways],
@@ -154,8 +154,8 @@ def score_document(found: ScoreReport) -> dict[str, Any]:
 
 
 def scores_document(found: LedgerScores) -> dict[str, Any]:
-    """Flights with an earlier one of their rocket, judged; under `first_flights` those without, under `kept` saved
-    forecasts in the same words."""
+    """The scores of flights with an earlier one of their rocket; under `first_flights` of first flights, under `kept`
+    of saved forecasts, with the same keys."""
     own = score_document(found.first) | {
         "evaluation": "forward in time: each flight from the earlier ones of other rockets"
     }
@@ -190,7 +190,7 @@ def _forecast(row: Forecast) -> dict[str, Any]:
 
 
 def finite(value: Any) -> Any:
-    """The same with None for what is no number, as JSON has it."""
+    """A copy with None for values that are not finite, for JSON."""
     if isinstance(value, Mapping):
         return {key: finite(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

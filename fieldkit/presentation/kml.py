@@ -1,4 +1,4 @@
-"""KML of a landing that is forecast and of a track that was flown, for a map or a globe.
+"""KML of a predicted landing and of a flown track, for maps.
 
 Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude, in degrees and meters.
 """
@@ -16,11 +16,11 @@ from fieldkit.shapes import Array, Float
 EARTH_RADIUS = 6371008.8
 """Mean radius of the Earth (IUGG). [m]"""
 MAX_POINTS = 2000
-"""Of a track in a file, evenly taken from those that were logged. [1]"""
+"""Maximum number of points of a track, evenly selected. [1]"""
 
 
 def read_place(text: str) -> tuple[float, float]:
-    """A pad typed as `47.5,8.7`: latitude and longitude. Raises BadValue. [deg]"""
+    """A pad typed as `47.5,8.7`: latitude and longitude. [deg] Raises BadValue for anything else."""
     wanted = BadValue(f"found {text[:40]!r}, expected latitude and longitude in degrees, such as 47.5,8.7")
     try:
         latitude, longitude = (float(part) for part in text.split(","))
@@ -32,8 +32,8 @@ def read_place(text: str) -> tuple[float, float]:
 
 
 def placed(pad: tuple[float, float], wind_from: float, points: Float[Array, "point 2"]) -> Float[Array, "point 2"]:
-    """Longitude and latitude of points downwind of a pad and to the right of that [m]; the wind is from `wind_from`,
-    clockwise from north. [deg]"""
+    """Longitude and latitude [deg] of points given by their distances downwind of a pad and to the right of that [m];
+    the wind is from `wind_from`, clockwise from north. [deg]"""
     toward = np.radians(wind_from) + np.pi
     along, right = points[:, 0], points[:, 1]
     north = along * np.cos(toward) - right * np.sin(toward)
@@ -44,7 +44,7 @@ def placed(pad: tuple[float, float], wind_from: float, points: Float[Array, "poi
 
 
 def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
-    """The pad, the most likely landing and the ellipse about it, and some of the landings drawn."""
+    """The pad, the most likely landing, the ellipse around it, and some of the landing draws."""
     ellipse = found.ellipse()
     outline = placed(pad, wind_from, ellipse.outline())
     centre = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))
@@ -66,7 +66,8 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
 def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
-    """A track by satellite, its altitude above sea level [m] if it has one. Raises BadValue for no positions."""
+    """A satellite track, with its altitude above sea level [m] if recorded. Raises BadValue if there are no
+    positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)

@@ -1,4 +1,4 @@
-"""Where a plan lands as lines for a flyer."""
+"""The landing of a plan as lines for a flyer."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,13 +17,13 @@ from fieldkit.units import DEGREE
 def landing_in_words(
     said: Prediction, down: Landing, fall: Fall, rail: Sequence[RailChoice], site: Site, system: str = "SI"
 ) -> Iterator[str]:
-    """Landing, duration, what the descent rests on, and the rail that is recommended, in the units of a system."""
+    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system."""
     plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown)
     low, middle, high = three(down.duration)
-    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}"
+    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery, shown)}"
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
@@ -48,9 +48,9 @@ def _rail(choice: RailChoice) -> str:
 
 
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
-    """Where a plan lands in the wind that was given."""
+    """The landing of a plan in the given wind."""
     low, middle, high = three(down.away)
-    yield f"  lands     {shown.length(middle)} from the pad, 90 % interval {shown.lengths(low, high)}"
+    yield f"  lands     {shown.length(middle)} from the pad, 90% interval {shown.lengths(low, high)}"
     ellipse = down.ellipse()
     side = "right" if ellipse.across >= 0 else "left"
     way = "downwind" if ellipse.along >= 0 else "upwind"
@@ -65,13 +65,13 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
 
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
-    """The drift of a plan per m/s of wind if none was given, and the wind at which landings stay on the field."""
+    """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
     low, middle, high = three(down.drift)
     yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad,"
-    yield f"            90 % interval {shown.lengths(low, high)}"
+    yield f"            90% interval {shown.lengths(low, high)}"
     if site.size is not None:
         wind = down.wind_that_holds(site.size)
-        most = f"95 % of landings are on it up to {shown.speed(wind)}"
+        most = f"95% of landings are on it up to {shown.speed(wind)}"
         yield f"  field     {shown.length(site.size)} across: {most} (pad in the middle)"
 
 
@@ -81,7 +81,7 @@ def _device(recovery: Recovery, shown: ShownUnits) -> str:
 
 
 def descent_in_words(fall: Fall) -> str:
-    """What the descent speed rests on, and without a flight that shows it how much one would narrow it."""
+    """What the descent speed is based on, and without a measured one, how much a flight would narrow it."""
     if fall.flights:
         return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
     narrower = 1 - fall.relative_sd(1) / fall.relative_sd()

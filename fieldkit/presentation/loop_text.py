@@ -1,4 +1,4 @@
-"""A closed loop as lines for a flyer: what is missing, how probable that is, and on what evidence."""
+"""A closed loop as lines for a flyer: what is missing, its probability, and the evidence."""
 
 from collections.abc import Iterator
 from math import isfinite
@@ -12,9 +12,9 @@ from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 
 BARS = "▁▂▃▄▅▆▇█"
-"""Bars of misses, from none to the largest."""
+"""Characters of the bars, from zero to the largest miss."""
 MAX_DRAWN = 60
-"""Flights whose misses are drawn, the last ones. [1]"""
+"""Number of latest flights whose misses are drawn. [1]"""
 MAX_P_SHOWN = 0.1
 """Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
@@ -46,8 +46,7 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
 
 
 def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
-    """The absolute error of each of the last flights as bars, before and after; nothing if the forecasts do not
-    change."""
+    """The absolute errors of the latest flights as bars, before and after; empty if the forecasts do not change."""
     if all(not places for _, places in found.diagnosis.averaged):
         return
     most, before, after = miss_bars(found, MAX_DRAWN)
@@ -58,8 +57,7 @@ def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
 
 
 def miss_bars(found: Findings, count: int) -> tuple[float, str, str]:
-    """How far each of the last `count` flights was missed, before and after, as bars; and what the highest stands for.
-    [m]"""
+    """The absolute errors of the last `count` flights as bars, before and after, and the largest error. [m]"""
     rows = [row for row in misses(found) if row["before_m"] is not None][-count:]
     most = max(abs(row[when]) for row in rows for when in ("before_m", "after_m"))
     heights = [[abs(row[when]) / most for row in rows] for when in ("before_m", "after_m")]
@@ -68,7 +66,7 @@ def miss_bars(found: Findings, count: int) -> tuple[float, str, str]:
 
 
 def misses(found: Findings) -> list[dict[str, Any]]:
-    """Flown less forecast apogee of each flight left out, before and after; None for one that is not used. [m]"""
+    """Flown minus leave-one-out forecast of each apogee, before and after; None for a flight that is not used. [m]"""
     diagnosis = found.diagnosis
     truth, seen = np.exp(diagnosis.data.values[:, 0]), diagnosis.data.seen[:, 0]
     before, after = diagnosis.forecasts_before.apogee, diagnosis.forecasts_after.apogee
@@ -88,7 +86,7 @@ def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
     yield (
         f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
-        f"{before.coverage90:.0%} of flights in the 90 % interval"
+        f"{before.coverage90:.0%} of flights in the 90% interval"
     )
     significant = [row for row in (*found.patterns, *found.readout_patterns) if row.p < MAX_P_SHOWN]
     for row in significant:
@@ -113,8 +111,8 @@ def _p_value(p: float) -> str:
 
 
 def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
-    """Details of a verdict: its effect on the next flight, its probability, the experiment that would decide it, what
-    accepting it changes, and the evidence of the logs; in the units of a system."""
+    """Details of a verdict: its effect on the next flight, its probability, the most informative experiment, the
+    consequences of accepting it, and the evidence of the logs; in the units of a system."""
     diagnosis = found.diagnosis
     if found.unexplained is not None:
         yield found.unexplained.in_words
@@ -129,14 +127,14 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
 
 
 def climbs(found: Findings) -> Iterator[str]:
-    """Which force the logs of the climbs themselves show to be missing."""
+    """The missing force that the logs of the climbs show."""
     yield from climbs_in_words(found.testimony)
 
 
 def in_next_flight(one: NextFlight, system: str = "SI") -> str:
-    """`next F24 in the same conditions: 5 m (1.7 %) lower than the plain model`, and the forecast itself."""
+    """`next F24 in the same conditions: 5 m (1.7%) lower than the plain model`, and the forecast itself."""
     change, shown = one.after - one.before, ShownUnits(system)
-    span = f"{shown.length(one.after)}, 90 % interval {shown.lengths(*one.interval)}"
+    span = f"{shown.length(one.after)}, 90% interval {shown.lengths(*one.interval)}"
     name = f"next {one.flight.motor} in the same conditions"
     if abs(change) < 0.5:
         return f"{name}: same as the plain model, {span}"
@@ -157,19 +155,19 @@ def how_sure(found: Findings) -> str:
 
 
 def _alone(found: Findings) -> float:
-    """Probability of the first effect named."""
+    """Probability of the first named effect."""
     return found.diagnosis.posterior.inclusion.get(found.diagnosis.effect, 0.0) + 1e-9
 
 
 def in_odds(chance: float) -> str:
-    """A probability as a flyer would bet: `9 to 1 on`, `2 to 1 against`."""
+    """A probability as odds: `9 to 1 on`, `2 to 1 against`."""
     odds = min(max(chance, 1 - chance) / max(min(chance, 1 - chance), 1e-9), 1e9)
     said = "more than 999" if odds > 999 else f"{odds:.1f}" if odds < 3 else f"{odds:.0f}"
     return f"{said} to 1 {'on' if chance >= 0.5 else 'against'}"
 
 
 def what_forecasts_become(found: Findings) -> str:
-    """What forecasts average over once the verdict is accepted."""
+    """The sets that forecasts average over after the verdict is accepted."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
         return "forecasts use the plain model"
@@ -178,7 +176,7 @@ def what_forecasts_become(found: Findings) -> str:
 
 
 def what_accepting_changes(found: Findings) -> Iterator[str]:
-    """What accepting changes, and how to say otherwise."""
+    """The consequences of accepting, and how to choose otherwise."""
     averaged = found.diagnosis.averaged
     yield what_forecasts_become(found)
     if found.diagnosis.accepted and any(places for _, places in averaged):
@@ -197,7 +195,7 @@ def _chance(share: float) -> str:
 
 
 def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:
-    """Errors before and after, left out and forward in time, with their intervals."""
+    """Leave-one-out and forward-in-time errors, before and after, with their intervals."""
     yield f"  {'held-out error':24}{'MAE':>5} {f'[{shown.length_unit}]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
     for title, compared in (("left out", found.left_out), ("forward in time", found.forward)):
         if not compared.before.flights:
@@ -214,16 +212,16 @@ def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:
             )
     yield f"  left out: {found.left_out.how}"
     yield f"  forward: {found.forward.how}"
-    yield "  in parentheses: 90 % bootstrap intervals over flights"
+    yield "  in parentheses: 90% bootstrap intervals over flights"
 
 
 def _signed(figure: float) -> str:
-    """A figure in a column of nine, a dash if undefined: residuals all the same, or too few of them."""
+    """A figure in a column of nine characters, a dash if it is undefined because residuals are equal or too few."""
     return f"{figure:+9.2f}" if isfinite(figure) else f"{'-':>9}"
 
 
 def _fingerprints(found: Findings) -> Iterator[str]:
-    """Readouts as they were off, in expected scatter, and what the likeliest effects would leave there."""
+    """Residuals of the readouts in units of expected scatter, and the fingerprints of the most likely effects."""
     short = {
         "top_speed": "speed",
         "burn_time": "burn",

@@ -19,12 +19,12 @@ from fieldkit.quantities import ShownUnits, measure, written
 from fieldkit.units import FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
-"""Conditions that act on a flight, besides the air."""
+"""Conditions of a flight, besides the air."""
 
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
-    """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
-    starts from if the rocket has one among `starts`; in the units of a system."""
+    """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
+    rocket has one among `starts`; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = written(RAIL_LENGTH, "m", system, 1)
@@ -37,29 +37,29 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str 
 
 
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:
-    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]
+    """The coast time, and every delay from best to worst; `fast` is the speed limit at ejection [m/s].
 
-    `tool` is what delays are drilled with; figures are in the units of a `system`.
+    `tool` is the delay drilling tool; figures are in the units of a `system`.
     """
     shown = ShownUnits(system)
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90 % interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
+    yield f"  90% interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
     if judged.delays:
-        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>8}  {'too fast':>8}"
+        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95%':>12}  {'speed':>8}  {'too fast':>8}"
     yield from (f"  {_delay(one, shown)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
-    yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20 %, 1.5 to 3 s (NFPA 1125)."
+    yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
 
 
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
-    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot; in the
-    units of a system, points and feet of a contest as they are."""
+    """The mass to fly, its result compared with the current mass, and the reachable range if the target cannot be met;
+    in the units of a system, except the points and feet of a contest."""
     said, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {shown.length(goal.target)}"
@@ -75,7 +75,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
         yield "            one more flight at the current mass would help; below is the effect of the change"
     yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
-    yield f"  90 %      {shown.lengths(p05, p95)}"
+    yield f"  90%      {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
     yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
@@ -95,8 +95,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
 def outlook_in_words(
     ahead: Outlook, rule: Season, area: float, cut: float | None = None, system: str = "SI"
 ) -> Iterator[str]:
-    """Points and score to expect, the duration behind them, and the parachute that would bring the fewest; heights in
-    feet, as contests have them, the true one in the units of a system."""
+    """Expected points and score, the duration, and the parachute with the fewest expected points; heights in feet, as
+    in contests, the true one in the units of a system."""
     said = ahead.forecast
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
@@ -105,19 +105,19 @@ def outlook_in_words(
     if rule.caveat:
         yield f"  {rule.caveat}"
     yield (
-        f"  points    {ahead.points.mean():.0f} per flight, 90 % interval {low:.0f} to {high:.0f}, median {middle:.0f}"
+        f"  points    {ahead.points.mean():.0f} per flight, 90% interval {low:.0f} to {high:.0f}, median {middle:.0f}"
     )
     yield (
         f"  score     {sums.mean():.0f} for the best {rule.best} of {rule.declared}, "
-        f"90 % interval {least:.0f} to {most:.0f}"
+        f"90% interval {least:.0f} to {most:.0f}"
     )
     low, middle, high = (height / FOOT for height in three(said.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
-    yield f"  apogee    {middle:.0f} ft on the altimeter, 90 % interval {low:.0f} to {high:.0f}, {aimed}"
+    yield f"  apogee    {middle:.0f} ft on the altimeter, 90% interval {low:.0f} to {high:.0f}, {aimed}"
     yield f"  true      {ShownUnits(system).length(three(said.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
-    yield f"  duration  {middle:.1f} s, 90 % interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
+    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
     yield f"  descent   {descent_in_words(ahead.fall)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
@@ -129,11 +129,11 @@ def outlook_in_words(
 
 
 MAX_ADVISED_MOTORS = 5
-"""Motors whose points are printed. [1]"""
+"""Maximum number of motors whose points are printed. [1]"""
 
 
 def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
-    """The motors with the fewest points to expect, and whether a change of motor is worth it."""
+    """The motors with the fewest expected points, and whether a change of motor pays off."""
     if not advice.ranked:
         yield f"season {rule.year}: no motor that fits is within the season's limits"
         return

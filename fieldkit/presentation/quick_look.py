@@ -1,4 +1,4 @@
-"""A quick look as JSON under the contract's keys, and as lines for a flyer."""
+"""A quick search as JSON under the contract's keys, and as lines for a flyer."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -15,13 +15,13 @@ from fieldkit.services.quick_look import QuickForecast
 
 EVALUATION = "amortized"
 READOUT_KEYS = {"ejection_s": "apogee_to_eject", "coast_s": "coast_to_apogee", "top_speed_mps": "top_speed"}
-"""What is forecast beside the apogee, in the median, as it is named in JSON."""
+"""Other forecast medians by their keys in JSON."""
 DRAWS = 1000
-"""Equally likely apogees that mean and standard deviation are taken of. [1]"""
+"""Number of equally likely apogees for mean and standard deviation. [1]"""
 
 
 def quick_document(found: QuickLook) -> dict[str, Any]:
-    """The keys of a closed loop, with probabilities in place of a search."""
+    """The keys of a closed loop, with probabilities instead of a search."""
     before, said = finite(found.before.json()), found.answer
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
@@ -56,7 +56,7 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 
 
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
-    """Probabilities, the likeliest first, and the verdict, in the units of a system."""
+    """Probabilities in descending order, and the verdict, in the units of a system."""
     said = found.answer
     yield f"{found.rocket}: {found.flights} clean flights, quick look by the network; nothing is saved"
     yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
@@ -77,7 +77,8 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
 
 
 def forecast_document(found: QuickForecast) -> dict[str, Any]:
-    """A forecast under the contract's keys; `cd` is on the body's frontal area, or that assumed for its mass."""
+    """A forecast under the contract's keys; `cd` refers to the body's frontal area, or to the area assumed for its
+    mass."""
     checked = found.check
     return {
         "flight_id": found.plan.flight_id,
@@ -122,7 +123,7 @@ def _by_the_fit(said: Prediction) -> dict[str, Any]:
 
 
 def forecast_line(found: QuickForecast, system: str = "SI") -> str:
-    """A forecast in one line, and whether it is from the network or the fit."""
+    """A forecast in one line, and whether it comes from the network or the fit."""
     shown = ShownUnits(system)
     said = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = said["apogee_m"]
@@ -133,7 +134,7 @@ def forecast_line(found: QuickForecast, system: str = "SI") -> str:
         else "by the fit, because the network's answer failed its check"
     )
     return (
-        f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90 % interval "
+        f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "
         f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} times certified"
     )

@@ -18,7 +18,7 @@ DIFFERENCES = ("fieldkit's advantage", "error", "CRPS", "interval score")
 
 
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
-    """The reports that hold a flight, each with what it is of."""
+    """The reports with at least one flight, each with its title."""
     if found.saved is not None:
         yield found.saved, f"Saved predictions, made before the flight: {len(found.saved.rows)} flown and clean"
     if found.later.rows:
@@ -35,7 +35,7 @@ def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
 
 
 def next_lines(found: "LedgerScores") -> Iterator[str]:
-    """How often corrected intervals held, and what the next forecast would be stacked of."""
+    """The coverage of corrected intervals, and the stacking weights of the next forecast."""
     if found.corrected:
         yield (
             f"Calibrated on earlier forecasts, the intervals of the last {found.corrected['flights']} would have "
@@ -46,8 +46,8 @@ def next_lines(found: "LedgerScores") -> Iterator[str]:
 
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
-    """A row of `WAYS` for the model and each rival, in percent of the apogee flown: median and mean absolute error,
-    median bias, CRPS, score of the 90 % interval, and flights inside of that."""
+    """A row of `WAYS` for the model and each rival, in percent of the flown apogee: median and mean absolute error,
+    median bias, CRPS, score of the 90% interval, and flights inside it."""
     return [
         (
             way.name,
@@ -64,8 +64,8 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
-    """A row of `DIFFERENCES` for each rival: by how much a mean score of the model is smaller, its 90 % bootstrap
-    interval in percent of the apogee flown, starred if that leaves out zero."""
+    """A row of `DIFFERENCES` for each rival: the reduction of a mean score by the model and its 90% bootstrap
+    interval, in percent of the flown apogee, with a star if the interval excludes zero."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
         for one in found.against
@@ -112,7 +112,7 @@ def _errors(one: "Against", mean: str = "mean error ") -> str:
 
 
 def histogram(found: "Calibration") -> Iterator[str]:
-    """PITs as bars that should be as long as each other, and the fraction of flights in each interval."""
+    """PITs as bars that should have equal lengths, and the fraction of flights in each interval."""
     low, high = found.expected
     count = sum(found.counts)
     yield f"quantile of each flight in its forecast (should be uniform; {low:.0f} to {high:.0f} per bin by chance)"
@@ -120,7 +120,7 @@ def histogram(found: "Calibration") -> Iterator[str]:
     for place, number in enumerate(found.counts):
         bar = "█" * round(MAX_BAR_LENGTH * number / longest)
         note = "" if low <= number <= high else "  too few" if number < low else "  too many"
-        yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
+        yield f"  {place * 10:3d}-{place * 10 + 10:3d}%  {bar} {number}{note}"
     for one in found.intervals:
         least, most = one.expected
         verdict = "as expected" if one.honest else "too narrow" if one.held < one.level else "too wide"

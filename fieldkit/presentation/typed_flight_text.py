@@ -1,4 +1,4 @@
-"""What the flight being typed says, in a line."""
+"""The estimate from the flight being entered, in one line."""
 
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number, spelled, unit_of
@@ -8,7 +8,7 @@ APOGEE = BY_NAME["apogee"]
 
 
 def estimate_line(found: TypedEstimate, system: str) -> str:
-    """Cd, alpha and the next apogee with their 90 % intervals, or what is missing for them."""
+    """Cd, alpha and the next apogee with their 90% intervals, or the missing inputs."""
     if found.needs:
         return f"Cd and next apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:
@@ -33,7 +33,7 @@ def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Int
 
 
 def _whole(height: float, system: str) -> str:
-    """A height [m] without decimals, which mean nothing in an estimate made while one types."""
+    """A height [m] without decimals, which are not significant in a preliminary estimate."""
     return f"{float(number(APOGEE, height, system)):.0f}"
 
 

@@ -1,4 +1,4 @@
-"""Errors of forecasts with what chance leaves open of them: bootstrap intervals over the flights."""
+"""Errors of forecasts with bootstrap intervals over the flights."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,15 +13,15 @@ RESAMPLED = 2000
 SEED = 5
 LEVELS = (0.05, 0.95)
 MIN_FLIGHTS_FOR_VERDICT = 5
-"""Flights from which on a difference has a verdict. [1]"""
+"""Minimum number of flights for a verdict on a difference. [1]"""
 
 Interval = tuple[float, float]
-"""Where a figure lies in nine of ten histories like this one."""
+"""The 90% interval of a figure over histories like this one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A score with the 90 % bootstrap interval of each of its figures, over so many flights."""
+    """A score with the 90% bootstrap interval of each of its figures, and the number of flights."""
 
     score: Score
     flights: int
@@ -37,17 +37,17 @@ class Judged:
 
 
 def misses(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Float[Array, "seen"]:
-    """Forecast less flown apogee of the flights that were seen. [m]"""
+    """Predicted minus flown apogee of the flights with an apogee. [m]"""
     return np.asarray((forecasts.apogee - np.exp(truth))[seen])
 
 
 def resampled(count: int) -> Any:
-    """Rows of `count` flights, drawn with replacement again and again, the same at every call. [resample flight]"""
+    """Resamples of `count` flights, drawn with replacement, identical at every call. [resample flight]"""
     return np.random.default_rng(SEED).integers(0, max(count, 1), (RESAMPLED, count))
 
 
 def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Judged:
-    """Score forecasts of log apogee on the flights that were seen; flights are resampled, nothing is refitted.
+    """Score forecasts of log apogee on the flights with an apogee. Flights are resampled; nothing is refitted.
 
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), percentile intervals.
     """
@@ -70,7 +70,7 @@ def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> J
 
 
 def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> tuple[float, Interval]:
-    """By how much the mean absolute error fell, and its interval, both forecasts resampled together. [m]"""
+    """The reduction of the mean absolute error and its interval; both forecasts are resampled together. [m]"""
     fell = np.abs(misses(before, truth, seen)) - np.abs(misses(after, truth, seen))
     if not len(fell):
         return float("nan"), (float("nan"), float("nan"))
@@ -79,8 +79,8 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
 
 @dataclass(frozen=True, slots=True)
 class ScoreDifference:
-    """The mean score of ours and of a rival on the same flights; `less` is by how much ours is smaller, with its 90 %
-    bootstrap interval, flights resampled in pairs."""
+    """The mean score of our forecast and a rival's on the same flights. `less` is how much smaller ours is, with its 90
+    % bootstrap interval from paired resampling."""
 
     flights: int
     ours: float
@@ -90,20 +90,20 @@ class ScoreDifference:
 
     @property
     def verdict(self) -> str:
-        """`better`, `worse`, or `unclear` by these flights."""
+        """`better`, `worse`, or `unclear` on these flights."""
         low, high = self.interval
         if self.flights < MIN_FLIGHTS_FOR_VERDICT or not low * high > 0:
             return "unclear"
         return "better" if low > 0 else "worse"
 
     def json(self) -> dict[str, Any]:
-        """Every figure but the count, and the verdict."""
+        """Every figure except the count, and the verdict."""
         figures = {"ours": self.ours, "theirs": self.theirs, "less": self.less, "interval": list(self.interval)}
         return figures | {"verdict": self.verdict}
 
 
 def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> ScoreDifference:
-    """The difference of two scores, smaller being better, each of the same flights."""
+    """The difference of two scores of the same flights; smaller scores are better."""
     if not len(ours):
         nan = float("nan")
         return ScoreDifference(0, nan, nan, nan, (nan, nan))
@@ -113,6 +113,6 @@ def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Scor
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:
-    """The interval that holds nine of ten resampled figures."""
+    """The central 90% interval of the resampled figures."""
     low, high = np.quantile(values, LEVELS)
     return float(low), float(high)

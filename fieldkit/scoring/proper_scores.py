@@ -1,9 +1,10 @@
-"""Proper scores and calibration of forecasts that are known as draws.
+"""Proper scores and calibration of forecasts given as draws.
 
-The continuous ranked probability score is E|X - y| - E|X - X'| / 2 for a forecast X and a flight y, in meters: the
-absolute error of a forecast that is one number, less the more honest its spread (Gneiting and Raftery, Strictly
-Proper Scoring Rules, Prediction, and Estimation, 2007). The fraction of draws below the flight, its PIT, is uniform
-over flights if forecasts are calibrated (Dawid, 1984); both are judged against what chance alone would do.
+The continuous ranked probability score is E|X - y| - E|X - X'| / 2 for a forecast X and a flight y, in meters. For a
+single number it is the absolute error; a well-calibrated spread makes it smaller (Gneiting and Raftery, Strictly Proper
+Scoring Rules, Prediction, and Estimation, 2007). The fraction of draws below the flight, its probability integral
+transform (PIT), is uniform over flights if forecasts are calibrated (Dawid, 1984). Coverage and PITs are compared with
+what chance allows.
 """
 
 from collections.abc import Sequence
@@ -16,11 +17,11 @@ from fieldkit.shapes import Array, Float
 LEVELS = (0.5, 0.8, 0.9)
 """Central intervals whose coverage is reported. [1]"""
 BINS = 10
-"""Of the histogram of PITs. [1]"""
+"""Number of bins in the histogram of PITs. [1]"""
 
 
 def crps(draws: Float[Array, "draw"], flown: float) -> float:
-    """The continuous ranked probability score of one forecast; of a single draw its absolute error. [m]"""
+    """The continuous ranked probability score of one forecast; for a single draw, its absolute error. [m]"""
     ordered = np.sort(draws)
     count = len(ordered)
     between = 2 * (ordered * (2 * np.arange(1, count + 1) - count - 1)).sum() / count**2
@@ -28,7 +29,7 @@ def crps(draws: Float[Array, "draw"], flown: float) -> float:
 
 
 def interval_score(low: float, high: float, flown: float, level: float = 0.9) -> float:
-    """The score of a central interval: its width, and 2 / (1 - level) times what a flight lies outside of it. [m]
+    """The score of a central interval: its width plus 2 / (1 - level) times the distance of the flight outside it. [m]
 
     Its expectation is smallest at the true quantiles (Gneiting and Raftery, 2007, section 6.2).
     """
@@ -36,14 +37,13 @@ def interval_score(low: float, high: float, flown: float, level: float = 0.9) ->
 
 
 def pit(draws: Float[Array, "draw"], flown: float) -> float:
-    """The fraction of a forecast below what was flown, half of what equals it. [1]"""
+    """The fraction of a forecast's draws below the flight, plus half of the draws equal to it. [1]"""
     return float((draws < flown).mean() + (draws == flown).mean() / 2)
 
 
 @dataclass(frozen=True, slots=True)
 class Reliability:
-    """A central interval: its nominal coverage, its observed coverage, and the range of coverage in nine of ten such
-    seasons."""
+    """A central interval: its nominal coverage, its observed coverage, and the 90% range of coverage by chance."""
 
     level: float
     held: float
@@ -51,13 +51,13 @@ class Reliability:
 
     @property
     def honest(self) -> bool:
-        """Whether chance alone explains the difference."""
+        """Whether chance explains the difference."""
         return self.expected[0] <= self.held <= self.expected[1]
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """PITs of flights in bins, the counts that chance leaves in nine of ten, and intervals by level."""
+    """Counts of PITs by bin, the 90% range of counts by chance, and intervals by level."""
 
     counts: tuple[int, ...]
     expected: tuple[float, float]
@@ -65,7 +65,7 @@ class Calibration:
 
 
 def calibration(pits: Sequence[float], levels: Sequence[float] = LEVELS) -> Calibration:
-    """How uniform the PITs of flights are, each count and share beside its binomial 90 % range."""
+    """How uniform the PITs of flights are: each count and fraction with its binomial 90% range."""
     from scipy.stats import binom
 
     values = np.asarray(pits, float)

@@ -1,4 +1,4 @@
-"""How good forecasts were: errors and coverage of flights that the fit did not see."""
+"""Quality of forecasts: errors and coverage on flights that were not used in the fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,18 +19,18 @@ class Forecasts:
 
     @property
     def apogee(self) -> Float[Array, "flight"]:
-        """The point forecast: the median is close to the exponential of the mean logarithm. [m]"""
+        """The point forecast: the exponential of the mean logarithm, which is close to the median. [m]"""
         return np.asarray(np.exp((self.weight * self.mean).sum(axis=0)))
 
     def below(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-        """Probability of a lower log apogee."""
+        """Cumulative probability of a log apogee. [1]"""
         from scipy.special import ndtr
 
         return np.asarray((self.weight * ndtr((values - self.mean) / self.sd)).sum(axis=0))
 
     @staticmethod
     def pick(options: Sequence["Forecasts"]) -> "Forecasts":
-        """The first flight from the first option, the second from the second, and so on."""
+        """Takes the first flight from the first option, the second from the second, and so on."""
         longest = max(len(option.mean) for option in options)
 
         def column(name: str, fill: float) -> Array:
@@ -43,19 +43,19 @@ class Forecasts:
 def mixed(
     mean: Float[Array, "part flight"], variance: Float[Array, "part flight"], log_weight: Float[Array, "part flight"]
 ) -> Forecasts:
-    """A mixture of normals, the parts weighed by what the other flights say of them."""
+    """A mixture of normals, each component weighted by its likelihood on the other flights."""
     weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
     return Forecasts(mean, np.sqrt(variance), weight)
 
 
 def forecasts_of(left_out: LeaveOneOut) -> Forecasts:
-    """Forecasts of flights left out, scales weighed by the other flights."""
+    """Forecasts of left-out flights, with the scales weighted by the other flights."""
     return mixed(left_out.mean, left_out.variance, left_out.log_weight)
 
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Errors of forecasts, forecast less flown [m], and the fraction of flights in the 90 % interval [1]."""
+    """Errors of forecasts, predicted minus flown [m], and the fraction of flights in the 90% interval [1]."""
 
     mae: float
     rmse: float
@@ -68,7 +68,7 @@ class Score:
 
 
 def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Score:
-    """The score of forecasts of log apogee on the flights that were seen."""
+    """The score of forecasts of log apogee on the flights with an apogee."""
     if not seen.any():
         return Score(np.nan, np.nan, np.nan, np.nan)
     error = (forecasts.apogee - np.exp(truth))[seen]

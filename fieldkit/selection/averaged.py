@@ -1,8 +1,7 @@
-"""Forecasts averaged over hypotheses: of each flight left out, and of each flight from the earlier ones.
+"""Forecasts averaged over hypotheses: leave-one-out, and of each flight from the earlier ones.
 
-A hypothesis forecasts a flight by its fit without that flight, and has its probability given the other flights. So
-there is no choice that would have to be repeated without each flight; the set of hypotheses itself was found with all
-flights.
+A hypothesis forecasts a flight by its fit without that flight, weighted by its probability given the other flights, so
+no choice has to be repeated without each flight. Only the set of hypotheses was found with all flights.
 """
 
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.shapes import Array, Flags, Float
 
 NEGLIGIBLE_PROBABILITY = 0.01
-"""Probability without a flight below which a hypothesis is not fitted again. [1]"""
+"""Minimum probability without a flight for repeating a hypothesis's fit. [1]"""
 TAIL_PARTS = 4
 """Normal components that approximate a Student t. [1]"""
 MIN_EARLIER_FLIGHTS = 4
@@ -33,9 +32,10 @@ MAX_FORWARD = 24
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """Forecasts of every flight without it.
+    """Leave-one-out forecasts of every flight.
 
-    `refits` counts the fits repeated among all `folds`; `probability` is that of each set without each flight.
+    `refits` counts the repeated fits among all `folds`; `probability` is the probability of each set without each
+    flight.
     """
 
     forecasts: Forecasts
@@ -46,9 +46,9 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
-    """Every flight forecast from those before it, by the plain model and averaged.
+    """Forecasts of every flight from the earlier ones, by the plain model and averaged.
 
-    `seen` marks the flights that have `MIN_EARLIER_FLIGHTS` before them, `chosen` names the most probable set at each,
+    `seen` marks the flights with `MIN_EARLIER_FLIGHTS` before them; `chosen` is the most probable set at each flight,
     empty for none.
     """
 
@@ -60,7 +60,7 @@ class Ahead:
 
 @dataclass(frozen=True, slots=True)
 class _Said:
-    """What one hypothesis says of the log apogee of every flight, scale by scale, and its log weight there."""
+    """One hypothesis's forecast of the log apogee of every flight for each scale, and its log weight."""
 
     mean: Float[Array, "scale flight"]
     known: Float[Array, "scale flight"]
@@ -70,9 +70,9 @@ class _Said:
 
 
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
-    """Forecasts of every flight by the hypotheses, fitted and weighted without it.
+    """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
 
-    By importance sampling; if its weights are unreliable, the fit is repeated without the flight.
+    If the importance weights are unreliable, the fit is repeated without the flight.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     said = [_sampled(one) for one in some]
@@ -103,7 +103,7 @@ def _sampled(one: Hypothesis) -> _Said:
 
 
 def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
-    """Forecasts of some flights by a hypothesis, fitted again without each of them."""
+    """Forecasts of some flights by a hypothesis from fits without each of them."""
     assert one.sampled is not None
     scales = one.sampled.scales
     columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
@@ -118,14 +118,16 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
         )
         for column, part in zip(columns, parts, strict=True):
             column[:, row] = part[scales]
-        unseen = len(OBSERVED_READOUTS) * log(UNOBSERVED_SD)  # what a flight without readouts has in the evidence
+        unseen = len(OBSERVED_READOUTS) * log(
+            UNOBSERVED_SD
+        )  # the contribution of a flight without readouts to the evidence
         log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
     mean, known, own, weight = columns
     return _Said(mean, known, own, weight, log_weight)
 
 
 def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
-    """The mixture of the forecasts of all hypotheses, the scatter of single flights a Student t."""
+    """The mixture of the forecasts of all hypotheses, with Student t scatter of single flights."""
     from scipy.special import gammaincinv
 
     precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
@@ -142,10 +144,10 @@ def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
 
 
 def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead:
-    """Every flight forecast from those before it by the most probable hypotheses, weighed by those flights alone.
+    """Forecasts of every flight from the earlier ones by the most probable hypotheses, weighted by the earlier flights
+    alone.
 
-    Readouts are linear about the fits to all flights, odd flights have the weights that all flights give them, and
-    which hypotheses are followed was found with all of them.
+    The points of linearization, the weights of outlier flights and the set of hypotheses come from all flights.
     """
     some = _followed(posterior)
     said = []
@@ -173,7 +175,7 @@ def _followed(posterior: SetPosterior) -> list[Hypothesis]:
 
 
 def _grown(one: Hypothesis) -> _Said:
-    """Forecast of every flight by a hypothesis from the earlier flights."""
+    """A hypothesis's forecast of every flight from the earlier flights."""
     grown, near = growing(one.fit), one.fit.tangent
     apogee = near.slope[:, 0]
     mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, grown.mean - near.at)

@@ -12,13 +12,13 @@ from fieldkit.physics.setups import delays, recorded
 from fieldkit.shapes import Array, Flags, Float
 
 EACH_GROUP = "each"
-"""The place of an effect that has a strength of its own in every group."""
+"""The place of an effect with a separate strength in every group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an effect acts: in one group of flights (empty for all, `EACH_GROUP` for every one with a strength of its
-    own), and only from a flight on (empty for from the first)."""
+    """The flights on which an effect acts: one group (empty for all, `EACH_GROUP` for every group with a separate
+    strength), and from which flight on (empty for the first)."""
 
     effect: str
     where: str = ""
@@ -34,15 +34,15 @@ class Place:
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
-"""Sets of effects in their places that a forecast is averaged over, each with its probability."""
+"""Sets of effects in their places for an averaged forecast, each with its probability."""
 
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """One way to extend a model: its terms, and where the fit of them should begin.
+    """One way to extend a model: its terms, and the starting points of their fit.
 
-    `place.effect` is empty for a pattern. `starts` are values of the first term from which the fit is started,
-    each in turn. `log_share` is the log of its fraction of the prior odds of its effect.
+    `place.effect` is empty for a pattern. `starts` are values of the first term, each a starting point. `log_share` is
+    the log of its fraction of the prior odds of its effect.
     """
 
     place: Place
@@ -61,7 +61,7 @@ SINCE_SHARE = 0.4
 
 
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
-    """The strength of an effect in a place, or its strengths, as unknowns of a model."""
+    """The strength or strengths of an effect in a place, as terms of a model."""
     effect = effects()[place.effect]
     prior = effect.prior
     places = [place]
@@ -77,7 +77,7 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
 
 
 def background_terms(model: Model) -> list[Term]:
-    """The effects that are part of every rocket's model, on all its flights."""
+    """The terms of effects that are part of every rocket's model, on all its flights."""
     every = np.ones(len(model.flights))
     usual = {name: (effect, effect.background) for name, effect in effects().items()}
     return [
@@ -88,9 +88,9 @@ def background_terms(model: Model) -> list[Term]:
 
 
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
-    """Every effect that these flights could show, everywhere and in each group it may differ in.
+    """Every effect that these flights could show, on all flights and in each group in which it may differ.
 
-    `used_in_fit` marks the flights used in the fit: a beginning is only searched for between them.
+    `used_in_fit` marks the flights used in the fit: an effect may start only between them.
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
     places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
@@ -119,7 +119,7 @@ def _can_act(effect: Effect, model: Model) -> bool:
 
 
 def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
-    """Groups of flights to which an effect may be confined."""
+    """Groups of flights to which an effect may be limited."""
     if not effect.from_first:
         return
     if effect.everywhere:
@@ -147,7 +147,7 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
 
 
 def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
-    """How strongly an effect acts on each flight: only in its place, and growing if it grows."""
+    """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows. [1]"""
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since in names else 0

@@ -1,10 +1,9 @@
-"""Which columns of a flyer's own table a pattern may go with: what was so before lift-off, not what came of the flight.
+"""The columns of a flyer's table that a pattern may follow: known before lift-off, not results of the flight.
 
-An outcome, or a forecast of one, goes with what a flight is off by because it holds it; a pattern in it explains
-nothing and is not there for the next flight. What a column of the schema is, the schema says. A column that it does not
-know is taken for an outcome if its header names a readout, or a figure that is fitted to readouts, and if its
-values are a readout's, or a forecast of it: in a constant ratio to it from flight to flight, or lengths about as large
-as the apogees.
+An outcome, or a forecast of one, correlates with the residual of a flight because it contains it; a pattern in it
+explains nothing and is not available for the next flight. The schema states what its columns are. Any other column is
+treated as an outcome if its header names a readout or a figure fitted to readouts, or if its values are a readout or a
+forecast of one: in a constant ratio to it from flight to flight, or lengths about as large as the apogees.
 """
 
 import re
@@ -17,17 +16,16 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 FITTED = ("cd", "alpha")
-"""Names of figures fitted to the readouts of a flight, as in forecasts and documents."""
+"""Names of figures that are fitted to a flight's readouts, as in forecasts and documents."""
 LENGTHS = {"m": 1.0, "ft": 0.3048}
-"""Last words of headers of lengths, with their meters."""
+"""Last words of headers of lengths, with their units in meters."""
 SAME_RATIO = 0.25
-"""Variance of the log ratio of a column to a readout over that of the readout, below which the column restates it:
+"""A column restates a readout if the variance of their log ratio, relative to the readout's variance, is below this:
 three quarters of the readout's variance are in the column. [1]"""
 SAME_LENGTH = 1 / 3
-"""Median log ratio of a length to the apogee up to which it counts as an apogee: forecasts are rarely further off.
-[1]"""
+"""A length counts as an apogee up to this median log ratio to the apogee; forecasts are rarely further off. [1]"""
 MIN_FLIGHTS = 4
-"""Flights with both numbers from which on they are compared. [1]"""
+"""Minimum number of flights with both numbers for a comparison. [1]"""
 
 
 def known_before(name: str, flights: Sequence[Flight]) -> bool:
@@ -44,12 +42,12 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
 
 
 def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """A column of the user's table, nan for cells that are not numbers."""
+    """A column of the user's table in its unit; nan for cells that are not numbers."""
     return np.array([_number(flight.extra.get(name, "")) for flight in flights])
 
 
 def _outcomes() -> Iterator[frozenset[str]]:
-    """Words that together name an outcome."""
+    """Sets of words that name an outcome together."""
     for column in MEASURED:
         yield _words(column.name)
         yield _words(column.title)

@@ -1,6 +1,6 @@
-"""Search for what a rocket's model lacks: effects alone and together, weighted by evidence and averaged.
+"""The search for effects that a rocket's model lacks, alone and together, weighted by evidence and averaged.
 
-The reported errors are of flights left out, each forecast by fits and weights without it.
+The reported errors are leave-one-out: each flight is forecast by fits and weights without it.
 """
 
 from collections.abc import Sequence
@@ -26,18 +26,19 @@ from fieldkit.selection.verdict import Verdict, given_verdict, verdict
 from fieldkit.shapes import Array, Flags, Float
 
 MIN_AVERAGED = 0.02
-"""Posterior probability above which a hypothesis is part of the average. [1]"""
+"""Minimum posterior probability of a hypothesis in the average. [1]"""
 MAX_AVERAGED = 8
-"""Hypotheses in the average. [1]"""
+"""Maximum number of hypotheses in the average. [1]"""
 _NOT_YET = "; held-out flights do not show it yet: check again after more flights"
 
 
 @dataclass(frozen=True, slots=True)
 class Ranked:
-    """An effect (no name for patterns) with its places, the best first.
+    """An effect (without a name for patterns) with its places, the best first.
 
-    `log_bayes` is its log Bayes factor alone against the plain model, its places weighed by their prior; `probability`
-    that it is there, alone or with others; `score` that of its best place alone on flights left out.
+    `log_bayes` is its log Bayes factor alone against the plain model, averaged over its places by their prior;
+    `probability` is the probability that it is present, alone or with others; `score` is the leave-one-out score of its
+    best place alone.
     """
 
     effect: str
@@ -54,7 +55,7 @@ class Ranked:
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """The plain model's fit and its forecast of each flight left out."""
+    """The plain model's fit and its leave-one-out forecasts."""
 
     fit: Fit
     left_out: LeaveOneOut
@@ -62,9 +63,10 @@ class Plain:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What the flights say: the plain model, everything tried, the verdict, errors of unseen flights before and after.
+    """The result of the search: the plain model, everything tried, the verdict, and leave-one-out errors before and
+    after.
 
-    `before` are forecasts of flights left out by the plain model, `after` averaged over everything that is probable.
+    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses.
     """
 
     model: Model
@@ -87,7 +89,7 @@ class Diagnosis:
 
     @property
     def confidence(self) -> float:
-        """Posterior probability that the verdict is right."""
+        """Posterior probability that the verdict is right. [1]"""
         return self.verdict.confidence
 
     @property
@@ -98,7 +100,7 @@ class Diagnosis:
 
     @property
     def also(self) -> tuple[str, ...]:
-        """Effects that these flights cannot distinguish from the verdict's."""
+        """Effects that these flights do not distinguish from the verdict's."""
         return self.verdict.also
 
     @property
@@ -120,10 +122,11 @@ def diagnose(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Weigh everything that could be missing from a model against the flights that are used in the fit.
+    """Evaluate everything that could be missing from a model, using the flights in the fit.
 
-    `given` are effects that are there whatever the evidence, `declined` those that are not. Raises UnknownEffect for an
-    unknown one, or one that these flights cannot show. Flights are simulated as coarsely as forecasts fit them.
+    `given` are effects that are present whatever the evidence, and `declined` those that are absent. Raises
+    UnknownEffect for an unknown effect, or one that these flights cannot show. Flights are simulated with the coarse
+    settings of forecasts.
     """
     model = replace(model, coarse=True)
     truth, seen = data.values[:, 0], data.seen[:, 0]
@@ -175,7 +178,7 @@ def _check(names: Sequence[str], families: Families) -> None:
 def _ranking(
     posterior: SetPosterior, families: Families, truth: Float[Array, "flight"], seen: Flags
 ) -> tuple[Ranked, ...]:
-    """Every effect by its evidence alone, strongest first."""
+    """Every effect by its evidence when alone, the strongest first."""
     found = []
     for effect in families:
         name = effect or UNEXPLAINED

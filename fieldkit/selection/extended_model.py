@@ -1,4 +1,4 @@
-"""The model of a rocket with the effects and patterns that were accepted into it."""
+"""The model of a rocket with its accepted effects and patterns."""
 
 from collections.abc import Sequence
 
@@ -21,10 +21,10 @@ def rocket_model(
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket with the effects and patterns that were accepted into it; the rest as in `base_model`.
+    """The model of a rocket with its accepted effects and patterns; other arguments as in `base_model`.
 
-    Patterns are those of the first `flown` flights, by default of all. If motors and masses are believed, what every
-    rocket has of an effect is part of the model; the learned hyperprior has it in its random effects.
+    Patterns come from the first `flown` flights, by default from all. With the certified hyperprior, the effects that
+    every rocket has are terms of the model; the learned hyperprior has them in its random effects.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
     if hyperprior.kind == "certified":

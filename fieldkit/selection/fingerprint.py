@@ -1,8 +1,8 @@
-"""Fingerprints: what an effect would leave in every readout beside what the flights left there.
+"""Fingerprints: the pattern of an effect in every readout, next to the flights' residuals.
 
-A plain model that lacks an effect bends as far as its priors let it, and shows only what it cannot follow. So the
-same is done to both sides: the shift that the effect makes and the readouts as they were are each compared with
-what the plain model makes of them, and both are read off along the flights on which the effect acts more or less.
+A plain model without the effect absorbs part of it as far as its priors allow, and only the rest shows. So both sides
+get the same treatment: the shift by the effect and the recorded readouts are each reduced by the plain model's fit to
+them, and both residuals are compared along the flights on which the effect acts more or less.
 """
 
 from dataclasses import dataclass
@@ -22,10 +22,10 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class FingerprintMark:
-    """One readout: what the effect would do, and what was there, both in expected standard deviations.
+    """One readout: the effect's shift and the observed one, both in expected standard deviations.
 
-    `sd` is of what was there. `fitted` is False for readouts that the fit does not use: those are compared
-    with the plain model's flights, in units of their own scatter. nan if nothing was recorded.
+    `sd` is the standard deviation of the observed one. `fitted` is False for readouts that the fit does not use, which
+    are compared with the plain model's simulations in units of their own scatter. nan if nothing was recorded.
     """
 
     readout: str
@@ -36,7 +36,7 @@ class FingerprintMark:
 
 
 def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
-    """The ten readouts under one effect at its fitted strength, signed as on flights that show more of it."""
+    """The ten readouts under one effect at its fitted strength, with the sign of flights that show more of it."""
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
     readings = _with_and_without(trial)
     shift = _shift(readings)
@@ -51,7 +51,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
 
 
 def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
-    """The readouts of every flight with the effect as fitted and without it, all else equal."""
+    """The readouts of every flight with the fitted effect and without it, all else equal."""
     model = trial.fit.model
     mean, _ = trial.fit.moments()
     own = {term.name for term in trial.candidate.terms}
@@ -60,7 +60,7 @@ def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
 
 
 def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:
-    """The shift of each readout of each flight by the effect, as the fit compares them."""
+    """The shift of each flight's readouts by the effect, in the form that the fit compares."""
     both = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     return np.asarray(np.nan_to_num(both[0] - both[1]))
 
@@ -87,7 +87,7 @@ def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "fl
 def _along(
     expected: Float[Array, "flight readout"], shift: Float[Array, "flight readout"], seen: Flags
 ) -> Float[Array, "flight"]:
-    """How much of the effect each flight should show, in the readout that shows it most, of size one."""
+    """How much of the effect each flight should show, in the readout that shows it most, normalized to size one."""
     strongest = int(np.argmax((np.where(seen, expected, 0.0) ** 2).sum(axis=0)))
     used_in_fit = seen.any(axis=1)
     along = np.where(used_in_fit, expected[:, strongest], 0.0)
@@ -98,7 +98,7 @@ def _along(
 
 
 def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> FingerprintMark:
-    """Both along the flights that should show the effect; what is common to all is kept."""
+    """Both projected on the flights that should show the effect; the common part is kept."""
     power = float((along[seen] ** 2).sum())
     if not power:
         nan = float("nan")

@@ -1,4 +1,4 @@
-"""Hypotheses about what a model lacks, each a set of effects in their places, with posterior probabilities."""
+"""Hypotheses about missing effects, each a set of effects in their places, with posterior probabilities."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -19,10 +19,10 @@ Members = frozenset[str]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hypothesis:
-    """Effects, each in one place, with the fit of the model that has them; none for the plain model.
+    """Effects, each in one place, and the fit of the model with them; no effects for the plain model.
 
-    `log_prior` is the log of its prior probability over that of the plain model. `correction` is what importance
-    sampling adds to the fit's log evidence, `sampled` that itself if it was done.
+    `log_prior` is the log ratio of its prior probability to the plain model's. `correction` is the correction of the
+    fit's log evidence by importance sampling, and `sampled` the result of the sampling, if it was done.
     """
 
     candidates: tuple[Candidate, ...]
@@ -33,7 +33,7 @@ class Hypothesis:
 
     @property
     def members(self) -> Members:
-        """Its terms beyond those of the plain model."""
+        """Its terms in addition to the plain model's."""
         return members_of(self.candidates)
 
     @property
@@ -43,7 +43,7 @@ class Hypothesis:
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """Each effect with the joint fit."""
+        """Each effect as a trial with the joint fit."""
         return tuple(Trial(candidate, self.fit) for candidate in self.candidates)
 
     @property
@@ -53,17 +53,17 @@ class Hypothesis:
 
     @property
     def log_weight(self) -> float:
-        """Log of prior probability times evidence, up to what all hypotheses share. [nat]"""
+        """Log of prior probability times evidence, up to a common constant. [nat]"""
         return self.log_prior + self.log_evidence
 
 
 def members_of(candidates: Sequence[Candidate]) -> Members:
-    """The names of candidates, as verdicts speak of them."""
+    """The names of candidates as in verdicts."""
     return frozenset(candidate.effect or UNEXPLAINED for candidate in candidates)
 
 
 def prior_of(candidates: Sequence[Candidate]) -> float:
-    """Log prior probability of effects in these places over that of nothing. [nat]"""
+    """Log prior odds of effects in these places against no effect. [nat]"""
     return log_prior_odds(members_of(candidates)) + sum(candidate.log_share for candidate in candidates)
 
 
@@ -75,13 +75,13 @@ class SetPosterior:
 
     @cached_property
     def probability(self) -> Float[Array, "hypothesis"]:
-        """Posterior probability of each hypothesis."""
+        """Posterior probability of each hypothesis. [1]"""
         weight = np.array([one.log_weight for one in self.hypotheses])
         return np.asarray(np.exp(weight - np.logaddexp.reduce(weight)))
 
     @cached_property
     def sets(self) -> dict[Members, float]:
-        """Posterior probability of every set, its places together, the most probable first."""
+        """Posterior probability of every set, summed over places, the most probable first."""
         found: dict[Members, float] = {}
         for one, chance in zip(self.hypotheses, self.probability, strict=True):
             found[one.members] = found.get(one.members, 0.0) + float(chance)
@@ -89,7 +89,7 @@ class SetPosterior:
 
     @cached_property
     def inclusion(self) -> dict[str, float]:
-        """Posterior probability that each effect is there, alone or with others, the most probable first."""
+        """Posterior probability that each effect is present, alone or with others, the most probable first."""
         found: dict[str, float] = {}
         for members, chance in self.sets.items():
             for name in members:
@@ -97,25 +97,25 @@ class SetPosterior:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def any_of(self, names: Collection[str]) -> float:
-        """Posterior probability that at least one of these effects is present."""
+        """Posterior probability that at least one of these effects is present. [1]"""
         return sum(chance for members, chance in self.sets.items() if members & set(names))
 
     def all_of(self, names: Collection[str]) -> float:
-        """Posterior probability that all of these effects are present, alone or with others."""
+        """Posterior probability that all of these effects are present, alone or with others. [1]"""
         return sum(chance for members, chance in self.sets.items() if set(names) <= members)
 
     @property
     def nothing(self) -> float:
-        """Posterior probability that the plain model lacks nothing that is known or shows."""
+        """Posterior probability that the plain model lacks no effect and no pattern. [1]"""
         return self.sets.get(frozenset(), 0.0)
 
     def best(self, members: Members | None = None) -> Hypothesis:
-        """The most probable hypothesis, or that of a set."""
+        """The most probable hypothesis, of all or of one set."""
         found = [one for one in self.hypotheses if members is None or one.members == members]
         return max(found, key=lambda one: one.log_weight)
 
     def log_bayes(self, name: str) -> float:
-        """Log Bayes factor of an effect alone, its places together, against the plain model. [nat]"""
+        """Log Bayes factor of an effect alone, averaged over places, against the plain model. [nat]"""
         plain = self.best(frozenset())
         alone = [one.log_weight for one in self.hypotheses if one.members == {name}]
         if not alone:

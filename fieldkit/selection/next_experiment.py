@@ -1,9 +1,8 @@
-"""The flight or the readout that would distinguish two explanations, by the evidence to be expected from it.
+"""The flight or readout that would best distinguish two explanations, by the expected evidence.
 
-Each explanation forecasts what the altimeter would show of a flight that could be flown next. How far the two
-forecasts lie apart, in units of what each leaves open, is the log Bayes factor to be expected from it (Lindley, On a
-Measure of the Information Provided by an Experiment, 1956; the divergence of two normals, Kullback and Leibler,
-1951), and the smaller of its two values, for either explanation being right, counts.
+Each explanation forecasts the readouts of a possible next flight. The divergence of the two forecasts is the expected
+log Bayes factor (Lindley, On a Measure of the Information Provided by an Experiment, 1956; the divergence of two
+normals, Kullback and Leibler, 1951). The smaller of its two values, one for each explanation being right, counts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,25 +24,25 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
 Normal = tuple[Float[Array, "readout"], Float[Array, "readout readout"]]
-"""Mean and covariance of readouts in the units of the fit."""
+"""Mean and covariance of readouts, in the units of the fit."""
 Planned = tuple[str, Flight, Found]
 """Description of a flight, the flight, and its motor."""
 BALLAST = 1.2
 """Dry mass of a ballasted flight, as a multiple of the configuration's. [1]"""
 DELAY_INCREMENT = 2.0
-"""Difference between a delay and the next longer one. [s]"""
+"""Difference between successive delays on sale. [s]"""
 BREEZE = 6.0
 """Wind of a windy day for a model rocket. [m/s]"""
 ENOUGH_EVIDENCE_FRACTION = 0.9
-"""Fraction of the evidence of all readouts from which on a subset is enough. [1]"""
+"""A subset of readouts is enough if it has this fraction of the evidence of all. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """Something to do, the log Bayes factor it should bring, and the readouts to write down for it.
+    """A proposed flight or measurement, its expected log Bayes factor, and the readouts to record.
 
-    `subject` is the motor flown, or what is measured. `first` and `second` are the apogees that the two explanations
-    forecast for a flight; nan for a measurement.
+    `subject` is the motor to fly, or the quantity to measure. `first` and `second` are the two explanations' forecasts
+    of the apogee; nan for a measurement.
     """
 
     what: str
@@ -85,7 +84,7 @@ class Explanation:
 
 
 def informative_readouts(model: Model, first: Explanation, second: Explanation) -> list[Advice]:
-    """The readouts and tests that would distinguish two explanations, the most informative first."""
+    """The flights and measurements that would distinguish two explanations, the most informative first."""
     tests = [*_flights(model, first, second), *_measurements(first), *_measurements(second)]
     return sorted(tests, key=lambda test: -test.expected)
 
@@ -94,7 +93,7 @@ def _flights(model: Model, first: Explanation, second: Explanation) -> Iterator[
     plans = list(options(model))
     flown = [_planned(model, side, plans) for side in (first, second)]
     if any(made.names != side.fit.model.names for made, side in zip(flown, (first, second), strict=True)):
-        return  # a planned flight would bring unknowns that none had
+        return  # a planned flight would add terms that no flown flight has
     ahead = [_forecast(made, side) for made, side in zip(flown, (first, second), strict=True)]
     for row, (what, plan, _) in enumerate(plans):
         one, other = ((mean[row], cov[row]) for mean, cov in ahead)
@@ -106,7 +105,7 @@ def _flights(model: Model, first: Explanation, second: Explanation) -> Iterator[
 
 
 def _readouts(one: Normal, other: Normal, every: Sequence[int]) -> tuple[tuple[str, ...], float]:
-    """The fewest readouts, one or two, that bring nearly all that the readouts together would; and how much."""
+    """The smallest set of one or two readouts with nearly all the evidence of all readouts, and its evidence. [nat]"""
     total = divergence(one, other, every)
     best = max(every, key=lambda i: divergence(one, other, [i]))
     alone = divergence(one, other, [best])
@@ -117,7 +116,7 @@ def _readouts(one: Normal, other: Normal, every: Sequence[int]) -> tuple[tuple[s
 
 
 def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
-    """Expected log Bayes factor between two normals over some readouts, the smaller one over which is right. [nat]"""
+    """Expected log Bayes factor between two normals over some readouts, the smaller of the two directions. [nat]"""
     rows = np.ix_(which, which)
     (a, s), (b, t) = ((mean[list(which)], cov[rows]) for mean, cov in (one, other))
     volume = float(np.linalg.slogdet(t)[1] - np.linalg.slogdet(s)[1])
@@ -141,7 +140,8 @@ def _measurements(side: Explanation) -> Iterator[Advice]:
 
 
 def options(model: Model) -> Iterator[Planned]:
-    """Flights that could be flown next: known motors in known configurations, calm, windy, ballasted, longer delays."""
+    """Possible next flights: known motors in known configurations, in calm or wind, with ballast, with longer
+    delays."""
     flights, found = model.flights, model.found
     last = {flight.config: flight for flight in flights}
     motors = {f"{item.motor.maker} {item.motor.designation}": row for row, item in enumerate(found)}
@@ -167,7 +167,7 @@ def options(model: Model) -> Iterator[Planned]:
 def _forecast(
     ahead: Model, side: Explanation
 ) -> tuple[Float[Array, "plan readout"], Float[Array, "plan readout readout"]]:
-    """Mean and covariance of the readouts of flights that are planned, as they are compared."""
+    """Mean and covariance of the readouts of planned flights, in the form that is compared."""
     at = side.fit.tangent.at
     terms = tuple(range(len(at)))
     (near,) = tangents(ahead, [(terms, at)], launch_angle_slope(ahead, at))
@@ -178,7 +178,7 @@ def _forecast(
 
 
 def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
-    """Covariance of the readouts of single flights about their expectation, scatter and reading."""
+    """Covariance of the readouts of single flights around their expectation: scatter and reading."""
     scatter = ahead.hyperprior.scales()[0][scale]
     raw = np.where(
         np.arange(len(OBSERVED_READOUTS)) == OBSERVED_READOUTS.index("apogee_to_eject"), 1.0, np.exp(near.values)
@@ -193,7 +193,7 @@ def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout 
 
 
 def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:
-    """The fitted model on flights that are planned: the same unknowns, acting there as they would."""
+    """The fitted model for planned flights: the same terms with their weights on those flights."""
     flights = [*model.flights, *(flight for _, flight, _ in plans)]
     found = [*model.found, *(motor for *_, motor in plans)]
     wide = rocket_model(flights, found, side.places)

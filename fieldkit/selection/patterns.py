@@ -1,8 +1,8 @@
-"""Patterns that no effect explains: single days, the hour, a lasting change, a site, whatever was written down.
+"""Patterns that no effect explains: single days, the hour, a lasting change, a site, any recorded condition.
 
-What goes with a number may do so in any smooth way: a Gaussian process of that number, written as the few independent
-components that it has at the flights flown (Karhunen and Loeve; Rasmussen and Williams, Gaussian Processes for Machine
-Learning, 2006, section 4.3), which at other flights are what those flights' numbers make of them (Nystroem).
+A pattern in a number is any smooth function of it: a Gaussian process, expressed by its few independent components at
+the flown flights (Karhunen and Loeve; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, section
+4.3) and extended to other flights by the Nystroem method.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -17,24 +17,24 @@ from fieldkit.selection.covariates import known_before, own_numbers
 from fieldkit.shapes import Array, Float
 
 Weigh = Callable[[Sequence[Flight]], Array]
-"""How strongly a pattern acts on each of a rocket's flights, in the order flown, planned ones after them; of a pattern
-with several components a column for each."""
+"""The weight of a pattern on each of a rocket's flights in the order flown, planned ones last; one column per
+component."""
 Kind = Mapping[str, Weigh]
-"""Patterns of one kind by name."""
+"""Patterns of one kind, by name."""
 ODD_DRAG = 0.15
-"""Prior standard deviation of the log drag of a pattern. [1]"""
+"""Prior standard deviation of the log drag in a pattern. [1]"""
 SMOOTH_LENGTH = 1.0
-"""Length over which a smooth pattern changes, in standard deviations of the number that it goes with. [1]"""
+"""Correlation length of a smooth pattern, in standard deviations of its number. [1]"""
 NEGLIGIBLE_VARIANCE = 0.03
-"""Fraction of its variance below which a component of a smooth pattern is left out. [1]"""
+"""Components of a smooth pattern below this fraction of its variance are left out. [1]"""
 MAX_COMPONENTS = 4
-"""Components of a smooth pattern. [1]"""
+"""Maximum number of components of a smooth pattern. [1]"""
 MOST_VALUES = 6
-"""Different texts in a column of the flyer's own up to which it is taken to sort flights. [1]"""
+"""A column of the flyer's table with at most this many different texts defines groups of flights. [1]"""
 
 
 def pattern_candidates(model: Model) -> list[Candidate]:
-    """Patterns in thrust, drag and mass that no effect accounts for, each kind with the same odds."""
+    """Patterns in thrust, drag and mass that no effect explains, each kind with the same odds."""
     kinds = known_patterns(model.flights)
     return [
         Candidate(Place("", where), _odd(where, weigh(model.flights)), log_share=float(-np.log(len(kind) * len(kinds))))
@@ -44,7 +44,7 @@ def pattern_candidates(model: Model) -> list[Candidate]:
 
 
 def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
-    """A pattern that the first so many flights of a model show, as unknowns of all of them; none if they do not."""
+    """A pattern found in a model's first `flown` flights, as terms of all its flights; none if they do not show it."""
     for kind in known_patterns(model.flights[:flown]):
         if place.where in kind:
             return _odd(place.where, _weighed(kind[place.where], model, flown))
@@ -52,21 +52,21 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
 
 
 def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
-    """How strongly a pattern acts on the flights flown, and on each plan as if those before its turn were its like."""
+    """The weight of a pattern on the flown flights, and on each plan as if the earlier plans were like it."""
     past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
     ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
     return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 
 
 def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
-    """What flights may have in common: single days, the hour, a lasting change between two flights, every second or
-    third flight, a site, a condition that was written down, and what else the flyer's own table has a column for, if
-    that was so before lift-off (`fieldkit.selection.covariates`)."""
+    """Patterns that flights may have in common: single days, the hour, a lasting change between two flights, every
+    second or third flight, a site, a recorded condition, and other columns of the flyer's table that were known before
+    lift-off (`fieldkit.selection.covariates`)."""
     return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind]
 
 
 def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
-    """Patterns in the order and the hours of flying."""
+    """Patterns in the order and hours of flights."""
     yield {f"the day {day}": _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
     hours = _hours(flights)
     if np.isfinite(hours).all() and hours.std() > 1:
@@ -106,7 +106,7 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
 
 
 def _shared(labels: Sequence[str]) -> list[str]:
-    """Labels that at least two flights have and two do not."""
+    """Labels that at least two flights have and at least two do not."""
     return [label for label in dict.fromkeys(labels) if label and 2 <= labels.count(label) <= len(labels) - 2]
 
 
@@ -123,12 +123,12 @@ def _every(n: int, first: int) -> Weigh:
 
 
 def _standard(read: Weigh, mean: float, sd: float) -> Weigh:
-    """A column minus its mean, nothing if it was not recorded."""
+    """A column minus its mean; zero for flights without a value."""
     return lambda some: np.nan_to_num((read(some) - mean) / sd)
 
 
 def _smooth(read: Weigh, column: Float[Array, "flown"]) -> Weigh:
-    """A Gaussian process of a number with unit variance, by the components that it has where it was flown."""
+    """A Gaussian process of a number with unit variance, expressed by its components at the flown flights."""
     middle, spread = float(column.mean()), float(column.std()) or 1.0
 
     def kernel(one: Array, other: Array) -> Array:
@@ -167,7 +167,7 @@ def _hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 
 
 def _odd(name: str, weight: Array) -> tuple[Term, ...]:
-    """Drag, thrust and mass that differ without a reason given; of a smooth pattern drag alone."""
+    """Terms for a change in drag, thrust and mass; only drag for a smooth pattern."""
     if weight.ndim == 2:
         return tuple(
             Term(f"drag {number} with {name}", "drag", 0.0, ODD_DRAG, weight[:, number])

@@ -1,10 +1,10 @@
-"""The prior probability of a set of effects, the same for the fit and for the networks.
+"""The prior probability of a set of effects, common to the fit and the networks.
 
-Each effect is in a rocket's model or out of it, independently of all others (spike and slab; Mitchell and Beauchamp,
-Journal of the American Statistical Association 83, 1988). Families of effects, and `UNEXPLAINED` as one more, are
-equally probable, and a family's probability is shared equally by its effects. So another effect file takes from its own
-family alone: the odds of every set without that family are what they were, the expected number of effects stays, and an
-effect that some flights could not show changes nothing there.
+Each effect is in a rocket's model or not, independently of all others (spike and slab; Mitchell and Beauchamp, Journal
+of the American Statistical Association 83, 1988). Families of effects, including `UNEXPLAINED`, are equally probable,
+and the effects of a family share its probability equally. So a new effect file changes only its family: the odds of
+every set without that family and the expected number of effects stay the same, and an effect that some flights cannot
+show does not change their verdict.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,18 +14,18 @@ from typing import get_args
 from fieldkit.physics.effect import Effect, Family, effects
 
 NO_EFFECT_PROBABILITY = 0.5
-"""Prior probability that nothing is missing from a rocket's model: as likely as not. [1]"""
+"""Prior probability that nothing is missing from a rocket's model. [1]"""
 UNEXPLAINED = "unexplained"
-"""A residual process that no effect accounts for."""
+"""Name of a pattern that no effect explains."""
 FAMILIES: tuple[Family, ...] = get_args(Family)
 FAMILY_PROBABILITY = 1 - NO_EFFECT_PROBABILITY ** (1 / (len(FAMILIES) + 1))
-"""Prior expectation of the number of effects of one family. [1]"""
+"""Prior expected number of effects in one family. [1]"""
 
 
 def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> dict[str, float]:
-    """Prior probability that each effect is there, and that something unexplained is, by the names verdicts speak of.
+    """Prior probability that each effect, and something unexplained, is present, by their names in verdicts.
 
-    Forms of an effect share its probability. `catalogue` is by default every effect there is.
+    Forms of an effect share its probability. `catalogue` is by default every installed effect.
     """
     known = effects() if catalogue is None else catalogue
     family = {effect.form_of or name: effect.family for name, effect in known.items()}
@@ -36,6 +36,6 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
 
 
 def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:
-    """Log of the prior probability of a set over that of nothing, whatever other families hold. [nat]"""
+    """Log prior odds of a set against no effect, independent of other families. [nat]"""
     known = inclusion_probabilities(catalogue)
     return sum(log(known[name]) - log1p(-known[name]) for name in names)

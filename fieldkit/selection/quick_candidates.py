@@ -1,4 +1,4 @@
-"""Candidates of a quick look: every effect in every place, and patterns in drag or in mass."""
+"""Candidates of the quick search: every effect in every place, and patterns in drag or in mass."""
 
 from collections.abc import Sequence
 
@@ -9,13 +9,13 @@ from fieldkit.selection.candidates import Candidate, Place, effect_candidates
 from fieldkit.selection.patterns import known_patterns
 
 PATTERN_SDS = {"drag": 0.2, "mass": 0.1}
-"""Standard deviation of the drag (by logarithm) or mass (by ratio) that a pattern may shift. [1]"""
+"""Prior standard deviations of a pattern's shift of log drag and of relative mass. [1]"""
 
 
 def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
-    """Candidates of a model whose first flights have flown, those of `used_in_fit`; the rest are plans.
+    """Candidates for a model whose first flights, those in `used_in_fit`, have flown; the rest are plans.
 
-    Each acts on plans as it would if they flew next. Patterns of several components are left to the loop.
+    Each acts on plans as if they flew next. Only the full search tries patterns with several components.
     """
     flown = len(used_in_fit)
     past = np.array([*used_in_fit, *[False] * (len(model.flights) - flown)], bool)

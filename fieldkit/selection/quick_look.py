@@ -1,7 +1,7 @@
-"""A quick look at a rocket: what its model may lack, by the network of whole histories and no search.
+"""The quick search for missing effects of a rocket by the history network.
 
-The probabilities are the network's. Strengths, evidence and errors on flights left out are those of one linear fit,
-with each effect where it is most at home.
+The probabilities come from the network. Strengths, evidence and leave-one-out errors come from one linear fit, with
+each effect in its most probable place.
 """
 
 from collections.abc import Sequence
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 SIMILAR_ODDS = 0.5
-"""Probability over that of the verdict's effect from which on another is named beside it. [1]"""
+"""Another effect is named as an alternative if the ratio of its probability to the verdict's is at least this. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class QuickCandidate:
-    """An effect with its probability, its log Bayes factor by a linear fit, its likeliest place and strength there, and
-    errors of flights left out with it."""
+    """An effect with its probability, its log Bayes factor from a linear fit, its most likely place and strength, and
+    leave-one-out errors with it."""
 
     effect: str
     probability: float
@@ -51,10 +51,10 @@ class QuickCandidate:
 
 @dataclass(frozen=True, slots=True)
 class QuickLook:
-    """What the network says of a rocket; `candidates` are the likeliest first.
+    """The network's answer for a rocket; `candidates` are in descending order of probability.
 
-    `effect`, `confidence`, `why` and `also` as in a verdict of the loop. `before` are errors of flights left out by
-    the plain model. `untrained` are effects on file that the network was not trained with.
+    `effect`, `confidence`, `why` and `also` are as in a verdict of the loop. `before` are the plain model's
+    leave-one-out errors. `untrained` are installed effects that the network was not trained with.
     """
 
     rocket: str
@@ -70,7 +70,7 @@ class QuickLook:
 
     @property
     def after(self) -> Score:
-        """Errors of flights left out with the verdict's most probable effect, else those before."""
+        """Leave-one-out errors with the verdict's most probable effect, or else of the plain model."""
         first = self.effect.split("+")[0]
         return next((one.after for one in self.candidates if one.effect == first), self.before)
 
@@ -117,7 +117,7 @@ def quick_look(
 
 
 def _verdict(said: QuickAnswer) -> tuple[str, float]:
-    """What the costs of a false and a missed name ask for, as in `fieldkit.selection.verdict`, and its probability."""
+    """The verdict of lowest expected cost, as in `fieldkit.selection.verdict`, and its probability."""
     ranked = sorted(said.inclusion, key=lambda name: -said.inclusion[name])
     likely = [name for name in ranked if said.inclusion[name] > NAMING_PROBABILITY]
     if likely:
@@ -158,13 +158,13 @@ def _candidate(said: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandid
 
 
 def _root(mean: float, sd: float) -> tuple[float, float]:
-    """Mean and standard deviation of a strength whose square is fitted."""
+    """Mean and standard deviation of a strength from those of its fitted square."""
     fitted = max(mean, sd / 10, 1e-12)
     return float(np.sqrt(fitted)), float(sd / (2 * np.sqrt(fitted)))
 
 
 def _left_out_with(summary: HistorySummary, trials: Trials, row: int) -> Score:
-    """Errors of flights left out, one trial's direction in the model beside the other terms."""
+    """Leave-one-out errors with one trial's direction added to the model."""
     linear, data = summary.selection, summary.data
     model = linear.fit.model
     own = summary.candidates[trials.candidate[row]].terms[0]

@@ -20,8 +20,8 @@ from fieldkit.shapes import Array, Flags, Float
 class Pattern:
     """Correlation of a readout's residuals with a column of the flights.
 
-    `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups; `p_alone` is
-    the chance of one as large if nothing is, `p` the same after paying for everything looked at (Holm, 1979).
+    `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups. `p_alone` is the
+    p-value of a single test, `p` the p-value corrected for all tests (Holm, 1979).
     """
 
     against: str
@@ -33,11 +33,11 @@ class Pattern:
 
 @dataclass(frozen=True, slots=True)
 class ResidualDistribution:
-    """How one readout's residuals are distributed, in units of their expected scatter.
+    """The distribution of one readout's residuals, in units of their expected scatter.
 
-    `bias` and `spread` are mean and standard deviation (0 and 1 if the model is right), `autocorrelation`
-    is between one flight and the next. Each comes with the chance of one as far off if the model is right: by
-    Student's t, by chi squared, and by shuffling the flights. nan if fewer than four flights have the readout.
+    `bias` and `spread` are mean and standard deviation (0 and 1 if the model is right), and `autocorrelation` is at lag
+    1. Each has a p-value: by Student's t, by chi-squared, and by shuffling the flights. nan if fewer than four flights
+    have the readout.
     """
 
     readout: str
@@ -51,36 +51,35 @@ class ResidualDistribution:
 
 
 SHUFFLES = 2000
-"""Random orders of the flights that an autocorrelation is compared with. [1]"""
+"""Number of random orders of the flights for the p-value of an autocorrelation. [1]"""
 
 
 def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
-    """Every readout of every flight less its forecast from the other flights, in expected standard deviations.
-
-    nan if it was not recorded or is not used in the fit.
+    """Every readout of every flight minus its leave-one-out forecast, in expected standard deviations. [1] nan if it
+    was not recorded or is not used in the fit.
     """
     return standardised(diagnosis.base.left_out, diagnosis.data.seen)
 
 
 def standardised(left_out: LeaveOneOut, seen: Flags) -> Float[Array, "flight readout"]:
-    """Residuals of flights left out, averaged over the scales of scatter; nan if nothing was seen."""
+    """Leave-one-out residuals averaged over the scales of scatter; nan if not observed. [1]"""
     residual = np.einsum("sf,sfo->fo", forecasts_of(left_out).weight, left_out.residual)
     return np.where(seen, residual, np.nan)
 
 
 def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
-    """The apogee's residuals alone."""
+    """The residuals of the apogee. [1]"""
     return readout_residuals(diagnosis)[:, 0]
 
 
 def spreads(diagnosis: Diagnosis) -> list[ResidualDistribution]:
-    """Bias, spread and autocorrelation in time of every readout that was recorded."""
+    """Bias, spread and lag-1 autocorrelation of every recorded readout."""
     columns = zip(OBSERVED_READOUTS, readout_residuals(diagnosis).T, strict=True)
     return [spread_of(name, column[np.isfinite(column)]) for name, column in columns if np.isfinite(column).any()]
 
 
 def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistribution:
-    """How residuals in the order flown are distributed, and how likely that is by chance."""
+    """The distribution of residuals in the order flown, with p-values."""
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
@@ -101,7 +100,7 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
 
 
 def _variance_p(error: Float[Array, "flight"]) -> float:
-    """Chance of a variance as far from one, to either side, by chi squared."""
+    """Two-sided p-value of a variance by chi-squared. [1]"""
     from scipy.special import chdtr, chdtrc
 
     freedom, squares = len(error) - 1, float(((error - error.mean()) ** 2).sum())
@@ -109,22 +108,22 @@ def _variance_p(error: Float[Array, "flight"]) -> float:
 
 
 def _students_p(t: float, freedom: int) -> float:
-    """Chance of a Student t as far from zero, to either side."""
+    """Two-sided p-value of a Student t. [1]"""
     from scipy.special import stdtr
 
     return 2 * float(stdtr(freedom, -abs(t)))
 
 
 def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
-    """Correlation between one flight and the next."""
+    """Lag-1 autocorrelation. [1]"""
     off = error - error.mean(axis=-1, keepdims=True)
     return np.asarray((off[..., 1:] * off[..., :-1]).sum(axis=-1) / (off**2).sum(axis=-1))
 
 
 def fingerprint(trial: Trial) -> dict[str, float]:
-    """What an effect at its fitted strength does to each readout, averaged over the flights it acts on.
+    """The shift of each readout by an effect at its fitted strength, averaged over its flights.
 
-    By ratio (0.05 is 5 % more) for all but apogee to ejection, which is in seconds.
+    Shifts are relative (0.05 is 5% more) except for the time from apogee to ejection [s].
     """
     fit = trial.fit
     mean, _ = fit.moments()
@@ -135,12 +134,12 @@ def fingerprint(trial: Trial) -> dict[str, float]:
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:
-    """Every column against the apogee's residuals, the most informative first."""
+    """Correlations of every column with the apogee's residuals, the most informative first."""
     return _against(diagnosis, ("apogee",))
 
 
 def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
-    """Every column against the residuals of the other readouts, corrected over all of them together."""
+    """Correlations of every column with the residuals of the other readouts, corrected for all tests together."""
     return _against(diagnosis, OBSERVED_READOUTS[1:])
 
 
@@ -163,7 +162,7 @@ def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
 def associations(
     error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
-    """Each column's name, statistic and uncorrected p against residuals; nan is not recorded."""
+    """Each column's name, statistic and uncorrected p-value for some residuals; nan is not recorded."""
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
@@ -179,7 +178,7 @@ def associations(
 
 
 def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tuple[float, float]:
-    """Spearman's rank correlation, and by Student's t the chance of one as strong if there is none."""
+    """Spearman's rank correlation and its p-value by Student's t."""
     freedom = len(one) - 2
     correlation = float(np.corrcoef(ranks(one), ranks(other))[0, 1])
     t = correlation * np.sqrt(freedom / max((1 - correlation) * (1 + correlation), 1e-300))
@@ -187,8 +186,7 @@ def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tupl
 
 
 def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
-    """Kruskal and Wallis' H, corrected for ties, and by chi squared the chance of one as large if groups do not
-    differ."""
+    """Kruskal and Wallis' H, corrected for ties, and its p-value by chi-squared."""
     from scipy.special import chdtrc
 
     every = ranks(np.concatenate(parts))
@@ -201,13 +199,13 @@ def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
 
 
 def ranks(values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """The rank of each value from one on, the mean of theirs if several are equal."""
+    """The rank of each value, starting at 1; equal values have their mean rank. [1]"""
     _, kind, count = np.unique(values, return_inverse=True, return_counts=True)
     return np.asarray((np.cumsum(count) - (count - 1) / 2)[kind])
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """Chances corrected so that even one false alarm among all of them is as rare as said (Holm, 1979)."""
+    """p-values corrected for the probability of any false alarm among all tests (Holm, 1979)."""
     values = np.asarray(p, float)
     order = np.argsort(values, kind="stable")
     stepped = np.maximum.accumulate(values[order] * (len(values) - np.arange(len(values))))
@@ -223,7 +221,7 @@ def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
 
 
 def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
-    """Everything written down of the flights in numbers, and their number, hour and expected speed."""
+    """All recorded numbers of the flights, and their flight index, hour and expected speed."""
     flights = diagnosis.model.flights
     hours = [f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights]
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}

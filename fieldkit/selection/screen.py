@@ -1,9 +1,9 @@
-"""Which places of an effect are worth a fit, by what the readouts that are linear about a smaller model say of each.
+"""Screening of an effect's places before a fit, with readouts linear around a smaller model.
 
-An effect is flown once for each start, acting on every flight. In a place it acts on some of them, by their weights,
-and what adding it there does to the evidence follows in closed form from the smaller model's fit (a normal linear model
-with a few more unknowns; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So the cost of many
-places is that of multiplications, not of flights.
+An effect is simulated once for each start, acting on every flight. In a place it acts on some of them, by their
+weights, and the change in evidence follows in closed form from the smaller model's fit (a normal linear model with a
+few more parameters; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So more places cost
+multiplications, not simulations.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,22 +20,22 @@ from fieldkit.selection.candidates import Candidate, Place
 from fieldkit.shapes import Array, Float
 
 PLACE_WINDOW = 3.0
-"""Log posterior odds behind the best place of an effect from which on another is not fitted: one in twenty. [nat]"""
+"""Places of an effect below these log posterior odds against the best (one in twenty) are not fitted. [nat]"""
 NEGLIGIBLE_SCALE_WEIGHT = 1e-4
-"""Posterior weight of a pair of scales below which it is left out. [1]"""
+"""Pairs of scales below this posterior weight are left out. [1]"""
 MAX_PLACES = 4
-"""Places of an effect that are fitted. [1]"""
+"""Maximum number of places of an effect to fit. [1]"""
 
 Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
-"""By effect and start: the readouts of the model with it less those without, and their slope by its strength."""
+"""By effect and start: the shift of the readouts by the effect, and their derivative with respect to its strength."""
 
 
 @dataclass(frozen=True, slots=True)
 class Screened:
-    """The candidates of every effect that are worth a fit beside a model, each from the starts that are.
+    """The candidates of every effect to fit, each with its promising starts.
 
-    `steps` are the readouts about each of these starts, by place, as the smaller model and the effect flown alone have
-    them: the first step of a fit needs no other flights.
+    `steps` are the readouts around each of these starts, by place, from the smaller model and the separate simulation
+    of the effect, so that the first step of a fit needs no further simulations.
     """
 
     families: dict[str, list[Candidate]]
@@ -45,10 +45,10 @@ class Screened:
 def screened(
     families: Mapping[str, Sequence[Candidate]], near: Fit, worth: Mapping[str, float] | None = None
 ) -> Screened:
-    """Candidates that are worth a fit beside a model.
+    """The candidates to fit.
 
-    Places that are not have their part of the prior added to those that are, as far as they are probable. Effects whose
-    log Bayes factor against the model stays below their `worth` are left out.
+    The prior of omitted places is added to the fitted ones in proportion to their probability. Effects whose log Bayes
+    factor against the model is below their `worth` are left out.
     """
     columns = _columns(families, near)
     found = {}
@@ -64,7 +64,7 @@ def screened(
 
 
 def _about(one: Candidate, start: float, columns: Columns, near: Fit) -> Tangent:
-    """The readouts about a start of a candidate, those of the smaller model as they were without it."""
+    """The readouts around a start of a candidate, based on the smaller model's."""
     slope, shift = _added(one, start, columns, near)
     base = near.tangent
     at = np.concatenate([base.at, _begins(one, start)])
@@ -79,7 +79,7 @@ def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> lis
 
 
 def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
-    """Every effect flown from each of its starts, acting fully on every flight."""
+    """Simulations of every effect at each of its starts, acting fully on every flight."""
     model, base = near.model, tuple(range(len(near.model.terms)))
     wide, lanes, keys = model, [], []
     wanted: dict[int, tuple[Term, tuple[float, ...]]] = {}
@@ -105,7 +105,8 @@ def _moved(tangent: Tangent, near: Fit) -> tuple[Array, Array]:
 
 
 def _scored(one: Candidate, columns: Columns, near: Fit) -> tuple[float, Candidate]:
-    """A candidate's log posterior weight from its best start, up to what its family shares, with the starts kept."""
+    """A candidate's log posterior weight from its best start, up to a constant of its family, and the starts to
+    keep."""
     scores = [_gain(one, *_added(one, start, columns, near), start, near) + one.log_share for start in one.starts]
     kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
     return max(scores), replace(one, starts=tuple(kept))
@@ -114,7 +115,7 @@ def _scored(one: Candidate, columns: Columns, near: Fit) -> tuple[float, Candida
 def _added(
     one: Candidate, start: float, columns: Columns, near: Fit
 ) -> tuple[Float[Array, "flight readout own"], Float[Array, "flight readout"]]:
-    """What a candidate does to the readouts about a start: the slope by its terms, and the shift."""
+    """A candidate's effect on the readouts around a start: the derivatives with respect to its terms, and the shift."""
     bends = one.terms[0].bends
     if not isinstance(bends, Effect):
         slope = np.stack([_plain_slope(term, near) for term in one.terms], axis=-1)
@@ -125,14 +126,15 @@ def _added(
 
 
 def _begins(one: Candidate, start: float) -> Float[Array, "own"]:
-    """The terms of a candidate about a start: strengths of an effect all there, those of a pattern as expected."""
+    """The terms of a candidate at a start: strengths of an effect all at the start, those of a pattern at their
+    mean."""
     if all(isinstance(term.bends, Effect) for term in one.terms):
         return np.full(len(one.terms), start)
     return np.array([start, *(term.mean for term in one.terms[1:])])
 
 
 def _plain_slope(term: Term, near: Fit) -> Float[Array, "flight readout"]:
-    """What a unit of a term does that bends what a term of the plain model bends on every flight."""
+    """The effect of a unit of a term that acts on the same property as a term of the plain model on every flight."""
     usable = near.data.seen & np.isfinite(near.tangent.values)
     if term.bends in OBSERVED_READOUTS:
         return np.where(usable, term.weight[:, None] * (np.array(OBSERVED_READOUTS) == term.bends), 0.0)
@@ -147,9 +149,9 @@ def _gain(
     start: float,
     near: Fit,
 ) -> float:
-    """Log Bayes factor of a model with the candidate against the one without, the readouts linear. [nat]
+    """Log Bayes factor of a model with the candidate against the one without, for linear readouts. [nat]
 
-    About the start `x0` the readouts are those of the smaller model plus `shift + slope (x - x0)`.
+    Around the start `x0` the readouts are the smaller model's plus `shift + slope (x - x0)`.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
@@ -171,7 +173,7 @@ def _gain(
 
 
 def _left(miss: Array, sharpness: Array, slope: Array, covariance: Array) -> tuple[Array, Array]:
-    """What the smaller model leaves of misses, squared in standard deviations, and by how much its terms move."""
+    """Squared standardized residuals after the smaller model's terms are refitted, and the shift of its terms."""
     weighed = (sharpness @ miss[..., None])[..., 0]
     pull = weighed.reshape(len(weighed), -1) @ slope.reshape(miss.size, -1)
     moved = (covariance @ pull[..., None])[..., 0]

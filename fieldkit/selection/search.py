@@ -1,7 +1,7 @@
-"""Look for the probable sets of effects: each alone, and others beside those that are probable so far.
+"""The search for probable sets of effects: each alone, then others added to the probable sets.
 
-Which sets are looked at is all that is decided here (Occam's window: Madigan and Raftery, Journal of the American
-Statistical Association 89, 1994); what is not looked at has no probability, what is looked at has that of its evidence.
+The search only decides which sets are tried (Occam's window: Madigan and Raftery, Journal of the American Statistical
+Association 89, 1994). Sets that are not tried get no probability; the others get theirs from their evidence.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -23,30 +23,30 @@ from fieldkit.selection.screen import screened
 from fieldkit.selection.trial import Trial, fitted_again, try_all
 
 Families = Mapping[str, Sequence[Candidate]]
-"""Candidates by the effect that a verdict would speak of, patterns under no name."""
+"""Candidates by the effect's name in a verdict; patterns have an empty name."""
 
 MAX_EFFECTS = 4
-"""Effects in a set, as far as it is looked at. [1]"""
+"""Maximum number of effects in a set. [1]"""
 MAX_EXPANSIONS = 8
-"""Sets beside which others are tried. [1]"""
+"""Maximum number of sets to extend. [1]"""
 WINDOW = log(50.0)
-"""Log odds behind the most probable set from which on others are not tried beside a set: of those it would be part of
-what is probable at most in one case of fifty. [nat]"""
+"""A set is not extended below these log odds against the most probable set: its extensions would be probable in at most
+one case in fifty. [nat]"""
 SIMPLER_WINDOW = log(5.0)
-"""Log odds behind a set with less in it from which on nothing is tried beside a set: Occam's window leaves out what is
-less probable than something simpler, here with an allowance for effects that hide each other. [nat]"""
+"""A set is not extended below these log odds against one of its subsets: Occam's window excludes sets that are less
+probable than a simpler one, here with an allowance for effects that hide each other. [nat]"""
 SCREENING_ERROR = 3.0
-"""By how much the log evidence of a linear model may be too low. [nat]"""
+"""Allowance for error in the log evidence of a linear model. [nat]"""
 MAX_SEARCHES = 2
-"""Number of times all effects are tried, if trying them shows that the plain model had not found its best fit. [1]"""
+"""Maximum number of rounds of trials, which are repeated if they improve the plain model's fit. [1]"""
 SETTLED_CHANGE = 0.3
-"""Change of log evidence of the plain model below which it had. [nat]"""
+"""The plain model's fit has converged if its log evidence changes by less than this. [nat]"""
 SAMPLED_WINDOW = log(50.0)
-"""Log odds behind the most probable hypothesis up to which one is checked by importance sampling. [nat]"""
+"""Hypotheses within these log odds of the most probable one are checked by importance sampling. [nat]"""
 MAX_SAMPLED = 8
-"""Hypotheses that are. [1]"""
+"""Maximum number of hypotheses to check. [1]"""
 SEED = 19
-"""Of the draws, the same for every hypothesis."""
+"""Seed of the draws, the same for every hypothesis."""
 
 
 def explore(
@@ -78,7 +78,7 @@ def explore(
 
 
 def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> list[Hypothesis]:
-    """Effects that are given, each tried in all its places beside those before it where they are most at home."""
+    """Given effects, each tried in all its places together with the earlier ones in their most probable places."""
     found = [Hypothesis((), plain)]
     for name in given:
         (found,) = _expanded(found, data, {name: families[name]}, -np.inf).values()
@@ -88,10 +88,10 @@ def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> l
 def checked(
     posterior: SetPosterior, on_progress: ReportProgress = no_op, window: float = SAMPLED_WINDOW
 ) -> SetPosterior:
-    """The posterior with the evidence of its probable hypotheses checked against the simulator.
+    """The posterior with the evidence of its probable hypotheses checked by the simulator.
 
-    Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected
-    as the best one of it is, sets that are improbable as the largest part of them that was checked.
+    A hypothesis is probable if its log odds against the best are within `window`. Other places of a set get the
+    correction of its best one; improbable sets get the correction of their largest checked subset.
     """
     best = posterior.best().log_weight
     likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
@@ -113,12 +113,12 @@ def checked(
 
 
 def _checked_part(members: Members, checked_sets: Collection[Members]) -> Members:
-    """The largest part of a set among those that were checked, of several that which was the most probable."""
+    """The largest checked subset of a set; among several, the most probable one."""
     return max((own for own in checked_sets if own <= members), key=len)
 
 
 def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:
-    """The plain fit, which the trials help to find, and every candidate tried beside it."""
+    """The plain fit, which the trials may improve, and every candidate added to it."""
     plain = fit(model, data, outlier_flights=True)
     count = sum(len(family) for family in families.values())
     for turn in range(MAX_SEARCHES):
@@ -144,7 +144,7 @@ def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
 
 
 def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
-    """The most probable set beside which nothing was tried yet, None if none is probable enough."""
+    """The most probable set that is not yet extended; None if none is probable enough."""
     weight = {members: _weight(some) for members, some in sets.items()}
     least = max(weight.values()) - WINDOW
 
@@ -159,10 +159,10 @@ def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> M
 def _expanded(
     parents: Sequence[Hypothesis], data: Data, others: Families, best: float
 ) -> dict[Members, list[Hypothesis]]:
-    """Each of the other effects beside a set, whose effects are where they are most probable.
+    """Each other effect added to a set, with the set's effects in their most probable places.
 
-    What its other places are worth is taken to be as it was without the other effect. `best` is the log weight of the
-    most probable set.
+    The relative evidence of its other places is assumed to be the same as without the added effect. `best` is the log
+    weight of the most probable set.
     """
     parent = max(parents, key=lambda one: one.log_weight)
     elsewhere = _weight(parents) - parent.log_weight

@@ -1,4 +1,4 @@
-"""Candidates put to the flights: fitted side by side, beside the plain model or one that has effects already."""
+"""Trials of candidates: parallel fits of the plain model, or of one with effects, plus each candidate."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,26 +14,26 @@ from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
 from fieldkit.selection.screen import Screened
 
 MAX_RESTARTS = 3
-"""Trials from whose end a model is fitted again. [1]"""
+"""Number of trials from whose end points a model is refitted. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A candidate with the fit of a model that has it, perhaps beside others."""
+    """A candidate with the fit of a model that includes it, alone or with others."""
 
     candidate: Candidate
     fit: Fit
 
     @property
     def unit(self) -> str:
-        """Of the strength; empty for a pattern."""
+        """Unit of the strength; empty for a pattern."""
         bends = self.candidate.terms[0].bends if self.candidate.terms else ""
         return bends.unit if isinstance(bends, Effect) else ""
 
     def strength(self) -> tuple[float, float]:
         """Posterior mean and standard deviation of the strength, in the effect's unit.
 
-        Of an effect with a strength in every group, the root mean square over the groups.
+        For an effect with a strength in every group, it is the root mean square over the groups.
         """
         names = [term.name for term in self.candidate.terms]
         index = [self.fit.model.names.index(name) for name in names]
@@ -55,9 +55,10 @@ def try_all(
     near: Fit,
     on_progress: Callable[[float], None] | None = None,
 ) -> list[Trial]:
-    """Fit the candidates of every effect side by side, each from all its starts, from where a smaller model ended.
+    """Fit the candidates of every effect in parallel, each from all its starts, starting at the end point of a smaller
+    model.
 
-    Those whose evidence leaves them no say beside the best of their effect are dropped.
+    Candidates with negligible evidence compared with the best of their effect are dropped.
     """
     families = worthy.families
     if not families:
@@ -95,8 +96,8 @@ def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[
 
 
 def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
-    """A model fitted again from where the trials beside it ended: an effect that does nothing may have helped the
-    rest of the model to a better place, and must not get the credit."""
+    """A model refitted from the end points of its trials: an effect without influence may have led the other terms to a
+    better optimum and must not get the credit."""
     count = len(model.terms)
     best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
     likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]
@@ -106,7 +107,7 @@ def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) 
 
 
 def by_effect(candidates: Sequence[Candidate]) -> dict[str, list[Candidate]]:
-    """Candidates by the name of their effect, empty for patterns."""
+    """Candidates by the name of their effect; patterns have an empty name."""
     families: dict[str, list[Candidate]] = {}
     for candidate in candidates:
         families.setdefault(candidate.effect, []).append(candidate)

@@ -1,4 +1,4 @@
-"""What is left if no known effect accounts for it: what it goes with, in a sentence, and by how much."""
+"""Patterns that no known effect explains: a sentence with what they correlate with, and their size."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,14 @@ from fieldkit.shapes import Array, Flags, Float
 HOUR = "the hour of the day"
 """The name of the pattern."""
 SMOOTHLY = ", smoothly"
-"""The end of the name of a pattern that goes with a number in any smooth way."""
+"""Suffix of the name of a pattern that is a smooth function of a number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Leftover:
-    """Flights that differ from the others: which, by which fraction of the apogee, and how certain that is.
+    """Flights that differ from the others: which ones, by what fraction of the apogee, and its standard deviation.
 
-    `amount` and `sd` are of a ratio of apogees, less one; `where` marks the flights.
+    `amount` and `sd` refer to a ratio of apogees minus one; `where` marks the flights.
     """
 
     name: str
@@ -28,7 +28,7 @@ class Leftover:
 
     @property
     def in_words(self) -> str:
-        """`the 3 flights from North pad fly 6 % higher than the others (± 2 %)`."""
+        """`the 3 flights from North pad fly 6% higher than the others (± 2%)`."""
         count = int(self.where.sum())
         if not count:
             return f"misses follow {self.name}"
@@ -39,13 +39,13 @@ class Leftover:
 
 
 def leftover(diagnosis: Diagnosis) -> Leftover:
-    """What is left unexplained."""
+    """The unexplained pattern in a sentence."""
     nothing = Leftover("nothing that was recorded", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
     return _goes_with(diagnosis) or nothing
 
 
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
-    """What the apogees' residuals correlate with most: the strongest pattern, else the most informative column."""
+    """What the apogee's residuals follow most: the strongest pattern, or else the most informative column."""
     error = _shares(diagnosis)
     pattern = next((item for item in diagnosis.ranking if not item.effect), None)
     if pattern is not None and pattern.probability > 0.5:
@@ -68,7 +68,7 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
 
 
 def _shares(diagnosis: Diagnosis) -> Float[Array, "flight"]:
-    """Log of flown over forecast apogee of each flight left out, nan if it is not used in the fit."""
+    """Leave-one-out log ratio of flown to predicted apogee of each flight; nan if it is not used in the fit."""
     seen = diagnosis.data.seen[:, 0]
     return np.where(seen, diagnosis.data.values[:, 0] - np.log(diagnosis.forecasts_before.apogee), np.nan)
 

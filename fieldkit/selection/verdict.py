@@ -1,8 +1,8 @@
-"""The verdict: which effects to name, from the posterior and from what a false and a missed name cost.
+"""The verdict: which effects to name, from the posterior and the costs of a false and a missed name.
 
-To name an effect that is not there sends a flyer to fix what is not broken; to miss one costs little, for forecasts
-follow every effect as far as it is probable. A false name is taken to cost twice a missed one. Then the expected cost
-is least if what is more probable than `NAMING_PROBABILITY` is named, and nothing else.
+A false name sends a flyer to fix what is not broken. A missed name costs less, because forecasts average over all
+probable effects. A false name is assumed to cost twice as much as a missed one. The expected cost is then lowest if
+exactly the effects with more than `NAMING_PROBABILITY` are named.
 """
 
 from collections.abc import Sequence
@@ -14,20 +14,19 @@ from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
 
 COST_OF_FALSE_NAME = 2.0
-"""Cost of a false name over that of a missed one. [1]"""
+"""Ratio of the cost of a false name to that of a missed one. [1]"""
 NAMING_PROBABILITY = COST_OF_FALSE_NAME / (COST_OF_FALSE_NAME + 1.0)
-"""Posterior probability above which something is named. [1]"""
+"""Minimum posterior probability for a name. [1]"""
 CREDIBLE = 0.9
-"""Posterior probability of the sets among which the alternatives to a verdict are, that of every interval here. [1]"""
+"""Posterior probability of the credible sets that give a verdict's alternatives, the same as for all intervals. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """The verdict: an effect's name (several joined by `+`), "none" or "unexplained".
 
-    `confidence` is the posterior probability that the verdict is right: that all effects named are there, or one of
-    `also` in their place if only together they are probable enough. `accepted` are the effects named, each in its
-    place.
+    `confidence` is the posterior probability that the verdict is right: that all named effects are present, or one of
+    `also` instead if only their sum is probable enough. `accepted` are the named effects, each in its place.
     """
 
     effect: str
@@ -38,7 +37,7 @@ class Verdict:
 
 
 def verdict(posterior: SetPosterior) -> Verdict:
-    """The verdict of least expected cost."""
+    """The verdict of lowest expected cost."""
     chances = {name: chance for name, chance in posterior.inclusion.items() if name != UNEXPLAINED}
     named = [name for name, chance in chances.items() if chance > NAMING_PROBABILITY]
     if named:
@@ -54,12 +53,13 @@ def verdict(posterior: SetPosterior) -> Verdict:
 
 
 def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
-    """The verdict if a flyer says what is there."""
+    """The verdict if a flyer names the effects."""
     return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
 
 
 def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
-    """The fewest effects one of which is probable enough to be there, the most probable first; none if none are."""
+    """The smallest group of effects of which at least one is probably present, the most probable first; empty if there
+    is none."""
     group: list[str] = []
     while len(group) < len(names):
         rest = [name for name in names if name not in group]
@@ -70,7 +70,7 @@ def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
 
 
 def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, ...]:
-    """Effects, then whole sets of several, that stand in the place of those named in the credible sets."""
+    """Effects, then whole sets of several, that replace the named ones in the credible sets."""
     total, singles, joined = 0.0, [], []
     for members, chance in posterior.sets.items():
         if total > CREDIBLE:
@@ -94,7 +94,7 @@ def _named(posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...],
 
 
 def best_with(posterior: SetPosterior, names: Sequence[str]) -> Hypothesis:
-    """The most probable hypothesis that has all of these."""
+    """The most probable hypothesis with all of these."""
     sets: dict[Members, float] = {m: c for m, c in posterior.sets.items() if set(names) <= m}
     return posterior.best(max(sets, key=lambda members: sets[members]))
 
@@ -110,7 +110,7 @@ def _unexplained(posterior: SetPosterior) -> str:
 
 
 def in_words(accepted: Sequence[Trial]) -> str:
-    """One sentence to a flyer: what is missing, where, and how strong."""
+    """One sentence for a flyer: what is missing, on which flights, and how strong it is."""
     parts = []
     for trial in accepted:
         bends = trial.candidate.terms[0].bends
@@ -122,7 +122,7 @@ def in_words(accepted: Sequence[Trial]) -> str:
 
 
 def _measured(mean: float, sd: float, unit: str) -> str:
-    """A strength with its standard deviation: shares in per cent, all else in its unit."""
+    """A strength with its standard deviation: fractions in percent, everything else in its unit."""
     if unit.startswith("fraction"):
-        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
+        return f"{100 * mean:+.3g}% (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
     return f"{mean:.3g} (± {sd:.2g}) {unit}"

@@ -13,10 +13,10 @@ from fieldkit.services.forecasts import forecast_from_others, predict_plans
 from fieldkit.services.saved_forecasts import of_flight
 
 SURPRISING = 0.001
-"""Probability beyond which an apogee is questioned before it is saved: one good flight in five hundred. [1]"""
+"""Probability of a good flight's apogee being questioned before it is saved. [1]"""
 
 Interval = tuple[float, float, float]
-"""An apogee at 5, 50 and 95 %. [m]"""
+"""An apogee at 5, 50 and 95%. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Outcome:
 
     @property
     def inside(self) -> bool:
-        """Whether the flown apogee is inside the 90 % interval."""
+        """Whether the flown apogee is inside the 90% interval."""
         apogee = self.flight.apogee
         return apogee is not None and self.forecast[0] <= apogee <= self.forecast[2]
 

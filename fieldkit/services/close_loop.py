@@ -21,7 +21,7 @@ from fieldkit.services.forecasts import accepted_average, flown
 from fieldkit.services.plausible_flights import implausible_flights
 
 SAME_PROBABILITY = 0.01
-"""Difference of probabilities below which two averages are the same. [1]"""
+"""Two averages are the same if their probabilities differ by less than this. [1]"""
 
 
 def close_loop(
@@ -34,12 +34,11 @@ def close_loop(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a rocket's flights and predict from now on with an average over everything that is probable.
+    """Diagnose a rocket's flights and from now on predict with an average over all probable effects.
 
-    `given` are effects that the flyer knows to be there, and to which the average is pinned whatever the evidence,
-    `declined` those that are not there. A version is kept only if it differs from the one in use. Raises NoFlights
-    for fewer than four clean flights with an apogee, UnknownEffect for a given effect that these flights could not
-    show.
+    `given` are effects that the flyer knows to be present, whatever the evidence, and `declined` those known to be
+    absent. A version is saved only if it differs from the current one. Raises NoFlights for fewer than four clean
+    flights with an apogee, UnknownEffect for a given effect that these flights cannot show.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -65,9 +64,9 @@ def look(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Findings:
-    """Close the loop of a rocket and find everything that is reported of it, also by the logs of its flights.
+    """Diagnose a rocket and collect everything for a report, including the evidence of its flights' logs.
 
-    Raises as `close_loop`; nothing is changed unless `accept`.
+    Nothing changes unless `accept`. Raises the errors of `close_loop`.
     """
     diagnosis = close_loop(
         ledger,
@@ -84,7 +83,7 @@ def look(
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """Predict a rocket with what a diagnosis averages over, from now on; nothing if that is so already."""
+    """From now on predict a rocket with the sets of a diagnosis; does nothing if they are in use already."""
     if _same(diagnosis.averaged, accepted_average(ledger, rocket)):
         return
     if all(not places for _, places in diagnosis.averaged):
@@ -95,17 +94,17 @@ def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
 
 
 def _same(one: Averaged, other: Averaged) -> bool:
-    """Whether two averages are over the same sets, with probabilities that print the same."""
+    """Whether two averages have the same sets with the same printed probabilities."""
     plain: Averaged = ((1.0, ()),)
     first, second = ({places: chance for chance, places in some or plain} for some in (one, other))
     return first.keys() == second.keys() and all(abs(first[key] - second[key]) < SAME_PROBABILITY for key in first)
 
 
 def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
-    """What a model version holds: its effects with strengths, what it averages over, the flights behind it, errors, a
+    """The record of a model version: effects with strengths, the sets in the average, the flights used, errors, a
     digest.
 
-    `left` is what no effect accounts for.
+    `left` is the unexplained pattern.
     """
     payload: dict[str, Any] = {
         "effects": [

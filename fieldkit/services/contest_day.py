@@ -10,7 +10,7 @@ DAYS = "contest"
 
 
 def day_of(ledger: Ledger, year: int) -> Day:
-    """What was saved for the contest day of a season; empty at first."""
+    """The saved contest day of a season; empty if there is none."""
     kept = (ledger.draft(DAYS) or {}).get(str(year), {})
     window = kept.get("window")
     return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))

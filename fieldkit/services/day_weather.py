@@ -1,4 +1,4 @@
-"""The weather of the day, entered once: every plan and flight of that day starts from it."""
+"""The weather of the day, entered once as the default of every plan and flight of that day."""
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -10,7 +10,7 @@ from fieldkit.ledger import Ledger
 WEATHER_DRAFT = "weather of the day"
 """Name under which the ledger saves it."""
 WEATHER = ("wind", "temperature", "pressure", "humidity")
-"""Conditions that belong to the day and not to the rocket or the site."""
+"""Conditions of the day, not of the rocket or the site."""
 TYPED_AT = "at"
 """Key of the time at which the weather was entered, ISO 8601, local time."""
 
@@ -46,5 +46,5 @@ def signed_now(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 def answer_texts(flight: Flight, names: Sequence[str]) -> dict[str, str]:
-    """The known ones among some fields of a flight, as text to edit."""
+    """The recorded values among some fields of a flight, as text to edit."""
     return {name: text for name in names if (text := answer_text(flight, name))}

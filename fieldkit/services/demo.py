@@ -23,9 +23,9 @@ from fieldkit.services.inferred import FlightInference
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """What each step found: one entry a flight, or one a motor and configuration.
+    """The results of each step: one entry per flight, or one per motor and configuration.
 
-    `by_paper` is what the reference paper's ensemble says where `inferred` is what ours does.
+    `by_paper` is the answer of the reference paper's ensemble, `inferred` ours.
     """
 
     rocket: str
@@ -37,10 +37,7 @@ class Demo:
 
 
 def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo:
-    """Import, infer, predict, close the loop.
-
-    Raises LedgerError for a ledger that holds flights: it is somebody's.
-    """
+    """Import, infer, predict, close the loop. Raises LedgerError for a ledger that already has flights."""
     if count := len(ledger.flights()):
         raise LedgerError(f"{ledger.name}: found {count} flights, expected an empty or new ledger for the demo")
     on_progress("importing", 0.0)
@@ -59,12 +56,12 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:
-    """A plan for each motor and configuration that these flights name, flown together or not."""
+    """A plan for each combination of the flights' motors and configurations."""
     motors, configs = (sorted({getattr(flight, name) for flight in flights}) for name in ("motor", "config"))
     return [Flight(rocket=flights[0].rocket, config=config, motor=motor) for motor in motors for config in configs]
 
 
 def new_ledger_file(named: str | None) -> Path | None:
-    """The file of a named ledger that never existed: the demo makes it whole or not at all, whatever ends it."""
+    """The file of a ledger that does not exist yet; the demo creates it completely or not at all."""
     file = file_of(location(named)) if named else None
     return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None

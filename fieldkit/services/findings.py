@@ -1,4 +1,4 @@
-"""Everything reported of a closed loop, computed once: terminal, JSON and page show the same figures."""
+"""The findings of a closed loop, computed once, so that terminal, JSON and page show the same figures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,11 +32,11 @@ FORWARD_METHOD = (
     "(readouts linearized about the fits to all flights, which chose the effects averaged over)"
 )
 NEXT_FLIGHT_DRAWS = 400
-"""Draws of the forecast of the next flight. [1]"""
+"""Number of draws of the next flight's forecast. [1]"""
 WORTH_A_TEST = 0.02
-"""Probability of an alternative explanation below which no test against it is suggested. [1]"""
+"""Minimum probability of an alternative explanation for suggesting a test against it. [1]"""
 MAX_SHOWN_EFFECTS = 3
-"""Number of effects whose fingerprint is shown, and of tests that are suggested. [1]"""
+"""Number of effects with fingerprints, and of suggested tests. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +52,8 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class NextFlight:
-    """The last flight flown again: the apogee by the plain model and by the model average, with the latter's 90 %
-    interval. [m]"""
+    """Forecasts of repeating the last flight: the apogee by the plain model and by the model average, with the latter's
+    90% interval. [m]"""
 
     flight: Flight
     before: float
@@ -63,12 +63,12 @@ class NextFlight:
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """A diagnosis of a rocket with everything that is reported of it.
+    """A diagnosis of a rocket with all figures for a report.
 
-    `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
-    of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the
-    next. `next_flight` is what all this is worth on the flight after the last. `unexplained` is there if the
-    verdict is. `testimony` is what logs of the climb say, which had no part in the verdict.
+    `left_out` are leave-one-out errors, `forward` are errors of forecasts from earlier flights. `fingerprints` are
+    those of the accepted effects, or else of the most likely. `tests` would distinguish the most probable explanation
+    from the next. `next_flight` has the forecasts of the flight after the last. `unexplained` is set if the verdict is
+    "unexplained". `testimony` is the evidence of logs of the climb, which the verdict does not use.
     """
 
     rocket: str
@@ -94,8 +94,7 @@ def findings(
     on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """Everything that is reported of a diagnosis; `logs` are as returned by
-    `fieldkit.services.flight_logs.kept_logs`."""
+    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.kept_logs`."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
@@ -124,14 +123,14 @@ def findings(
 
 
 def _shown(diagnosis: Diagnosis) -> list[Trial]:
-    """The effects to show: the accepted ones first, then the likeliest."""
+    """The effects to show: first the accepted ones, then the most likely."""
     named = [item.best for item in diagnosis.ranking if item.effect]
     first = [trial for trial in named if trial.candidate.effect in diagnosis.effect.split("+")]
     return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
 def next_flight(diagnosis: Diagnosis) -> NextFlight:
-    """The forecast of the last flight flown again, before and after."""
+    """The forecasts of repeating the last flight, before and after."""
     history = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
     last, motor = history[-1]
     plan = [(last.with_changes(**dict.fromkeys(last.readouts()), tags=()), motor)]

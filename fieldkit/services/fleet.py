@@ -1,7 +1,7 @@
-"""What the other rockets of a ledger show of the terms they share with a rocket: the fleet's mean, and motor types.
+"""Information from a ledger's other rockets about the terms they share with a rocket: fleet means and motor types.
 
-Each rocket's message is saved in the ledger with a digest of its inputs, and computed again when its flights, its
-motors or the hyperprior change.
+Each rocket's message is saved in the ledger with a digest of its inputs. It is recomputed when its flights, its motors
+or the hyperprior change.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
-"""Significant digits of a saved figure: far more than a forecast needs. [1]"""
+"""Significant digits of a saved figure. [1]"""
 
 FlownFlights = Sequence[tuple[Flight, Found]]
 
@@ -65,7 +65,7 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
 
 
 def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
-    """A rocket's own fit, from the ledger if it is up to date."""
+    """A rocket's separate fit, from the ledger if it is up to date."""
     from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)
@@ -75,7 +75,7 @@ def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hy
     made = rocket_fit(flown, hyperprior)
     try:
         ledger.keep_draft(MESSAGE_PREFIX + rocket, {"digest": digest, **_written(made)})
-    except LedgerError:  # one that cannot be written to is slower and no less right
+    except LedgerError:  # a read-only ledger is slower, but the result is the same
         return made
     return made
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 DRAWS = 4000
-"""Draws of a posterior for its plot. [1]"""
+"""Number of draws of a posterior for its plot. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class DragFacts:
 
 @dataclass(frozen=True, slots=True)
 class ForecastFacts:
-    """The forecast apogee at 5, 50 and 95 % [m], with its source and time."""
+    """The forecast apogee at 5, 50 and 95% [m], with its source and time."""
 
     low: float
     middle: float
@@ -38,7 +38,7 @@ class ForecastFacts:
 
 
 def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFacts:
-    """The posterior of a flight by itself. Raises FieldkitError if it can have none."""
+    """The posterior from a single flight. Raises FieldkitError if there is none."""
     import numpy as np
 
     from fieldkit.errors import ImpossibleFlight
@@ -57,8 +57,8 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
 
 
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
-    """The forecast saved before a flight, else a forecast from the other flights now. Raises FieldkitError if there can
-    be none."""
+    """The forecast saved before a flight, or else a forecast from the other flights. Raises FieldkitError if there is
+    none."""
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.services.forecasts import forecast_from_others
     from fieldkit.services.saved_forecasts import of_flight
@@ -75,7 +75,7 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> For
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
-    """The result, or in one line why there is none: not an error, and no notice."""
+    """The result, or the reason in one line, without an error or a notice."""
 
     def tried() -> T | str:
         try:

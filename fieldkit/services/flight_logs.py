@@ -8,15 +8,15 @@ from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.services.replay import recording_of
 
 MAX_LOGS = 6
-"""Number of the latest logs that are read: each takes up to half a second."""
+"""Number of the latest logs to read, which take up to half a second each."""
 OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs; only those are read"
 
 
 def recorded_logs(
     ledger: Ledger, diagnosis: Diagnosis, on_progress: ReportProgress = no_op
 ) -> dict[str, Recorded | str]:
-    """The climb in the log of each flight behind a diagnosis, by flight id, or the reason why there is none. The latest
-    are read, the others are `OLDER_LOGS_NOTE`."""
+    """The climb in the log of each flight in a diagnosis, by flight id, or the reason there is none. Only the latest
+    logs are read; the others have `OLDER_LOGS_NOTE`."""
     seen = diagnosis.data.seen[:, 0]
     flights = [flight for flight, teaches in zip(diagnosis.model.flights, seen, strict=True) if teaches]
     logged = [flight for flight in flights if flight.log or "log_format" in flight.extra]

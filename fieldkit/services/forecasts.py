@@ -28,15 +28,15 @@ if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
 QUANTILE_COUNT = 40
-"""Equally likely apogees that represent a saved prediction: enough for probabilities to 2.5 %. [1]"""
+"""Number of equally likely apogees in a saved prediction, enough for probabilities to 2.5%. [1]"""
 Which = Literal["before", "after"]
 
 
 def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket that the simulator can fly, in order, each with its motor.
+    """The flights of a rocket that can be simulated, in order, each with its motor.
 
-    Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a remark
-    on each of the latter.
+    Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a note on
+    each implausible one.
     """
     flights = ledger.flights(rocket)
     ledger.remark(*implausible_flights(flights, motors))
@@ -44,8 +44,7 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, 
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The named rocket, flown or started from a design, or the rocket flown last. Raises NoFlights that lists the
-    rockets."""
+    """The named rocket, flown or with a design, or the rocket flown last. Raises NoFlights with the list of rockets."""
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
@@ -57,21 +56,21 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
 
 
 def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
-    """The sets of effects that a rocket's forecasts average over, now or before the loop; empty for the plain model."""
+    """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model."""
     version = ledger.active_version(rocket) if which == "after" else None
     return version_average(version.payload) if version else ()
 
 
 def version_average(payload: Mapping[str, Any]) -> Averaged:
-    """The sets of effects that a model version averages over, most probable first; for a version older than averaging,
-    its one set."""
+    """The sets of effects in a model version's average, the most probable first; one set for a version from before
+    averaging."""
     if "averaged" not in payload:
         return ((1.0, version_places(payload)),)
     return tuple((float(one["probability"]), _places(one["places"])) for one in payload["averaged"])
 
 
 def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
-    """The effects of a model version, and its pattern in the residuals if any, each in its place."""
+    """The effects of a model version and its pattern in the residuals, if any, each in its place."""
     entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
     return _places(entries)
 
@@ -89,7 +88,7 @@ def version_adds(payload: Mapping[str, Any]) -> str:
 
 
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
-    """The starting design of a plan's configuration; the rocket's only saved one if there is just one."""
+    """The design of a plan's configuration, or the rocket's only saved design."""
     return start_among(ledger.starts(plan.rocket), plan)
 
 
@@ -105,10 +104,9 @@ def predict_plans(
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and saved in the ledger.
 
-    With `decided` the flyer means to fly them: keeping is a change that can be undone, and the next flight that is
-    typed in starts from the plan. `on_progress` hears of the other rockets that are
-    fitted first. Raises UnknownMotor, NoFlights for a plan that names no rocket when none was flown, and
-    ImpossibleFlight for one without a mass.
+    With `decided`, the flyer intends to fly them: saving is a change that can be undone, and the next flight to be
+    entered starts from the plan. `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights
+    for a plan without a rocket if none has flown, and ImpossibleFlight for a plan without a mass.
     """
     answers: dict[int, Prediction] = {}
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
@@ -163,7 +161,7 @@ def _keep(
 
 
 def used_version(ledger: Ledger, rocket: str) -> int:
-    """The number of the model version in use for a rocket, 0 for the plain one."""
+    """The number of a rocket's current model version, 0 for the plain model."""
     active = ledger.active_version(rocket)
     return active.number if active else 0
 

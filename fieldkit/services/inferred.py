@@ -1,7 +1,7 @@
-"""Drag and thrust of single flights, by the forecast model or by an ensemble with a prior of its own.
+"""Drag and thrust of single flights, from the forecast model or from an ensemble with a separate prior.
 
-Each flight is taken alone, with the message of the user's other rockets: the network of whole histories gets a history
-of that one flight. The field ensemble, which sees only the flight, warns about readouts far from its training data.
+Each flight is used alone, with the message of the user's other rockets: the history network gets a history with one
+flight. The field ensemble, which uses only the flight, warns about readouts far from its training data.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,21 +25,21 @@ if TYPE_CHECKING:
     from fieldkit.model.shared_prior import SharedPrior
 
 Model = Literal["history", "field", "paper"]
-"""The available models: the network of whole histories, the field ensemble, the reference paper's."""
+"""The available models: the history network, the field ensemble, the reference paper's ensemble."""
 FIT_SHARE = 0.5
-"""Part of the progress that fitting the other rockets takes, if none is cached. [1]"""
+"""Fraction of the progress for fitting the other rockets if none is cached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class InferredFlights:
-    """The inferred flights with their ids, and the reasons why others were left out."""
+    """The inferred flights with their ids, and the reasons for leaving out others."""
 
     inferred: Sequence[Inferred]
     ids: Sequence[str]
     left_out: Sequence[str]
 
     def warnings(self) -> Iterator[tuple[str, list[str]]]:
-        """Every warning, and the flights that it is about."""
+        """Every warning, and its flights."""
         for warning in dict.fromkeys(line for one in self.inferred for line in one.warnings):
             yield warning, [id for id, one in zip(self.ids, self.inferred, strict=True) if warning in one.warnings]
 
@@ -81,7 +81,7 @@ class FlightInference:
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
-        """The network's answer for each flight alone; `infer` must not leave any of them out."""
+        """The network's answer for each flight alone; `infer` must not leave out any."""
         from fieldkit.forecast.at_once import each_at_once
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
@@ -105,7 +105,7 @@ def _log_normal(mean: float, sd: float) -> tuple[float, float]:
 
 
 def draws(flight: Flight, said: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """Draws of a flight's drag area [m^2] and thrust factor [1] as the network has them."""
+    """The network's draws of a flight's drag area [m^2] and thrust factor [1]."""
     sds = np.array([said.log_cd[1], said.log_alpha[1]])
     covariance = np.outer(sds, sds) * np.array([[1.0, said.correlation], [said.correlation, 1.0]])
     means = (said.log_cd[0], said.log_alpha[0])

@@ -23,7 +23,7 @@ MAX_LISTED_FLIGHTS = 50
 
 @dataclass(frozen=True, slots=True)
 class ListedFlight:
-    """A flight of the ledger with its id, and the forecast that was saved for it, if any."""
+    """A flight of the ledger with its id, and its saved forecast, if any."""
 
     id: str
     flight: Flight
@@ -62,8 +62,8 @@ def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
 
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
-    """The next flight as planned, else the last flown rocket of known mass in today's weather; None without flights and
-    plan."""
+    """The planned next flight, or else the last flown rocket with a known mass in today's weather; None without flights
+    and plan."""
     draft = ledger.draft(PLAN_DRAFT) or {}
     if not flights and not draft:
         return None
@@ -74,7 +74,7 @@ def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
 
 
 def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlight]:
-    """The latest of all flights of a ledger, newest first, before their forecasts are read."""
+    """The latest flights of a ledger, newest first, without their forecasts."""
     latest = flights[-MAX_LISTED_FLIGHTS:]
     return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(latest), latest, strict=True)][::-1]
 
@@ -115,7 +115,7 @@ def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", pl
 
 
 def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
-    """The fields of a plan from what was typed, as the ledger saves it, with the motor's temperature."""
+    """The fields of a plan from the entered answers, in the form saved in the ledger, with the motor's temperature."""
     values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
     warm = texts.get(MOTOR_TEMPERATURE, "")
     return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 FlownFlights = list[tuple[Flight, Found]]
 
 FULL_ROUNDS, FULL_STEPS = 4, 25
-"""Rounds of linearization, and steps in each, for the fit to all flights. [1]"""
+"""Number of linearizations, and steps for each, in the fit to all flights. [1]"""
 LEFT_OUT_ROUNDS, LEFT_OUT_STEPS = 1, 12
-"""The same for a fit without one rocket, started from the fit to all: one rocket in forty changes little."""
+"""The same for a fit without one rocket, which starts from the fit to all, because one rocket changes little."""
 
 
 @dataclass(frozen=True, slots=True)

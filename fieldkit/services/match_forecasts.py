@@ -1,4 +1,4 @@
-"""Which forecast a flight is measured against: the one made for it, or for a flight like it just before."""
+"""The forecast that a flight is compared with: the one made for it, or a recent one for a similar flight."""
 
 from collections.abc import Callable, Sequence
 from datetime import datetime, time, timedelta
@@ -15,18 +15,18 @@ from fieldkit.services.provenance import plan_changes, plan_parts
 def made_for(
     flights: Sequence[Flight], predictions: Sequence[StoredPrediction], motors: Catalogue
 ) -> list[StoredPrediction | None]:
-    """The forecast of each flight as it was said beforehand, None if nothing was.
+    """The forecast of each flight from before it flew; None if there is none.
 
-    One that names the flight wins; of several the last. Else it is one of the same rocket, configuration and motor
-    made in the two weeks before the flight: that whose mass and conditions are most like the flight's, then the
-    last. One that rests on the flight was not made beforehand.
+    The latest forecast that names the flight has priority. Otherwise it is a forecast for the same rocket,
+    configuration and motor from the two weeks before the flight: the one with the most similar mass and conditions,
+    then the latest. Forecasts that used the flight are excluded.
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
     unnamed: dict[tuple[str, str, object], list[StoredPrediction]] = {}
     for one in predictions:
         if "apogee_m" not in one.payload:
-            continue  # a replay of what would have been said
+            continue  # a replayed forecast
         if one.flight_id:
             named.setdefault((one.rocket, one.flight_id), []).append(one)
         else:
@@ -44,12 +44,12 @@ def made_for(
 
 
 def in_time(prediction: StoredPrediction, flight: Flight) -> bool:
-    """Whether a forecast was made in the two weeks before a flight, or in its minute; a date alone means the end of
-    that day."""
+    """Whether a forecast was made in the two weeks before a flight, or in the same minute; a date without a time means
+    the end of that day."""
     if flight.date_time is None:
         return False
     whole_day = flight.date_time.time() == time()
-    made = _local(prediction.at).replace(second=0, microsecond=0)  # a flight typed in has no seconds
+    made = _local(prediction.at).replace(second=0, microsecond=0)  # a typed time has no seconds
     passed = flight.date_time - made + timedelta(days=1) * whole_day
     return timedelta() <= passed <= LAPSES
 
@@ -75,7 +75,7 @@ def resolved(motors: Catalogue, flight: Flight) -> Found | None:
 
 
 def _motors(motors: Catalogue) -> Callable[[str], object]:
-    """The motor that a text means, without its delay; else the text."""
+    """The motor that a text names, without its delay; the text if there is none."""
 
     @cache
     def motor_of(text: str) -> object:

@@ -20,22 +20,22 @@ from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
 RECENT_FORECASTS = 10
-"""Number of latest forecasts of a rocket whose outcomes are counted. [1]"""
+"""Number of a rocket's latest forecasts to count. [1]"""
 OUTSIDE_PROBABILITY = 0.1
-"""Probability of a flight outside its 90 % interval, if forecasts are calibrated. [1]"""
+"""Probability of a flight outside its 90% interval, if forecasts are calibrated. [1]"""
 SIGNIFICANCE = 0.05
-"""Probability of as many flights outside by chance, below which the loop is suggested. [1]"""
+"""The loop is suggested if the probability of as many flights outside by chance is below this. [1]"""
 COMPARED_DRAWS = 200
-"""Simulated flights for each motor that is compared with a target. [1]"""
+"""Number of simulations for each motor compared with a target. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
     """What to do next.
 
-    `loop`: `outside` of the last `forecasts` flights ended outside their 90 % interval. `motor`: the safe `motor` whose
-    `apogee` comes nearest to the `target` [m] and may well hit it. `repeat`: one more flight narrows the interval by
-    the fraction `narrows`. [1]
+    `loop`: `outside` of the last `forecasts` flights were outside their 90% interval. `motor`: the safe `motor` with
+    the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
+    interval by the fraction `narrows`. [1]
     """
 
     kind: Literal["loop", "motor", "repeat"]
@@ -50,7 +50,7 @@ class Suggestion:
 def suggestion(
     ledger: Ledger, motors: Catalogue, settings: Settings, found: Outcome, said: Sequence[SavedForecast] | None = None
 ) -> Suggestion:
-    """What to do after a flight; `said` are the forecasts of its rocket, by default read from the ledger."""
+    """What to do after a flight; `said` are its rocket's forecasts, by default from the ledger."""
     flight = found.flight
     recent = said if said is not None else list_forecasts(ledger, motors, flight.rocket)
     if questioned := _model_questioned(recent, ledger.flights(flight.rocket)):
@@ -69,8 +69,8 @@ def suggestion(
 
 
 def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
-    """The loop, if more of the last flights ended outside their intervals than by chance, and the rocket has enough
-    flights for it."""
+    """The loop, if more of the latest flights were outside their intervals than by chance, and the rocket has enough
+    flights."""
     flown = [one for one in said if one.flown is not None][-RECENT_FORECASTS:]
     outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)
     usable = sum(flight.clean and flight.apogee is not None for flight in flights)

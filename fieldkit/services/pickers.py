@@ -12,11 +12,11 @@ from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.services.sites import sites
 
 MAX_PICKS = 8
-"""Answers offered at once. [1]"""
+"""Maximum number of offered answers. [1]"""
 NAME_QUESTIONS = ("rocket", "config", "site")
-"""Questions answered by names of the user's own."""
+"""Questions whose answers are the user's names."""
 MIN_SIMILARITY = 0.6
-"""Similarity above which a name is taken for a misspelling of another (`difflib`). [1]"""
+"""Minimum similarity (`difflib`) of a misspelling to a name. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Names:
         }
 
     def _motors(self, typed: str) -> Sequence[OfferedAnswer]:
-        """Motors flown before that contain what was typed, then those of the catalog, each with its delays."""
+        """Motors flown before that contain the text, then those of the catalog, each with its delays."""
         flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]
@@ -58,7 +58,7 @@ class Names:
         return list(islice(found, MAX_PICKS))
 
     def doubt(self, name: str, text: object) -> str:
-        """Why an answer may be a misspelling, empty for a known one, and for the first of its kind."""
+        """Why an answer may be a misspelling; empty for a known answer, and if there are none to compare."""
         if name == "motor":
             return self.motor_trouble(str(text or ""))
         if name not in ("rocket", "site") or not text or str(text) in self.known[name] or not self.known[name]:
@@ -79,7 +79,7 @@ def names_of(ledger: Ledger, motors: Catalogue) -> Names:
 
 
 def among(picks: Sequence[OfferedAnswer]) -> Source:
-    """The answers that match a text: by their beginning first, then any part, then its letters in order."""
+    """The answers that match a text: first at their start, then in any part, then by its letters in order."""
 
     def found(typed: str) -> Sequence[OfferedAnswer]:
         text = typed.strip().casefold()
@@ -97,7 +97,7 @@ def nearest(text: str, known: Iterable[str]) -> list[str]:
 
 
 def days(today: date | None = None) -> list[OfferedAnswer]:
-    """Today, yesterday and the days before, as dates are typed."""
+    """Today, yesterday and the days before, in the format of typed dates."""
     now = today or date.today()
     before = [OfferedAnswer(f"{now - timedelta(days=n)}", f"{now - timedelta(days=n):%A}") for n in range(2, 7)]
     return [

@@ -1,4 +1,4 @@
-"""The flights that fits may use: plausible ones, each with its motor; the others by name."""
+"""The flights that fits may use, each with its motor; the implausible ones by name."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,12 +9,12 @@ from fieldkit.motors import Catalogue, Found
 
 
 def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
-    """The flights among some that the simulator can fly, each with its motor."""
+    """The flights that can be simulated, each with its motor."""
     return [(flight, found) for flight, found in _with_motors(flights, motors) if not implausible(flight, found.motor)]
 
 
 def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
-    """The flights among some whose setup a plan can start from, whatever their readouts; clusters are not checked."""
+    """The flights whose setup a plan can start from, whatever their readouts; clusters are not checked."""
     odd = {id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)}
     return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in odd]
 
@@ -24,7 +24,7 @@ def _set_up(flight: Flight) -> Flight:
 
 
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """A line for each clean flight among some that is implausible, and is therefore in no fit."""
+    """A line for each clean flight that is implausible and therefore not used in a fit."""
     found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
     return [
         f"flight {flight.flight_id} of {flight.rocket} is excluded from every fit: {reason}"

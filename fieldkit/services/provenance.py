@@ -1,8 +1,8 @@
-"""What a prediction is made from, part by part, and what of it is no longer so.
+"""The inputs of a prediction, part by part, and which of them have changed.
 
-A part is a few named texts, in the units of the flight table, so that a prediction that has become stale can say
-why: `dry mass was 322 g, now 330 g`. Flights used in the fit are saved as a digest each, of what the model reads
-of them. The digest of a prediction is of all parts together.
+A part is a few named texts in the units of the flight table, so that a stale prediction has a reason: `dry mass was 322
+g, now 330 g`. Each flight used in the fit is saved as a digest of the fields that the model reads. The digest of a
+prediction covers all parts.
 """
 
 import hashlib
@@ -18,14 +18,14 @@ from fieldkit.quantities import spelled
 from fieldkit.units import unit
 
 Parts = Mapping[str, Mapping[str, str]]
-"""Name of a part to its texts by name."""
+"""The texts of each part, by name."""
 
 OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
-"""Parts that the user sets, in which a flight can differ from its prediction."""
+"""Parts set by the user, in which a flight can differ from its prediction."""
 FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
-"""What a plan may take from the design of its rocket: columns, and the name of the coefficient."""
+"""What a plan may take from its rocket's design: columns, and the name of the coefficient."""
 USED_IN_FIT, FLOWN_ONLY = "+", "-"
-"""Prefix of the digest of a flight: used in the fit, or only counted as flown."""
+"""Prefixes of a flight's digest: used in the fit, or only counted as flown."""
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
@@ -44,7 +44,7 @@ def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
 
 
 def model_parts(history: Sequence[Flight], name: str, version: int | None) -> dict[str, dict[str, str]]:
-    """The parts from the model: its version, None for one requested by name, and its flights."""
+    """The parts from the model: its version (None for one requested by name) and its flights."""
     asked = {"name": name} if version is None else {"name": name, "version": str(version)}
     return {
         "model": {**asked, "fieldkit": __version__},
@@ -75,12 +75,12 @@ def _design(start: Start | None) -> dict[str, str]:
 
 
 def digest(parts: Parts) -> str:
-    """SHA-256 of everything that a prediction is made from, in hex."""
+    """SHA-256 of all inputs of a prediction, in hex."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def flight_digest(flight: Flight) -> str:
-    """Eight hex digits of what the model reads of a flight, after a mark for whether it is used in the fit."""
+    """Eight hex digits from the fields of a flight that the model reads, after a mark for its use in the fit."""
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
@@ -89,7 +89,7 @@ def flight_digest(flight: Flight) -> str:
 
 
 def motor_digest(motor: Motor) -> str:
-    """Eight hex digits of a motor's thrust curve and masses: the user's own file may change under its name."""
+    """Eight hex digits from a motor's thrust curve and masses, because a user's file may change under the same name."""
     numbers = [*motor.time.tolist(), *motor.thrust.tolist(), motor.propellant_mass, motor.casing_mass]
     return _short(json.dumps([f"{number:.6g}" for number in numbers]))
 
@@ -97,8 +97,7 @@ def motor_digest(motor: Motor) -> str:
 def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
     """What the user changed in a plan, one phrase each.
 
-    For a flown flight only values that both have are compared: a temperature that the forecast did not have is not a
-    change.
+    For a flown flight only values that both have are compared: a temperature that the forecast lacked is not a change.
     """
     for part in OF_THE_PLAN:
         for name, new in now[part].items():

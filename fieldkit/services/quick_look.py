@@ -18,14 +18,14 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import flown, predict_plans
 
 MIN_FLIGHTS = 4
-"""Clean flights with an apogee that a quick look needs, as for the loop. [1]"""
+"""Minimum number of clean flights with an apogee, the same as for the loop. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class QuickForecast:
-    """A plan, completed from what was last flown, and the network's answer for it.
+    """A plan, completed from the last flight, and the network's answer for it.
 
-    `check` is what the one model makes of the answer; if it does not bear it out, `fitted` is the fit's forecast.
+    `check` compares the answer with the model; if the check fails, `fitted` is the fit's forecast.
     """
 
     plan: Flight
@@ -55,8 +55,8 @@ def predict_quickly(
     """The network's forecasts of planned flights, each as if it flew next, or the fit's if the check by importance
     sampling fails; nothing is saved.
 
-    Effects that the loop accepted and Cds of designs are not in it: the network weighs effects itself. Raises NoFlights
-    for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.
+    Effects accepted in the loop and the Cds of designs are not used: the network determines effects itself. Raises
+    NoFlights for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.
     """
     made: list[QuickForecast] = []
     for plan in plans:

@@ -1,4 +1,4 @@
-"""Logs read again: the samples of a flight of the ledger, or of a file, and what is measured in them."""
+"""Logs read again: the samples of a flight of the ledger or of a file, and the values measured in them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,9 +19,9 @@ from fieldkit.services.imports import read_file, recordings_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they show.
+    """A recorded flight: its name, its kind, its samples and measured values.
 
-    `reading` is None for a flight of which only readouts are known.
+    `reading` is None for a flight with readouts only.
     """
 
     name: str
@@ -33,10 +33,10 @@ class Recording:
 
 
 def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
-    """The samples of a flight of the ledger, read again from the bytes that it keeps; None if it has none.
+    """The samples of a flight of the ledger, read again from the stored bytes; None if it has none.
 
-    `choices` say which columns of a table of samples are what, best first.
-    Raises LedgerError for an id that means no flight, and if a log of several flights does not say which it is.
+    `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an unknown id, and if
+    it is unclear which flight of a log it is.
     """
     flight = ledger.flight(id)
     try:
@@ -50,7 +50,7 @@ def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) 
 
 
 def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
-    """Which of a log's readings a flight is: by its lift-off, its number among them, or its name."""
+    """The reading of a flight in a log: by its lift-off, its number, or its name."""
     if len(same := [one for one in readings if same_moment(one.stated.get("date_time"), flight.date_time)]) == 1:
         return same[0]
     part = flight.extra.get("log_part", "1" if len(readings) == 1 else "")
@@ -65,10 +65,10 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
 def recordings(
     ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[ColumnChoice] = ()
 ) -> list[Recording]:
-    """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
+    """The flights of a file, or the flight of the ledger with an id, as recordings to compare.
 
-    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError if there
-    is neither such a file nor such a flight.
+    Flights without a log have only their readouts. Raises FieldkitError if there is neither such a file nor such a
+    flight.
     """
     path = Path(what)
     if path.is_file():
@@ -100,6 +100,6 @@ def _recording(name: str, reading: Reading) -> Recording:
 
 
 def _by_readouts(flight: Flight, name: str) -> Recording:
-    """A flight with readouts only; a typed one has no uncertainty of its own."""
+    """A flight with readouts only; typed readouts have no uncertainty."""
     figures = {key: Figure(value, flight.sd.get(key, 0.0), "readout") for key, value in flight.readouts().items()}
     return Recording(name, "readouts", None, Recorded(figures=figures))

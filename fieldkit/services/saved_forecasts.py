@@ -1,4 +1,4 @@
-"""Saved predictions with their outcome: the flight that was imported, or what has changed since they were made."""
+"""Saved predictions with their outcome: the imported flight, or the changes since the prediction."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -19,15 +19,15 @@ from fieldkit.services.provenance import Parts, design_changes, model_changes, m
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]
 LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
-"""States of predictions that are listed unless all are asked for."""
+"""States of predictions that are listed by default."""
 
 
 @dataclass(frozen=True, slots=True)
 class SavedForecast:
-    """A prediction as it was made, the flight that it is of, and what changed before that flight came in.
+    """A saved prediction, its flight, and what changed before that flight was added.
 
-    `changes` are phrases, empty if everything that it was made from is still so. `over` says that no flight
-    will be measured against it any more: a later prediction took its place, or two weeks went by.
+    `changes` are phrases, empty if all inputs are unchanged. `over` means that no flight will be compared with it
+    anymore, because a later prediction replaced it or two weeks have passed.
     """
 
     made: StoredPrediction
@@ -49,7 +49,7 @@ class SavedForecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The forecast apogee, at 5, 50 and 95 %. [m]"""
+        """The forecast apogee, at 5, 50 and 95%. [m]"""
         at = self.made.payload["apogee_m"]
         return float(at["p05"]), float(at["p50"]), float(at["p95"])
 
@@ -80,7 +80,7 @@ class SavedForecast:
 
 
 def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
-    """Every prediction of a rocket, or of all, oldest first; once for each flight that is measured against it."""
+    """Every prediction of one rocket or of all, oldest first, once for each flight compared with it."""
     predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
     flights = ledger.flights(rocket) if predictions else []
     pairs = [
@@ -105,12 +105,12 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
 
 
 def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
-    """The prediction that a flight is compared with, or None."""
+    """The prediction for a flight, or None."""
     return by_flight(list_forecasts(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
 def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedForecast]:
-    """Predictions by the rocket and flight_id of the flight that each is compared with."""
+    """Predictions by the rocket and flight_id of their flight."""
     return {(one.flight.rocket, one.flight.flight_id): one for one in found if one.flight}
 
 
@@ -118,7 +118,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
     """Forecast and flown apogee of a flight, one line each, in the units of a system."""
     shown = ShownUnits(system)
     low, middle, high = one.interval
-    said = f"{shown.length(middle)}, 90 % interval {shown.lengths(low, high)}"
+    said = f"{shown.length(middle)}, 90% interval {shown.lengths(low, high)}"
     yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
@@ -128,7 +128,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
 
 
 def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
-    """Predictions of a named flight that a later one replaced."""
+    """Predictions of a named flight that were replaced by a later one."""
     named = [one for one in predictions if one.flight_id]
     last = {(one.rocket, one.flight_id): one.number for one in named}
     return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
@@ -142,7 +142,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
     """What changed in the plan, and in the model as of when the flight was added, or now."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None:
-        return  # of an older fieldkit, which did not save it
+        return  # saved by an older version, without this part
     flown = flight is not None and flight.apogee is not None
     if flight is not None and (found := resolved(motors, flight)):
         yield from plan_changes(made, plan_parts(flight, found), flown=flown)
@@ -161,7 +161,7 @@ def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Seq
 
 
 def standing(found: Sequence[SavedForecast]) -> str:
-    """How many there are of each kind, in words."""
+    """The number of each kind in words."""
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")
     words = [f"{count} {state}" for state, count in counts.items()]

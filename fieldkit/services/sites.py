@@ -11,7 +11,7 @@ SITES = "sites"
 
 
 def sites(ledger: Ledger) -> list[Site]:
-    """Every site that is named in a flight or saved, most recent first."""
+    """Every site in a flight or saved, the most recent first."""
     saved = ledger.draft(SITES) or {}
     names = dict.fromkeys([*ledger.names("site"), *saved])
     flown = {flight.site: flight.site_elevation for flight in ledger.flights() if flight.site_elevation is not None}
@@ -19,7 +19,7 @@ def sites(ledger: Ledger) -> list[Site]:
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
-    """What is known of a site; only its name if it is new."""
+    """The known properties of a site; only the name of a new one."""
     saved = (ledger.draft(SITES) or {}).get(name, {})
     if not name or "elevation" in saved:
         return Site(name, **saved)
@@ -27,14 +27,14 @@ def site_of(ledger: Ledger, name: str) -> Site:
 
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
-    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest unchanged. Raises
+    """Save the given properties of a site, `SITE_LENGTHS` [m] and its rules, and leave the others unchanged. Raises
     BadValue for a length that is not above zero.
     """
     changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
     changes |= {} if rules is None else {"rules": rules}
     for key in SITE_LENGTHS[1:]:
         if key in changes and changes[key] <= 0:
-            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than zero")
+            raise BadValue(f"{name}: found a {key} that is not above zero, expected a positive length")
     saved = ledger.draft(SITES) or {}
     saved[name] = saved.get(name, {}) | changes
     ledger.change_draft(SITES, saved, "site", name)
@@ -47,10 +47,9 @@ def put_site(ledger: Ledger, site: Site) -> None:
 
 
 def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, Any]]:
-    """What is saved of all sites once one is as it is now, what is not known of it as not known; `was` is the name it
-    had before.
+    """The saved sites after replacing one completely; `was` is its previous name.
 
-    The elevation of a site that has been flown at is left to its flights, unless it was saved.
+    The elevation of a site with flights comes from its flights unless it was saved.
     """
     saved = ledger.draft(SITES) or {}
     told = {"elevation"} if was in ledger.names("site") and "elevation" not in saved.get(was, {}) else set()

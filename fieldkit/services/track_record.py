@@ -1,4 +1,4 @@
-"""The quality of forecasts: of flights replayed forward in time, and of saved predictions whose flights were added."""
+"""The quality of forecasts: of flights replayed forward in time, and of saved predictions with a flight."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,9 +34,9 @@ def replayed(
     hyperprior: Hyperprior | None = None,
     on_progress: ReportProgress = no_op,
 ) -> list[Forecast]:
-    """Every clean flight of a ledger forecast from the flights of all rockets before it, in the order flown.
+    """Forecasts of every clean flight of a ledger from all rockets' earlier flights, in the order flown.
 
-    With `rocket` its flights alone are forecast, and their intervals corrected and stacked by how they alone fared.
+    With `rocket`, only its flights are forecast, and only they determine corrections and stacking weights.
     """
     known = ledger.flights()
     ledger.remark(*implausible_flights(known, motors))
@@ -45,7 +45,7 @@ def replayed(
 
 
 def read_hyperprior(path: Path) -> Hyperprior:
-    """A hyperprior from its card in a file. Raises DamagedModel, BadValue."""
+    """A hyperprior from a card file. Raises DamagedModel or BadValue if it cannot be read."""
     try:
         return read_card(read_own(path), path.name)
     except (OSError, UnicodeDecodeError) as error:
@@ -53,10 +53,10 @@ def read_hyperprior(path: Path) -> Hyperprior:
 
 
 def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) -> list[Forecast]:
-    """Predictions of clean flights with an apogee, the flight flown first in front.
+    """Predictions of clean flights with an apogee, in the order flown.
 
-    The rivals know what the prediction knew: the flights of the rocket that it rests on, those of other rockets flown
-    before, and the plan as it was then.
+    The rivals use the same data as the prediction: the rocket's flights at that time, other rockets' earlier flights,
+    and the plan at that time.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
     known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean] if scored else []
@@ -78,7 +78,7 @@ def _beside(one: SavedForecast, known: Sequence[Simulated], motors: Catalogue) -
 
 
 def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> list[Simulated]:
-    """The flights of its rocket that a prediction is based on, and those of other rockets flown earlier."""
+    """The flights of its rocket that a prediction used, and other rockets' earlier flights."""
     itself = (flight.rocket, flight.flight_id)
     names = [(one.flight.rocket, one.flight.flight_id) for one in known]
     turn = names.index(itself) if itself in names else len(names)
@@ -91,7 +91,7 @@ def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> l
 
 
 def as_planned(flight: Flight, made: Parts) -> Flight:
-    """A flight with the mass, size and conditions that its prediction was made for, if that was saved."""
+    """A flight with the mass, size and conditions of its prediction, if they were saved."""
     said = {name: text for part in ("mass", "configuration", "conditions") for name, text in made.get(part, {}).items()}
     values = {
         column.name: column.parse(said[column.header]) if said[column.header] else None

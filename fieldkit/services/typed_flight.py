@@ -1,4 +1,4 @@
-"""While a flight is being entered: Cd, alpha and the next apogee by the network, from the values so far."""
+"""The network's estimate while a flight is being entered: Cd, alpha and the next apogee from the values so far."""
 
 import math
 from collections.abc import Sequence
@@ -20,20 +20,19 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 
 Interval = tuple[float, float, float]
-"""A value at 5, 50 and 95 %."""
+"""The 5, 50 and 95% quantiles of a value."""
 NORMAL_95 = 1.6448536
-"""Standard deviations from the median of a normal distribution to its 95 % quantile. [1]"""
+"""The 95% quantile of the standard normal distribution. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
-"""Columns without which a flight does not constrain Cd, and their names in messages."""
+"""Columns needed for a flight to constrain Cd, and their names in messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class TypedEstimate:
-    """What the network makes of a rocket's flights with the one that is being typed.
+    """The network's estimate from a rocket's flights and the one being entered.
 
-    `cd` (on the body's frontal area) and `alpha` are those that the same flight flown again would have [1], and
-    `next_apogee` is what it would show [m]; all None if `needs` says what is missing for them, or `odd` why the
-    figures cannot be those of a flight.
+    `cd` (on the body's frontal area) [1], `alpha` [1] and `next_apogee` [m] are for repeating the flight. All are None
+    if `needs` names missing inputs, or `odd` gives the reason the figures are impossible.
     """
 
     needs: tuple[str, ...] = ()
@@ -45,7 +44,7 @@ class TypedEstimate:
 
 
 def missing(typed: Flight, others: int) -> tuple[str, ...]:
-    """What a flight lacks for an estimate, given `others` of the same rocket that are used in the fit."""
+    """The missing inputs for an estimate, given `others` of the same rocket that are used in the fit."""
     lacks = [name for column, name in SET_UP.items() if not getattr(typed, column)]
     if not others and not shows(typed):
         lacks.append("a readout")
@@ -58,7 +57,7 @@ def shows(flight: Flight) -> bool:
 
 
 def set_up(flight: Flight) -> Flight:
-    """A flight without its readouts and notes: everything that determines how it would fly."""
+    """A flight without its readouts and notes: everything that determines its simulation."""
     return replace(
         flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=(), flight_id="typed"),
         notes="",
@@ -67,10 +66,10 @@ def set_up(flight: Flight) -> Flight:
 
 
 class TypedFlight:
-    """The flight being typed, beside the flights of its rocket in a ledger.
+    """The flight being entered, together with its rocket's flights in a ledger.
 
-    What does not depend on readouts is kept from one answer to the next, so that a readout costs one linear pass and
-    the network. Safe to be asked from any thread; one question is answered at a time.
+    Results that do not depend on readouts are cached, so that a readout costs one linear pass and one run of the
+    network. Thread-safe; calls are answered one at a time.
     """
 
     def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
@@ -82,7 +81,7 @@ class TypedFlight:
         self._ready: PreparedHistory | None = None
 
     def estimate(self, typed: Flight) -> TypedEstimate:
-        """The estimate from the flight as far as it is entered; never a value that is not finite."""
+        """The estimate from the flight as entered so far; all values are finite."""
         with self._lock:
             self._turn_to(typed.rocket)
             if lacks := missing(typed, sum(flight.clean and shows(flight) for flight, _ in self._flown)):
@@ -112,7 +111,7 @@ class TypedFlight:
         self._rocket, self._asked = rocket, None
 
     def _prepared(self, typed: Flight, found: Found, used: bool) -> PreparedHistory:
-        """The simulated response of the flights, computed again only if the setup changes."""
+        """The simulated response of the flights, recomputed only if the setup changes."""
         asked = (set_up(typed), used)
         if self._ready is None or asked != self._asked:
             plan = repeated(asked[0])
@@ -124,7 +123,7 @@ class TypedFlight:
 
 
 def _estimate(said: QuickAnswer) -> TypedEstimate:
-    """An answer as intervals, or the reason why there is none."""
+    """An answer as intervals, or the reason there is none."""
     low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     cd, alpha = _interval(said.log_cd), _interval(said.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):

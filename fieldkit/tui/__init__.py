@@ -1,1 +1,1 @@
-"""The app for the launch site: one file per page in `screens/`, each over the functions that the commands call."""
+"""The app for the launch site: one file per page in `screens/`, using the same functions as the commands."""

@@ -30,23 +30,23 @@ PAUSE = 0.05
 """Pause between two pages that are opened off screen, so that keys are handled. [s]"""
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
-"""How often within a time the app is reopened after an error before it gives up. [1], [s]"""
+"""Maximum number of restarts after errors [1] within a time [s]."""
 
 
 class FieldkitApp(Surviving):
     """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
 
-    One that `stays` has its process to itself, and makes ready in it what keys would else have to wait for.
+    An app that `stays` has its own process and prepares there what keys would otherwise wait for.
     """
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
-    COMMANDS = App.COMMANDS | {Finder}  # as Textual has it
+    COMMANDS = App.COMMANDS | {Finder}  # as in Textual
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
     CommandPalette > .command-palette--help-text { text-style: not bold; }
-    """  # as bright as the rest: Textual dims what explains a command
+    """  # as bright as the rest: Textual dims descriptions of commands
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
@@ -98,13 +98,13 @@ class FieldkitApp(Surviving):
             self.exit()
 
     def _page(self, name: str) -> PageScreen:
-        """A page, prepared or new."""
+        """The prepared page, or a new one."""
         if name not in self._opened:
             self._opened[name] = pages()[name].screen()
         return self._opened[name]
 
     def switch_mode(self, mode: str) -> AwaitMount:
-        """Show a page: at once if it was drawn before, because Textual would hide it for a moment."""
+        """Show a page, immediately if it was drawn before, because Textual would hide it for a moment."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
 
@@ -127,16 +127,16 @@ class FieldkitApp(Surviving):
             self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
-        """Turn to every page twice behind the one in front, so that the first key that asks for one is answered as fast
-        as the next: to open a page takes 110 to 180 ms of processor time, to style it, when Textual turns to it for
-        the second time, 40 ms, and 15 to 25 ms from then on."""
+        """Open every page twice behind the visible one, so that the first key for a page is as fast as later ones.
+        Opening a page takes 110 to 180 ms of processor time, styling it the second time 40 ms, and later visits 15 to
+        25 ms."""
         for name in (*pages(), *pages()):
             await asyncio.sleep(PAUSE)
             await self._open_unseen(name)
         self._passed_by.extend()
 
     async def _open_unseen(self, name: str) -> None:
-        """Open a page and the screens above it, and come back before anything is painted; keys wait meanwhile."""
+        """Open a page and the screens above it, and return before anything is painted; keys wait until then."""
         async with self.turn:
             front = self.current_mode
             self.unseen = True
@@ -278,7 +278,7 @@ def run(where: str | None) -> None:
         app.run()
         place, ended = app.place, time.monotonic()
         began = [one for one in began if ended - one < RESTART_PERIOD] + [ended]
-        if place is None or (held is not None and gone(held)):  # drawing on a terminal that was closed is an error too
+        if place is None or (held is not None and gone(held)):  # drawing on a closed terminal is also an error
             return
         if len(began) > MAX_RESTARTS or app.is_web:
             raise FieldkitError(place.crash.line())

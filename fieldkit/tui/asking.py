@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 WAIT = 0.005
-"""Interval of checks for something that keys wait for. [s]"""
+"""Polling interval for results that keys wait for. [s]"""
 
 
 class Dropped(Exception):
@@ -47,7 +47,7 @@ class AskingScreen(Screen[None]):
 
     @property
     def field_app(self) -> "Host":
-        """The app, as pages know it: by what they ask of it, for its module imports theirs."""
+        """The app by the interface for its pages, because its module imports theirs."""
         return cast(Host, self.app)
 
     def ask(
@@ -60,12 +60,12 @@ class AskingScreen(Screen[None]):
         alone: bool = False,
         engine: Sequence[str] = ENGINE,
     ) -> None:
-        """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
-        one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
+        """Run work in a worker and pass its result to `answer`.
 
-        A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
-        `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
-        One that needs less of the `engine` does not wait for the rest of it.
+        A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
+        unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
+        of `go_on`. Long requests run `alone`, one at a time, the newest next. A request that needs only part of the
+        `engine` does not wait for the rest.
         """
 
         def with_engine() -> T:
@@ -84,7 +84,7 @@ class AskingScreen(Screen[None]):
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
-        """Work a question out when the one before it is over, also if that was dropped."""
+        """Run a request after the previous one has ended, even if that was dropped."""
         while (before := self._threads.get(group)) is not None and not before.done():
             await asyncio.wait([before])
 
@@ -95,7 +95,9 @@ class AskingScreen(Screen[None]):
                 give_back()
 
         running = asyncio.ensure_future(asyncio.to_thread(work))
-        running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
+        running.add_done_callback(
+            lambda ended: ended.cancelled() or ended.exception()
+        )  # the result of a dropped request
         self._threads[group] = running
         return await asyncio.shield(running)
 

@@ -15,11 +15,11 @@ from fieldkit.tui.widgets.bars import Notice, NoticeBar
 from fieldkit.tui.widgets.dialogs import AskText
 
 LOOKS = {"units", "theme", "target"}
-"""Settings that only change how things are displayed."""
+"""Settings that only change the display."""
 
 
 class Choosing(InOrder):
-    """An app with notices and settings. `revision` counts changes in the ledger, `look` those in how it is shown."""
+    """An app with notices and settings. `revision` counts changes in the ledger, `look` changes in the display."""
 
     def __init__(self, resources: Resources) -> None:
         super().__init__()
@@ -28,7 +28,7 @@ class Choosing(InOrder):
         self.revision = self.look = 0
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Show a notice; errors wait until they are dismissed, successes give way to the next notice."""
+        """Show a notice; errors stay until they are dismissed, successes until the next notice."""
         self.notices = [notice for notice in self.notices if notice.error]
         notice = Notice(text, error)
         if not error:

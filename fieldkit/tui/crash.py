@@ -1,7 +1,7 @@
-"""What is left of an error that nobody foresaw: a file that says where it happened, and a line for the flyer.
+"""Reports of unexpected errors: a crash file with the place, and a line for the flyer.
 
-The file is meant to be sent to others, so it holds nothing of the flyer: of an error the type and the lines of the
-program, never its message, which may quote a flight, and never a variable; of a path what follows the home folder.
+The file is meant to be sent to others, so it contains nothing private: the type of an error and the lines of the
+program, but not its message, which may quote a flight, and no variables; paths start after the home folder.
 """
 
 import platform

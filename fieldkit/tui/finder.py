@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 MAX_HITS = 40
-"""Results of one kind that are listed. [1]"""
+"""Maximum number of listed results of one kind. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Finder(Provider):
         try:
             kept = await asyncio.to_thread(self._read)
         except FieldkitError:
-            kept = []  # without a ledger the rest is found
+            kept = []  # without a ledger, the other results are still listed
         self._entries = [*self._settings(), *kept, *self._help()]
 
     async def search(self, query: str) -> AsyncIterator[Hit]:

@@ -1,4 +1,4 @@
-"""Detects that the sender of keys has gone without a signal: a terminal, if the app has its own session, or the server
+"""Detects without a signal that the source of keys is gone: a terminal, if the app has its own session, or the server
 that shows the app in a browser."""
 
 import os
@@ -14,11 +14,11 @@ except ImportError:  # Windows, which ends the app itself when its console close
 CHECK_INTERVAL = 1.0
 """Time between checks that the other end is still there. [s]"""
 GRACE = 5.0
-"""Time that an app whose other end has gone has to leave by itself. [s]"""
+"""Time for the app to exit by itself after the other end is gone. [s]"""
 
 
 def terminal() -> int | None:
-    """The terminal or the server that keys come from, None if they come from elsewhere or it cannot be polled."""
+    """The terminal or server that keys come from; None if there is none or it cannot be polled."""
     keys = sys.__stdin__
     served = "TEXTUAL_DRIVER" in os.environ
     return keys.fileno() if keys is not None and poll is not None and (served or keys.isatty()) else None
@@ -32,10 +32,10 @@ def gone(terminal: int) -> bool:
 
 
 def never_outlive(terminal: int) -> None:
-    """Have this process end soon after the other end has gone, whatever keeps it: a thread that computes, a question
-    that nobody will answer, an event loop that an error in writing has left without anything to do.
+    """End this process soon after the other end is gone, whatever keeps it alive: a computing thread, an open question,
+    an event loop left idle by a write error.
 
-    What was typed is kept as it is typed, and a change of the ledger that is cut short is rolled back.
+    Typed text is already saved, and an incomplete change of the ledger is rolled back.
     """
     Thread(target=_end_after, args=(terminal,), name="hangup", daemon=True).start()
 

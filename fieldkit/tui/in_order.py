@@ -1,4 +1,4 @@
-"""An app that takes keys one after the other, and whose next key finds what the one before has opened."""
+"""An app that handles keys in order, so that a key reaches the screen opened by the previous one."""
 
 import asyncio
 from contextlib import suppress
@@ -13,22 +13,22 @@ from fieldkit.tui.keys import pressed
 from fieldkit.tui.page import PageScreen
 
 MAX_ANSWER = 1.0
-"""How long the next key waits for widgets to hear of the one before. [s]"""
+"""Time limit for widgets to handle a key before the next one. [s]"""
 MAX_OPENING = 30.0
-"""How long the next key waits for a screen to open. [s]"""
+"""Time limit for a screen to open before the next key. [s]"""
 
 
 class InOrder(App[None]):
-    """Textual hands a key down to the widget in focus, and does what it is bound to when it has come up again, behind
-    keys typed in the meantime. Here the next is looked at when all have heard of the one before."""
+    """Textual passes a key to the focused widget and runs its binding when it bubbles up, behind keys typed in the
+    meantime. Here the next key is handled only after all widgets have handled the previous one."""
 
     def __init__(self) -> None:
         super().__init__()
         self.turn = asyncio.Lock()
-        """Held by who handles a key, and by who must not be interrupted by one."""
+        """Held while a key is handled, and by code that keys must not interrupt."""
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle a key, and wait for what comes of it."""
+        """Handle a key, and wait for its effects."""
         if not isinstance(event, events.Key) or event.is_forwarded:
             await super().on_event(event)
             return
@@ -42,12 +42,12 @@ class InOrder(App[None]):
         return self.focused is not None and self.focused.check_consume_key(key.key, key.character)
 
     async def _did(self, key: events.Key) -> bool:
-        """Do what a key is bound to at once, if it is; a letter that the line in focus takes is not."""
+        """Run the binding of a key immediately, if there is one; letters for the focused input are not bindings."""
         active = self.screen.active_bindings.get(key.key)
         return active is not None and active.enabled and await self.run_action(active.binding.action, active.node)
 
     async def heard(self) -> None:
-        """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
+        """Wait until messages have reached their widgets and a newly opened screen accepts keys."""
         with suppress(TimeoutError):
             async with asyncio.timeout(MAX_ANSWER):
                 for node in (self.focused or self.screen).ancestors_with_self[:-1]:

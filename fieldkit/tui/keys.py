@@ -1,18 +1,18 @@
-"""Keys as they were pressed, if a terminal hands two on as one.
+"""Separates two keys that a terminal sends as one.
 
-Terminals send Alt and a key as Esc and that key, and Textual takes what comes within a tenth of a second for the one
-with the other. No key of the app goes with Alt, so here they are always two. If Textual keeps only the key behind
-Esc (Enter, or a sign such as `/`), that key alone counts.
+Terminals send Alt and a key as Esc and that key, and Textual combines the two if they arrive within 0.1 s. The app has
+no keys with Alt, so here they are always two keys. If Textual reports only the key after Esc (Enter, or a character
+such as `/`), only that key counts.
 """
 
 from textual.events import Key
 
 OPTION_DIGITS = dict(zip("¡™£¢∞§¶•ªº", "1234567890", strict=True))
-"""The digit behind Esc, by what Textual makes of the two: the letter that a Mac types with Option and the digit."""
+"""The digit after Esc, by the combined key in Textual: the letter that a Mac types with Option and the digit."""
 
 
 def pressed(key: Key, *, typed: bool) -> list[Key]:
-    """The keys that an event stands for; `typed` says that a line takes its character as a letter.
+    """The keys in an event; `typed` means that an input takes its character as a letter.
 
     Enter comes as a line feed if it was pressed before the app had the terminal.
     """

@@ -1,4 +1,5 @@
-"""Connections to the app's server: so many at once, and of one address fewer, so that no stranger shuts others out."""
+"""Connections to the app's server, with a limit in total and a lower limit per address, so that nobody can block
+others."""
 
 import asyncio
 import signal
@@ -9,11 +10,11 @@ from contextlib import contextmanager, suppress
 from aiohttp import web
 
 MAX_CONNECTIONS = 100
-"""Open at once; a browser takes about six. [1]"""
+"""Maximum number of open connections; a browser uses about six. [1]"""
 MAX_OF_ADDRESS = 50
-"""Open at once from one address. [1]"""
+"""Maximum number of open connections per address. [1]"""
 SHUTDOWN_PERIOD = 5.0
-"""How long what is still being answered may take at the end. [s]"""
+"""Time limit for unfinished responses at the end. [s]"""
 
 
 class Connections:
@@ -29,11 +30,11 @@ class Connections:
         return len(whose) < MAX_CONNECTIONS and whose.count(address) < MAX_OF_ADDRESS
 
     def came(self, transport: asyncio.BaseTransport, address: str) -> None:
-        """Count one that was taken in."""
+        """Count an accepted connection."""
         self._open[transport] = address
 
     async def accept(self, listening: socket.socket, server: web.Server) -> None:
-        """Accept connections; one too many is closed at once, before anything is read."""
+        """Accept connections; one beyond the limit is closed immediately, before anything is read."""
         loop = asyncio.get_running_loop()
         while True:
             connection, where = await loop.sock_accept(listening)
@@ -47,7 +48,7 @@ class Connections:
 
 
 async def serve(app: web.Application, host: str, port: int) -> None:
-    """Answer at a host until a signal ends it. Raises OSError if it cannot listen there."""
+    """Listen on a host until a signal. Raises OSError if it cannot listen there."""
     runner = web.AppRunner(app, access_log=None, shutdown_timeout=SHUTDOWN_PERIOD)
     await runner.setup()
     try:
@@ -61,7 +62,7 @@ async def serve(app: web.Application, host: str, port: int) -> None:
 async def _accepted(sockets: list[socket.socket], server: web.Server) -> None:
     """Accept connections until a signal comes."""
     connections, over = Connections(), asyncio.Event()
-    with suppress(NotImplementedError):  # Windows, where an interrupt ends the loop itself
+    with suppress(NotImplementedError):  # on Windows an interrupt ends the loop
         for one in (signal.SIGINT, signal.SIGTERM):
             asyncio.get_running_loop().add_signal_handler(one, over.set)
     waiting = [asyncio.ensure_future(connections.accept(one, server)) for one in sockets]

@@ -1,4 +1,4 @@
-"""What every page is: a screen between the bars, with help, a copy of its figure, and work that blocks no key."""
+"""The base of every page: a screen between the bars, with help, copying, and work that blocks no key."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
-"""Enter in a search leads back to the table; the line itself would only say that it was pressed."""
+"""Enter in a search moves to the table; the input itself would only send a message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A page: its place among the pages, its title there, and its screen."""
+    """A page: its number, its title, and its screen."""
 
     number: int
     title: str
@@ -46,12 +46,14 @@ def pages() -> dict[str, Page]:
 
 
 class PageScreen(AskingScreen):
-    """A screen between the bars. `body` composes it, `reload` fills it when the ledger has changed, `redraw` shows
-    what it holds in other units or against another target."""
+    """A screen between the bars. `body` composes it, `reload` fills it when the ledger has changed, and `redraw` shows
+    the same data in other units or with another target."""
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
-    focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had focus repaints itself
+    focused: Reactive[Widget | None] = Reactive(
+        None, repaint=False
+    )  # widgets that gain or lose focus repaint themselves
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -76,7 +78,7 @@ class PageScreen(AskingScreen):
 
     @property
     def ready(self) -> bool:
-        """Whether the page has been in front, mounted and painted, and keys go where they should."""
+        """Whether the page has been in front, is mounted and painted, and has the right focus."""
         return self._seen != (-1, -1)
 
     def compose(self) -> ComposeResult:
@@ -92,33 +94,33 @@ class PageScreen(AskingScreen):
         return ()
 
     def finish(self) -> None:
-        """Write down what is still on its way; called before the ledger is let go of."""
+        """Save pending input; called before the ledger is closed."""
 
     def reload(self) -> None:
-        """Fill the page again; called when it comes to the front and the ledger has changed since it last did."""
+        """Fill the page again; called when it comes to the front and the ledger has changed since the last time."""
 
     def redraw(self) -> None:
-        """Show the same in other units, colors or against another target, at once if nothing has to be read."""
+        """Show the same data in other units or colors or with another target, immediately if nothing has to be read."""
         self.reload()
 
     def came(self) -> None:
-        """Called when a key, a click or the palette has asked for the page, which is in front and ready."""
+        """Called after a key, a click or the palette has opened the page, which is in front and ready."""
 
     def copied(self) -> str:
         """What `y` copies: a line or a figure as text."""
         return ""
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
-        """Show what is waiting to be read, and what has changed while another page was in front."""
-        event.refresh_styles = self._theme != self.app.theme  # to style a page again takes half of a key
+        """Show pending notices, and changes since another page was in front."""
+        event.refresh_styles = self._theme != self.app.theme  # restyling a page takes half the time of a key
         self._theme = self.app.theme
         if not self.is_current or self.field_app.unseen:
-            return  # made ready out of sight
+            return  # prepared in the background
         self.query_one(NoticeBar).show_notice(self.field_app.notices)
-        self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
+        self.call_after_refresh(self.refresh_if_changed)  # first the page, then its content
 
     def above(self) -> Iterable["PageScreen"]:
-        """Screens that are opened from this page again and again, and are worth being made ready."""
+        """Screens that are often opened from this page and should be prepared."""
         return ()
 
     def reload_on_resume(self) -> None:
@@ -126,7 +128,7 @@ class PageScreen(AskingScreen):
         self._seen = (-1, -1)
 
     def refresh_if_changed(self) -> None:
-        """Reload if the ledger has changed since the last time, redraw if only the settings have."""
+        """Reload if the ledger has changed since the last time; redraw if only the settings have changed."""
         before, self._seen = self._seen, (self.field_app.revision, self.field_app.look)
         if before[0] != self._seen[0]:
             self.reload()
@@ -134,7 +136,7 @@ class PageScreen(AskingScreen):
             self.redraw()
 
     def soon(self, show: Callable[[], None]) -> None:
-        """Show something once the key that asks for it is answered; keys that ask for it before that ask once."""
+        """Show something after the current key is answered; several requests before that count as one."""
         if show not in self._due:
             self._due.append(show)
             self.call_after_refresh(self._show_due)
@@ -145,12 +147,12 @@ class PageScreen(AskingScreen):
             show()
 
     def changed_for_others(self) -> None:
-        """This page has changed the ledger in a way that only other pages have to show."""
+        """Note a change of the ledger that only other pages have to show."""
         self.field_app.revision += 1
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """A line is left if one is being typed in."""
+        """Leave the input that is being edited."""
         if action == "leave_line":
             return isinstance(self.focused, Input)
         return super().check_action(action, parameters)
@@ -162,7 +164,7 @@ class PageScreen(AskingScreen):
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
 
     def _keys(self) -> list[tuple[str, str]]:
-        """Keys and what they do, as they are just now."""
+        """The keys and their current actions."""
         bindings = [active.binding for active in self.active_bindings.values() if active.enabled]
         named = {b.action: (self.app.get_key_display(b), b.tooltip or b.description) for b in bindings if b.description}
         return list(named.values())
@@ -177,7 +179,7 @@ class PageScreen(AskingScreen):
             self.show_notice("nothing to copy")
 
     def action_back(self) -> None:
-        """Read a notice; else leave a field; else leave the screen, if it lies above a page."""
+        """Dismiss a notice, or else leave a field, or else leave the screen if it is above a page."""
         if self.field_app.notices:
             self.field_app.action_read()
         elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
@@ -190,7 +192,7 @@ class PageScreen(AskingScreen):
         self.set_focus(self.resting_place())
 
     def row(self) -> Any:
-        """The row under the cursor of the first table, None if there is none."""
+        """The row under the cursor of the first table; None if there is none."""
         return getattr(self.resting_place(), "current", None)
 
     def go_to_row(self, key: Any) -> None:

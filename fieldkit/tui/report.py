@@ -12,7 +12,7 @@ ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit rep
 
 
 def ask_report(page: PageScreen, what: str) -> None:
-    """Ask where the report of a flight, a rocket or a day goes, and write it there."""
+    """Ask for the file of a report on a flight, a rocket or a day, and write it."""
     name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in what)
     offered = str(Path.cwd() / f"{name}.html")
     page.app.push_screen(AskText(f"Report of {what}", offered, ABOUT), partial(_write, page, what))

@@ -1,4 +1,5 @@
-"""What the pages work on: the ledger, the motors, the settings. Opened when first asked for, by whichever worker."""
+"""The resources of the pages: the ledger, the motors, the settings. Each is opened by the first worker that needs
+it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 FIRST_ROWS_ENGINE = ("fieldkit.ledger", "fieldkit.services.launch_day", "fieldkit.presentation.home_text")
-"""What the first rows are read with, before their forecasts."""
+"""Modules for reading the first rows, before their forecasts."""
 LEDGER_ENGINE = (
     "fieldkit.ledger",
     "fieldkit.motors",
@@ -26,7 +27,7 @@ LEDGER_ENGINE = (
     "fieldkit.services.launch_day",
     "fieldkit.presentation.home_text",
 )
-"""What the first page reads the ledger with: its rows come before the rest is imported."""
+"""Modules for the first page's rows, which appear before the rest is imported."""
 ENGINE = (
     *LEDGER_ENGINE,
     "fieldkit.services.imports",
@@ -36,11 +37,11 @@ ENGINE = (
     "fieldkit.planning.motor_guide",
     "fieldkit.tui.widgets.plots",
 )
-"""What pages work and draw with, imported by the first worker."""
+"""Modules for computing and drawing, imported by the first worker."""
 
 
 class Resources:
-    """One flyer's things. `settings` is replaced as a whole by `choose`."""
+    """One flyer's resources. `choose` replaces `settings` as a whole."""
 
     def __init__(self, where: str | Path | None = None, settings_file: Path | None = None) -> None:
         self._where = where
@@ -52,8 +53,8 @@ class Resources:
     def import_engine(self, engine: Sequence[str] = ENGINE) -> None:
         """Import the modules of an engine, one worker at a time.
 
-        A worker that imports a part of a package, while another is in the midst of the package itself, is let through
-        by Python and finds it half there.
+        Without the lock, a worker that imports a part of a package while another one imports the package could find it
+        half initialized.
         """
         with self._lock:
             for name in engine:
@@ -61,7 +62,7 @@ class Resources:
 
     @property
     def name(self) -> str:
-        """The ledger's name, as far as it is known without opening it."""
+        """The ledger's name without opening it."""
         return self._ledger.name if "_ledger" in self.__dict__ else str(self._where or "not opened yet")
 
     @property
@@ -78,7 +79,7 @@ class Resources:
 
     @property
     def motors(self) -> "Catalogue":
-        """The motors known here; `complaints` holds what was wrong with the flyer's own files."""
+        """The known motors; `complaints` has the errors in the flyer's files."""
         with self._lock:
             return self._motors
 
@@ -92,25 +93,25 @@ class Resources:
         return motors
 
     def names(self) -> "Names":
-        """What can be picked as an answer in a form. Raises LedgerError."""
+        """The offered answers of a form. Raises LedgerError if the ledger cannot be read."""
         self.import_engine()
         from fieldkit.services.pickers import names_of
 
         return names_of(self.ledger, self.motors)
 
     def forget_motors(self) -> None:
-        """Read the motors again when they are next asked for."""
+        """Read the motors again on their next use."""
         with self._lock:
             self.__dict__.pop("_motors", None)
 
     def choose(self, **changes: Any) -> None:
-        """Change settings and keep what was changed, beside what another app has kept since. Raises FieldkitError if
-        it cannot be kept."""
+        """Change settings and save the changes, keeping those that another app has saved since. Raises FieldkitError if
+        they cannot be saved."""
         self.settings = replace(self.settings, **changes)
         self.settings = change_settings(changes, self._file)
 
     def close(self) -> None:
-        """Let go of the ledger, if it was opened."""
+        """Close the ledger if it is open."""
         with self._lock:
             if "_ledger" in self.__dict__:
                 self._ledger.close()

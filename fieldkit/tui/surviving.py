@@ -15,7 +15,7 @@ from fieldkit.tui.resources import Resources
 
 @dataclass(frozen=True, slots=True)
 class Whereabouts:
-    """Where a flyer was: the page, the row of its first table, and what went wrong there."""
+    """The state before an error: the page, the row of its first table, and the error."""
 
     page: str
     row: Any
@@ -23,19 +23,19 @@ class Whereabouts:
 
 
 class Surviving(Choosing):
-    """An app that one failing key does not end."""
+    """An app that continues after a failing key."""
 
     def __init__(self, resources: Resources) -> None:
         super().__init__(resources)
         self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
         self.place: Whereabouts | None = None
-        """Where the flyer was when an error ended the app."""
+        """The state when an error ended the app."""
         self.errors: list[Exception] = []
-        """What nobody foresaw and was survived."""
+        """Unexpected errors after which the app continued."""
         self._crashes: dict[str, Crash] = {}
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; a key that fails leaves everything where it is."""
+        """Handle an event; a failing key changes nothing."""
         try:
             await super().on_event(event)
         except Exception as error:

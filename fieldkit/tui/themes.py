@@ -1,6 +1,6 @@
-"""Colors of the app: one for any room, one for bright sun, one for the dark, one that is the terminal's own.
+"""Color schemes of the app: for a room, for bright sun, for the dark, and the terminal's.
 
-No information is in color alone, so each may use as few colors as it likes.
+No information is in color alone, so a scheme may have few colors.
 """
 
 from collections.abc import Mapping
@@ -120,4 +120,4 @@ TERMINAL = Theme(
     | {"input-cursor-text-style": "reverse", "backdrop": "ansi_default"},
 )
 THEMES: Mapping[str, Theme] = {theme.name: theme for theme in (FIELD, SUN, NIGHT, TERMINAL)}
-"""By the names that settings keep."""
+"""Color schemes by their names in the settings."""

@@ -1,4 +1,4 @@
-"""Air density: a site that lies higher, or a day that is hotter, than was written down."""
+"""Air density: the site is higher, or the day hotter, than recorded."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,7 +10,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The air at the pad, denser by this share."""
+    """Increases the air density at the pad by this fraction."""
     return setup.with_changes(air=replace(setup.air, density=setup.air.density * (1 + strength)))
 
 

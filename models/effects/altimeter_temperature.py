@@ -1,6 +1,6 @@
-"""Altimeter temperature: the device corrects for the day's temperature, and shows true heights on hot and cold days.
+"""Altimeter temperature: the device corrects for the day's temperature and shows true heights on hot and cold days.
 
-Most barometric altimeters take the air for standard and read low on a hot day; the plain model expects that.
+Most barometric altimeters assume standard air and read low on a hot day; the plain model expects that.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """What the altimeter shows, corrected by this fraction of the error due to the day's air."""
+    """Corrects the heights by this fraction of the error due to the day's temperature."""
     return setup.with_changes(altimeter_gain=setup.altimeter_gain ** (1 - strength))
 
 
@@ -22,7 +22,7 @@ EFFECT = Effect(
     explains="the altimeter corrects for the day's temperature, while the model expects it to read low in heat",
     unit="fraction of the correction",
     prior=Prior(mean=1.0, sd=0.25, low=0.0, high=1.5),
-    source="the hypsometric equation: 0.35 % of height for each kelvin; a device corrects for all of it or for none",
+    source="the hypsometric equation: 0.35% of height for each kelvin; a device corrects for all of it or for none",
     tell_apart="read its manual, or fly the same motor on a hot and on a cold day",
     setup=setup,
     needs="temperature",

@@ -1,7 +1,7 @@
-"""Blank elevation: a field whose elevation nobody wrote down, and which lies somewhere above the sea.
+"""Blank elevation: the elevation of the field is not recorded and is above sea level.
 
-The plain model takes it for sea level. Half of mankind lives below 194 m (Cohen and Small, Hypsographic demography,
-PNAS 95, 1998); fields of rocketry clubs reach from there to 2,700 m.
+The plain model assumes sea level. Half of the world's population lives below 194 m (Cohen and Small, Hypsographic
+demography, PNAS 95, 1998); the fields of rocketry clubs range from sea level to 2,700 m.
 """
 
 from fieldkit.physics.effect import Effect, Prior

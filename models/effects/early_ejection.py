@@ -1,6 +1,6 @@
-"""Early ejection: the delay burns shorter than its number, and the parachute opens on the way up.
+"""Early ejection: the delay is shorter than its rating, and the parachute opens on the way up.
 
-A tenth of the delay is ordinary scatter of motors; what is called early here is more.
+Motors ordinarily scatter by a tenth of the delay; this effect is larger.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The delay, shorter by this share."""
+    """Shortens the delay by this fraction."""
     return setup.with_changes(delay=setup.delay * (1 - strength))
 
 
@@ -22,7 +22,7 @@ EFFECT = Effect(
     explains="the ejection charge fires before apogee and the parachute ends the climb",
     unit="fraction of the rated delay",
     prior=Prior(mean=0.3, sd=0.2, low=0.1, high=0.9),
-    source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125)",
+    source="delays of certified motors vary by up to 20% or 1.5 s (NFPA 1125)",
     tell_apart="record apogee to ejection, or fly the same motor with a longer delay",
     setup=setup,
     per="motor",

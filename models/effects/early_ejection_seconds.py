@@ -1,4 +1,4 @@
-"""Early ejection in seconds: delays drilled or cut short by the same time, whatever their number says."""
+"""Early ejection in seconds: delays drilled shorter by the same time, whatever their rating."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The delay, shorter by this time, and no less than none. [s]"""
+    """Shortens the delay by this time, down to zero. [s]"""
     return setup.with_changes(delay=np.maximum(setup.delay - strength, 0.0))
 
 
@@ -21,7 +21,7 @@ EFFECT = Effect(
     explains="the ejection charge fires some seconds early and the parachute ends the climb",
     unit="s",
     prior=Prior(mean=1.5, sd=1.0, low=0.4, high=8.0),
-    source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",
+    source="delays of certified motors vary by up to 20% or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",
     tell_apart="record apogee to ejection, or fly motors with a short and with a long delay",
     setup=setup,
     per="motor",

@@ -1,4 +1,4 @@
-"""Flutter: fins that shake, or a surface that sheds its flow, cost the more drag the faster the rocket flies."""
+"""Flutter: vibrating fins or flow separation add drag that grows with speed."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ ONSET_MACH = 0.3
 
 
 def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-    """Drag, more by this share at twice the onset, in proportion to the speed beyond it."""
+    """Increases drag in proportion to the speed above the onset, by this fraction at twice the onset."""
     mach = state.speed / state.air.sound_speed(state.height)
     return np.asarray(-strength * np.maximum(mach / ONSET_MACH - 1, 0.0) * state.drag)
 

@@ -1,4 +1,5 @@
-"""Heavier recovery: from some flight on a larger parachute, a longer cord or a tracker flies along, not weighed."""
+"""Heavier recovery: from some flight on, the rocket carries a larger parachute, a longer cord or a tracker that was not
+weighed."""
 
 from collections.abc import Sequence
 
@@ -9,7 +10,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The dry mass, more by this fraction."""
+    """Increases the dry mass by this fraction."""
     return setup.with_changes(dry_mass=setup.dry_mass * (1 + strength))
 
 
@@ -19,7 +20,7 @@ EFFECT = Effect(
     explains="from some flight on the rocket carries more than the mass entered, such as a larger parachute",
     unit="fraction of the dry mass",
     prior=Prior(mean=0.06, sd=0.05, low=0.0, high=0.5),
-    source="a judgment: recovery gear weighs 5 to 15 % of a model rocket, and is what is exchanged most",
+    source="a judgment: recovery gear weighs 5 to 15% of a model rocket, and is what is exchanged most",
     tell_apart="weigh the rocket again, ready to fly but without the motor",
     setup=setup,
     form_of="mass_offset",

@@ -1,4 +1,4 @@
-"""Mass offset: a configuration that is heavier or lighter than it was weighed."""
+"""Mass offset: a configuration is heavier or lighter than its recorded mass."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The dry mass, more by this share."""
+    """Increases the dry mass by this fraction."""
     return setup.with_changes(dry_mass=setup.dry_mass * (1 + strength))
 
 

@@ -1,4 +1,4 @@
-"""Motor thrust: a motor type, or all of a lot, that pushes more or less than its certificate."""
+"""Motor thrust: a motor type or a whole lot has more or less thrust than its certificate."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,12 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Thrust and impulse, more by this share."""
+    """Increases thrust and impulse by this fraction."""
     return setup.with_changes(thrust_factor=setup.thrust_factor * (1 + strength))
 
 
 def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The thrust itself. [m/s^2]"""
+    """The acceleration by thrust. [m/s^2]"""
     return climb.thrust
 
 
@@ -24,7 +24,7 @@ EFFECT = Effect(
     explains="this motor delivers less or more thrust and impulse than certified",
     unit="fraction of the thrust",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.5),
-    source="certification allows the mean impulse to differ and single motors to scatter by 6.7 % (NFPA 1125)",
+    source="certification allows the mean impulse to differ and single motors to scatter by 6.7% (NFPA 1125)",
     tell_apart="fly a motor from another lot, or record top speed and peak acceleration",
     setup=setup,
     per="motor",

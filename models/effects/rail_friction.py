@@ -1,4 +1,4 @@
-"""Rail friction: buttons or lugs that bind cost speed on the rail."""
+"""Rail friction: buttons or lugs bind and slow the rocket on the rail."""
 
 from collections.abc import Sequence
 
@@ -11,12 +11,12 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The rail slows the rocket by this acceleration until it leaves. [m/s^2]"""
+    """Slows the rocket by this acceleration until it leaves the rail. [m/s^2]"""
     return setup.with_changes(rail_friction=setup.rail_friction + strength)
 
 
 def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The acceleration against the rocket while it is on the rail. [m/s^2]"""
+    """The deceleration while the rocket is on the rail. [m/s^2]"""
     return np.where(climb.height < climb.rail_length, -1.0, 0.0)
 
 

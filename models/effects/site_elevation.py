@@ -1,5 +1,4 @@
-"""Site elevation: a field that lies higher or lower than was written down, and the air and the altimeter that go
-with it."""
+"""Site elevation: the field is higher or lower than recorded, which changes the air and the altimeter's readings."""
 
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.setups import at_elevation

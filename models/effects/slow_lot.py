@@ -1,4 +1,4 @@
-"""Slow lot: from some flight on motors of another lot ignite more slowly and burn longer, at the same impulse."""
+"""Slow lot: from some flight on, motors of another lot burn longer at the same impulse."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The burn, longer by this fraction at the same impulse."""
+    """Lengthens the burn by this fraction at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
 
 
@@ -19,7 +19,7 @@ EFFECT = Effect(
     explains="from some flight on this motor ignites more slowly and burns longer, as another lot may",
     unit="fraction of the burn time",
     prior=Prior(mean=0.15, sd=0.12, low=0.0, high=1.0),
-    source="NFPA 1125 allows average thrust to differ by 20 %, which at the same impulse is the burn",
+    source="NFPA 1125 allows average thrust to differ by 20%, which at the same impulse is the burn",
     tell_apart="record burn time and peak acceleration, and write down the lot",
     setup=setup,
     per="motor",

@@ -1,4 +1,4 @@
-"""Thrust curve: the same impulse delivered over a longer or shorter burn than the certified curve."""
+"""Thrust curve: the motor delivers the same impulse over a longer or shorter burn than its certificate."""
 
 from collections.abc import Sequence
 
@@ -9,12 +9,13 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The burn, longer by this share at the same impulse."""
+    """Lengthens the burn by this fraction at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
 
 
 def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """What is less for the same thrust later: to first order in the stretch, at the same impulse. [m/s^2]"""
+    """The change in acceleration from stretching the burn at constant impulse, to first order in the stretch.
+    [m/s^2]"""
     return -(climb.thrust + climb.time_from_liftoff * climb.steepness)
 
 

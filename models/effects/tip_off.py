@@ -1,7 +1,8 @@
-"""Tip-off: off a slow rail the rocket turns aside before its fins hold it, the more the slower it leaves.
+"""Tip-off: a rocket that leaves the rail slowly turns before its fins stabilize it, more so the slower it leaves.
 
-What turns it (gravity, a crosswind on the part that is free of the rail) acts for the time it takes to leave, and its
-fins right it with a moment that goes with the square of the speed; so the angle falls with the square of the speed.
+The disturbance (gravity, or a crosswind on the part that is off the rail) lasts for the time the rocket takes to leave,
+and the restoring moment of the fins grows with the square of the speed, so the angle falls with the square of the
+speed.
 """
 
 from collections.abc import Sequence
@@ -15,14 +16,14 @@ from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 REFERENCE_SPEED = 15.0
-"""Speed off the rail that the strength is stated at, a usual least speed for model rockets. [m/s]"""
+"""Speed off the rail for which the strength is given, a usual minimum for model rockets. [m/s]"""
 MAX_ANGLE = 60.0
-"""Limit of the angle, for rockets that hardly leave. [deg]"""
+"""Upper limit of the angle, for rockets that barely leave the rail. [deg]"""
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The path off the rail, inclined by this angle at the reference speed, at right angles to a recorded launch
-    angle, to the same side."""
+    """Tilts the path off the rail by this angle at the reference speed, always to the same side, at right angles to a
+    recorded launch angle. [deg]"""
     slower = (REFERENCE_SPEED / np.maximum(rail_exit_speed(setup), 1.0)) ** 2
     angle = np.minimum(strength * slower, MAX_ANGLE)
     steeper = np.hypot(setup.rail_angle, np.radians(angle))

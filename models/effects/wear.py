@@ -9,7 +9,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Drag, more by this share."""
+    """Increases drag by this fraction."""
     return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
 
 

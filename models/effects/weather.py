@@ -1,6 +1,6 @@
-"""Weather: days that were hotter or colder than the standard air that is assumed if no temperature is known.
+"""Weather: days hotter or colder than the standard air that is assumed if no temperature is recorded.
 
-Hot air is thin, so the rocket flies higher; and it makes a barometric altimeter read low by the same share.
+Hot air is less dense, so the rocket flies higher; a barometric altimeter also reads low by the same fraction.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The air of a pad that is warmer by this [K], and what an altimeter shows that takes it for standard."""
+    """Air warmer by this at the pad, and the reading of an altimeter that assumes standard air. [K]"""
     warmth = setup.air.temperature + strength
     share = setup.air.temperature / warmth
     air = replace(setup.air, density=setup.air.density * share, temperature=warmth)
@@ -26,7 +26,7 @@ EFFECT = Effect(
     explains="days were hotter or colder than assumed, which changes both drag and the altimeter reading",
     unit="K",
     prior=Prior(mean=0.0, sd=12.0, low=-45.0, high=45.0),
-    source="U.S. Standard Atmosphere 1976 and the ideal gas: 0.35 % of density and of the reading per kelvin",
+    source="U.S. Standard Atmosphere 1976 and the ideal gas: 0.35% of density and of the reading per kelvin",
     tell_apart="record the temperature at the pad",
     setup=setup,
     per="day",

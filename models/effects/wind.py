@@ -1,7 +1,7 @@
-"""Wind: off the rail a stable rocket turns into the wind it feels, and climbs at a slant.
+"""Wind: after leaving the rail, a stable rocket turns into the relative wind and climbs at an angle.
 
-The rocket flies as a point mass whose axis follows the relative wind; the strength scales the wind that it
-follows, so that 1 is a rocket that turns at once and fully, and 0 one that does not care.
+The rocket is a point mass whose axis follows the relative wind. The strength scales the wind that it follows: at 1 the
+rocket turns fully and at once, at 0 not at all.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The declared wind, as strong as this rocket turns into it."""
+    """Scales the declared wind by how strongly the rocket turns into it."""
     return setup.with_changes(wind=strength * np.nan_to_num(recorded(flights, "wind"), nan=0.0))
 
 

@@ -1,1 +1,1 @@
-"""The exact posterior of simulated flights, all that is random in them integrated out."""
+"""The exact posterior of simulated flights with all random inputs integrated out."""

@@ -1,8 +1,9 @@
-"""The exact posterior of simulated flights, all that is random in them integrated out: what no method can beat.
+"""The exact posterior of simulated flights with all random inputs integrated out, a lower bound of the error of any
+method.
 
-The prior of the numbers that a flight is drawn from is normal, their likelihood exact (`likelihood`). The posterior is
-integrated by importance sampling from a mixture of proposals (Owen and Zhou, Safe and effective importance sampling,
-2000), for many flights side by side. Slow, and there to judge the ensemble.
+The random inputs of a flight have a normal prior and an exact likelihood (`likelihood`). The posterior is integrated by
+importance sampling from a mixture of proposals (Owen and Zhou, Safe and effective importance sampling, 2000), for many
+flights at once. It is slow and serves to evaluate the ensemble.
 """
 
 from collections.abc import Sequence
@@ -15,23 +16,23 @@ from fieldkit.shapes import Array, Float
 from studies.exact.likelihood import LATENTS, PARAMETERS, Problem, log_likelihood, misses
 
 ROUNDS = 2
-"""Times the proposal adapts."""
+"""Number of adaptations of the proposal."""
 STUDENT = 5.0
 """Degrees of freedom of a proposal. [1]"""
 STEP = 0.1
-"""Of the differences that slopes are taken from, in standard deviations. [1]"""
+"""Finite-difference step for derivatives, in standard deviations. [1]"""
 PILOTS = 300
-"""Draws of the prior that are looked at for places to climb from."""
+"""Number of prior draws to choose starting points from."""
 PEAKS = 5
-"""Of them, those that are climbed from."""
+"""Number of starting points."""
 TEMPERATURE = 2.0
-"""Divisor of the log likelihoods by which draws are chosen. [1]"""
+"""Divisor of the log likelihoods in the choice of starting points. [1]"""
 CLIMBS = 8
-"""Steps toward the likeliest numbers."""
+"""Number of Gauss-Newton steps."""
 PROPOSAL_INFLATION = 1.15
-"""Width of a proposal relative to that of the distribution it stands for. [1]"""
+"""Width of a proposal relative to its target. [1]"""
 LEAST_SIZE = 60.0
-"""Effective draws that a proposal is fitted to: weights are equalized until there are as many. [1]"""
+"""Minimum effective number of draws for fitting a proposal: weights are tempered until it is reached. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class Draws:
 
 @dataclass(frozen=True, slots=True)
 class _Proposal:
-    """A Student t about a mean, for every flight; without degrees of freedom a normal."""
+    """A Student t around a mean for every flight; a normal without degrees of freedom."""
 
     mean: Float[Array, "flight latent"]
     root: Float[Array, "flight latent latent"]
@@ -84,7 +85,7 @@ def integrate(
 ) -> Draws:
     """Weighted draws of the posterior of every flight, started from these numbers of Cd and alpha.
 
-    With `fixed` the two stay there, and the evidence is the likelihood of that point alone.
+    With `fixed`, the two stay there, and the evidence is the likelihood of that point.
     """
     free = slice(PARAMETERS if fixed else 0, LATENTS)
     start = np.zeros((len(one), LATENTS))
@@ -111,9 +112,9 @@ def _weighed(
     free: slice,
     count: int,
 ) -> tuple[Float[Array, "flight draw latent"], Float[Array, "flight draw"]]:
-    """Fresh draws, as many of each proposal, and their log weights.
+    """New draws, the same number from each proposal, and their log weights.
 
-    Draws that a proposal was fitted to are not used again: with them the evidence would come out low.
+    Draws used to fit a proposal are not reused: they would bias the evidence low.
     """
     drawn = np.concatenate([proposal.draw(rng, count) for proposal in proposals], axis=1)
     values = np.broadcast_to(start[:, None], (*drawn.shape[:2], LATENTS)).copy()
@@ -125,9 +126,10 @@ def _weighed(
 
 
 def _defences(normal: _Proposal) -> list[_Proposal]:
-    """The prior, whole, and with Cd and alpha about where they are likely: no mass is out of reach of both.
+    """Proposals from the full prior, and from the prior with Cd and alpha near their likely values, which cover all
+    mass.
 
-    Without them a fraction of the evidence is missed if rare scatter occurred.
+    Without them, part of the evidence is missed if rare scatter occurred.
     """
     size = normal.mean.shape[1]
     whole = np.broadcast_to(np.eye(size), normal.root.shape).copy()
@@ -144,9 +146,9 @@ def _defences(normal: _Proposal) -> list[_Proposal]:
 def _starts(
     rng: np.random.Generator, one: Problem, start: Float[Array, "flight latent"], free: slice
 ) -> list[Float[Array, "flight latent"]]:
-    """Where to climb from: the middle of the prior, and likely ones among some draws of it.
+    """Starting points: the middle of the prior and likely prior draws.
 
-    What happens to few flights, such as an early ejection, has no slope in the middle of the prior.
+    Rare events, such as an early ejection, have a zero derivative in the middle of the prior.
     """
     pilots = np.broadcast_to(start[:, None], (len(one), PILOTS, LATENTS)).copy()
     pilots[..., PARAMETERS:] = rng.normal(size=pilots[..., PARAMETERS:].shape)
@@ -163,7 +165,7 @@ def _starts(
 
 
 def _normal(one: Problem, start: Float[Array, "flight latent"], free: slice) -> _Proposal:
-    """About the likeliest numbers, by Gauss and Newton; readouts linear in the numbers there."""
+    """A proposal around the most likely inputs by Gauss-Newton, with readouts linear there."""
     at = start.copy()
     size = len(range(*free.indices(LATENTS)))
     steps = np.zeros((size + 1, LATENTS))
@@ -192,7 +194,7 @@ def _normal(one: Problem, start: Float[Array, "flight latent"], free: slice) -> 
 def _fitted(
     values: Float[Array, "flight draw latent"], log_weight: Float[Array, "flight draw"], normal: _Proposal
 ) -> _Proposal:
-    """A Student t about the weighted draws so far, shrunk to the one of the start by how few they are."""
+    """A Student t around the weighted draws so far, shrunk toward the starting one if they are few."""
     mean, root = normal.mean.copy(), normal.root.copy()
     size = mean.shape[1]
     for flight in range(len(mean)):
@@ -206,7 +208,7 @@ def _fitted(
 
 
 def _evened(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
-    """Weights to the largest power of 0.8 that leaves `LEAST_SIZE` effective draws."""
+    """Weights tempered by the largest power of 0.8 that gives `LEAST_SIZE` effective draws."""
     log_weight = np.maximum(log_weight - log_weight.max(), -700.0)
     for power in 0.8 ** np.arange(40):
         weight = np.exp(power * log_weight)

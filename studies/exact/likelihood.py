@@ -1,8 +1,8 @@
-"""The exact likelihood of simulated flights, as a function of every standard normal number they are drawn from.
+"""The exact likelihood of simulated flights as a function of their standard normal inputs.
 
-Everything that a simulated flight draws is a function of such numbers: Cd and alpha of the first two, the errors of
-the accelerometer of the next, winds, motors and the rest of those that follow. Given them all, what was observed is
-what the device would show, with a noise that is a sum of two Student t, rounded to the device's steps.
+Every random property of a simulated flight is a function of these inputs: Cd and alpha of the first two, the errors of
+the accelerometer of the next two, winds, motors and so on of the rest. Given all inputs, a readout is the simulated
+value plus noise, the sum of two Student t, rounded to the device's resolution.
 """
 
 from collections.abc import Sequence
@@ -31,9 +31,9 @@ from fieldkit.physics.thrust_steps import Burns, burns
 from fieldkit.shapes import Array, Float, Int
 
 PARAMETERS = 2
-"""Of the normal numbers, the first ones: they stand for Cd and alpha."""
+"""Indices of the inputs for Cd and alpha."""
 DEVICE = 2
-"""The next: offset and gain of the accelerometer."""
+"""Indices of the inputs for offset and gain of the accelerometer."""
 _MIN_LOG_CD, _MAX_LOG_CD = np.log(CD_RANGE)
 _ENDS = ndtr((np.array(ALPHA_RANGE) - 1.0) / ALPHA_SD)
 _ANGLES = np.linspace(0.0, np.pi / 2, 33)
@@ -41,7 +41,7 @@ _REACH = np.sinh(np.linspace(-9.0, 9.0, 721))
 
 
 class Latent:
-    """Stands in for a generator of random numbers: each call takes the next column of given normal numbers."""
+    """Replaces a random number generator: each call returns the next column of given normal inputs."""
 
     def __init__(self, normals: Float[Array, "draw latent"]) -> None:
         self.normals, self.used = normals, 0
@@ -68,13 +68,13 @@ def _count_latents() -> int:
 
 
 LATENTS = _count_latents()
-"""Normal numbers of a flight."""
+"""Number of normal inputs of a flight."""
 
 
 def parameters(
     normals: Float[Array, "draw latent"], diameter: Float[Array, "draw"]
 ) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """Logarithm of the drag area [log m^2] and alpha [1] that the first two numbers stand for."""
+    """Logarithm of the drag area [log m^2] and alpha [1] from the first two inputs."""
     alpha = 1.0 + ALPHA_SD * ndtri(_ENDS[0] + (_ENDS[1] - _ENDS[0]) * ndtr(normals[:, 1]))
     return _MIN_LOG_CD + (_MAX_LOG_CD - _MIN_LOG_CD) * ndtr(normals[:, 0]) + np.log(disc(diameter)), np.asarray(alpha)
 
@@ -82,7 +82,7 @@ def parameters(
 def normals_of(
     values: Float[Array, "*draw flight 2"], diameter: Float[Array, "flight"]
 ) -> Float[Array, "*draw flight 2"]:
-    """The two normal numbers that stand for a logarithm of drag area and an alpha."""
+    """The two normal inputs for a logarithm of drag area and an alpha."""
     cd = (values[..., 0] - np.log(disc(diameter)) - _MIN_LOG_CD) / (_MAX_LOG_CD - _MIN_LOG_CD)
     alpha = (ndtr((values[..., 1] - 1.0) / ALPHA_SD) - _ENDS[0]) / (_ENDS[1] - _ENDS[0])
     return np.asarray(ndtri(np.clip(np.stack([cd, alpha], axis=-1), 1e-9, 1 - 1e-9)))
@@ -114,7 +114,7 @@ def _below(values: Array, floor: Array, share: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Flights whose posteriors are wanted: as observed, and which of the curves each burned along."""
+    """Observed flights, and the thrust curve of each."""
 
     observed: Observed
     curves: Burns
@@ -125,7 +125,7 @@ class Problem:
 
 
 def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Problem:
-    """Simulated flights as observed, all circumstances declared, with their motors found by their figures."""
+    """Simulated flights as observed, with all conditions declared and their motors found by their figures."""
     known = {figures(motor).tobytes(): number for number, motor in enumerate(motors)}
     row = np.array([known[np.ascontiguousarray(one).tobytes()] for one in truth.motor])
     flown, place = np.unique(row, return_inverse=True)
@@ -133,9 +133,8 @@ def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Proble
 
 
 def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[Observed, dict[str, Array]]:
-    """What was observed, and what the device would show without noise and with endless digits; [flight * draw].
-
-    nan if there is nothing to show, and throughout if nothing lifted.
+    """The observed readouts, and the simulated ones without noise and rounding [flight * draw]; nan if missing, and
+    throughout if the rocket did not leave the pad.
     """
     flights, draws, _ = normals.shape
     flat = normals.reshape(flights * draws, -1)
@@ -154,7 +153,7 @@ def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[O
 
 
 def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[Array, "flight draw"]:
-    """Log probability of what was observed of every flight, given the numbers that made it."""
+    """Log probability of the observations of every flight, given its inputs. [nat]"""
     observed, clean = _clean(one, normals)
     total = np.where(np.isfinite(clean["apogee"]), 0.0, -np.inf)
     for name, (low, high) in _bins(observed).items():
@@ -168,7 +167,7 @@ def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) ->
 
 
 def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[Array, "flight draw readout"]:
-    """Observed less shown, in standard deviations of a normal about as wide as the noise; 0 if not recorded."""
+    """Observed minus simulated, in standard deviations of a normal about as wide as the noise; 0 if not recorded."""
     observed, clean = _clean(one, normals)
     found = [np.zeros(len(observed))]
     for name, (low, high) in _bins(observed).items():
@@ -179,9 +178,9 @@ def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[A
 
 
 def _bins(observed: Observed) -> dict[str, tuple[Array, Array]]:
-    """Between what each readout was before it was rounded; nan if it was not recorded.
+    """Bounds of each readout before rounding; nan if it was not recorded.
 
-    Average acceleration is speed over burn time, so it narrows down the burn time.
+    Average acceleration is speed over burn time, so it narrows the bounds of the burn time.
     """
     found = {}
     for name in READOUT_NAMES:

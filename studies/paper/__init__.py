@@ -1,1 +1,1 @@
-"""The reference paper put to the test on its own twelve flights: every figure is computed when asked for."""
+"""Test of the reference paper on its twelve flights; every figure is computed on request."""

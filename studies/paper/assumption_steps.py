@@ -1,7 +1,7 @@
-"""From the paper's physics to certified motors in real air, a step at a time, and what each step does to the errors.
+"""Steps from the paper's physics to certified motors in real air, and the change of the errors by each step.
 
-The estimator stays the same throughout: the exact posterior mean of Cd and alpha under the paper's prior, given the
-apogee alone. So a step changes the errors by what it changes in the physics, and by nothing else.
+The estimator is the same in all steps: the exact posterior mean of Cd and alpha under the paper's prior, given the
+apogee alone. So only the physics changes the errors.
 """
 
 from collections.abc import Callable
@@ -22,31 +22,31 @@ from studies.paper.reference import Reference, certified, normalised
 
 Each = Float[Array, "*draw flight"]
 Build = Callable[[Reference, Each, Each], Setup]
-"""A set-up of the flights, each with its own Cd and alpha."""
+"""A setup of the flights, each with a separate Cd and alpha."""
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """A physics to fly the reference flights in; the title says what it changes from the one before."""
+    """A physics for the reference flights; the title states its change from the previous one."""
 
     key: str
     title: str
     build: Build
 
     def heights(self, flights: Reference, cd: Each, alpha: Each) -> Each:
-        """Apogees, each flight with its own Cd and alpha. [m]"""
+        """Apogees, each flight with a separate Cd and alpha. [m]"""
         return apogees(self.build(flights, cd, alpha))
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """The flights rebuilt in one world from their own apogees, and forecast there from the others'. [m]"""
+    """The flights reconstructed in one physics from their apogees, and forecast there from the others'. [m]"""
 
     world: World
     rebuilt: Float[Array, "flight"]
     left_out: Float[Array, "flight"]
     below: int
-    """Flights that lie below the lowest apogee which the prior can make."""
+    """Flights below the lowest apogee that the prior can produce."""
 
 
 def worlds() -> list[World]:
@@ -65,7 +65,7 @@ def worlds() -> list[World]:
 
 
 def step(world: World, flights: Reference) -> Step:
-    """The flights rebuilt and forecast in a world."""
+    """The flights reconstructed and forecast in a physics."""
 
     def fly(cd: Each, alpha: Each) -> Each:
         return world.heights(flights, cd, alpha)
@@ -105,5 +105,5 @@ def _field(flights: Reference, cd: Each, alpha: Each) -> Setup:
 
 
 def named_delays(flights: Reference) -> Float[Array, "flight"]:
-    """From burnout to ejection as the motor's name says, nan if it says nothing. [s]"""
+    """Delay from burnout to ejection in the motor's name; nan if there is none. [s]"""
     return delays(flights.flights, [catalogue().resolve(flight.motor) for flight in flights.flights])

@@ -1,4 +1,4 @@
-"""What an apogee alone can say, by brute force: the posterior on a grid over the paper's prior."""
+"""The exact posterior given an apogee alone, on a grid over the paper's prior."""
 
 from collections.abc import Callable
 from typing import Any
@@ -26,9 +26,9 @@ def exact_means(
 ) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
     """Exact posterior mean of Cd and alpha of each flight, given its apogee and nothing else. [1]
 
-    `heights` flies every flight with a Cd and alpha of its own. Uniform prior, normal noise of the paper's 3 m,
-    Gauss-Legendre quadrature with `count` nodes a side: its nodes cluster at the prior's ends, and there the
-    posterior of a low flight sits.
+    `heights` simulates every flight with a separate Cd and alpha. The prior is uniform, the noise normal with the
+    paper's 3 m, and the quadrature Gauss-Legendre with `count` nodes per axis, which cluster at the prior's ends, where
+    the posterior of a low flight is.
     """
     node, share = np.polynomial.legendre.leggauss(count)
     cd, alpha = (low + (high - low) * (node + 1) / 2 for low, high in (CD_RANGE, ALPHA_RANGE))
@@ -41,7 +41,7 @@ def exact_means(
 
 
 def reconstructions(flights: Reference, curves: Burns, count: int = 40) -> Float[Array, "flight"]:
-    """Apogee at the exact posterior mean of Cd and alpha given the apogee itself, in the paper's physics. [m]"""
+    """Apogee at the exact posterior mean of Cd and alpha given the apogee, in the paper's physics. [m]"""
 
     def fly(cd: Float[Array, "*draw flight"], alpha: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
         return apogees(paper.paper_setup(flights.motor, flights.dry_mass, cd, alpha, curves=curves))
@@ -63,9 +63,9 @@ def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
 def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:
     """Smallest possible mean absolute errors of Cd and alpha from the apogee alone, over the paper's prior. [1]
 
-    For each motor and configuration, each apogee on a scale of `step` meters that the altimeter could show
-    is answered by the posterior median, the best answer there is by this measure, and its misses are
-    averaged over all Cd and alpha of `count` cells each that could have led there.
+    For each motor and configuration, and each possible apogee reading in steps of `step` meters, the estimate is the
+    posterior median, which is optimal for this error; its errors are averaged over a grid of `count` cells each of Cd
+    and alpha.
     """
     cd, alpha = cells(CD_RANGE, count), cells(ALPHA_RANGE, count)
     pairs = [(motor, mass) for motor in range(len(paper.MOTORS)) for mass in paper.DRY_MASS.values()]
@@ -80,7 +80,7 @@ def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:
 
 
 def _least_miss(weight: Float[Array, "shown cell"], value: Float[Array, "cell"]) -> Any:
-    """Sum of weighted misses when each row is answered by its median."""
+    """Sum of weighted errors if the estimate of each row is its median."""
     passed = (weight.cumsum(axis=1) - 0.5 * weight) / weight.sum(axis=1, keepdims=True)
     median = np.array([np.interp(0.5, row, value) for row in passed])
     return (weight * np.abs(value - median[:, None])).sum()

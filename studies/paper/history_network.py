@@ -1,4 +1,4 @@
-"""The network of whole histories on the paper's flights: each forecast from all other valid ones."""
+"""The history network on the paper's flights: each is forecast from all other valid ones."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +12,8 @@ from studies.paper.reference import Reference, errors
 
 @dataclass(frozen=True, slots=True)
 class HistoryForecast:
-    """What the network says of one flight without having seen it: apogee at 5, 50 and 95 % [m], and the median Cd and
-    alpha it flies with [1]."""
+    """The network's leave-one-out forecast of one flight: apogee at 5, 50 and 95% [m], and the median Cd and alpha
+    [1]."""
 
     flight_id: str
     apogee: tuple[float, float, float]
@@ -32,7 +32,7 @@ class HistoryForecast:
 
 
 def history_forecasts(flights: Reference) -> list[HistoryForecast]:
-    """Every flight from all valid flights but itself, in the order flown."""
+    """Forecasts of every flight from all other valid flights, in the order flown."""
     flown = [(flight, catalogue().resolve(flight.motor)) for flight in flights.flights]
     found = []
     for row, (flight, motor) in enumerate(flown):
@@ -46,7 +46,7 @@ def history_forecasts(flights: Reference) -> list[HistoryForecast]:
 
 
 def history_errors(flights: Reference, found: list[HistoryForecast]) -> dict[str, float]:
-    """Errors of the medians over the valid flights [m], and the fraction of these in their 90 % intervals. [1]"""
+    """Errors of the medians over the valid flights [m], and the fraction of these in their 90% intervals. [1]"""
     low, middle, high = np.array([one.apogee for one in found])[flights.valid].T
     flown = flights.apogee[flights.valid]
     return {**errors(middle, flown), "coverage90": float(((low <= flown) & (flown <= high)).mean())}

@@ -1,4 +1,4 @@
-"""Honest forecasts of a flight from the other flights alone, by rules from the plainest to a hierarchical fit."""
+"""Leave-one-out forecasts of a flight, by rules from the simplest to a hierarchical fit."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,12 +14,13 @@ from studies.paper.exact import cells
 from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
 Forecast = Callable[[Reference, Int[Any, "other"], int], float]
-"""The apogee of a flight, by its row, from other flights, by theirs; nan if those say nothing. [m]"""
+"""The apogee of a flight, given by its row, from other flights, given by their rows; nan if they are not informative.
+[m]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A way to forecast; `how` says exactly what it does."""
+    """A forecasting rule with its exact description in `how`."""
 
     key: str
     title: str
@@ -28,7 +29,7 @@ class Rule:
 
 
 def leave_one_out(flights: Reference, forecast: Forecast, rows: Int[Any, "row"]) -> Float[Array, "row"]:
-    """Some flights, each forecast from all valid flights but itself. [m]"""
+    """Forecasts of some flights, each from all other valid flights. [m]"""
     valid = np.flatnonzero(flights.valid)
     return np.array([forecast(flights, valid[valid != row], row) for row in rows.tolist()])
 
@@ -43,7 +44,7 @@ def _same_setup(flights: Reference, others: Int[Any, "other"], row: int) -> floa
 
 
 def carried_over(cd: Float[Array, "flight"], alpha: Float[Array, "flight"]) -> Forecast:
-    """Mean Cd and alpha inferred for the same motor's other flights, in the paper's own physics."""
+    """Mean Cd and alpha inferred for the same motor's other flights, in the paper's physics."""
     curves = paper.paper_burns()
     return carry_over(cd, alpha, lambda flights, cd, alpha: heights(flights, cd, alpha, curves))
 
@@ -53,7 +54,7 @@ def carry_over(
     alpha: Float[Array, "flight"],
     fly: Callable[[Reference, Float[Array, "flight"], Float[Array, "flight"]], Float[Array, "flight"]],
 ) -> Forecast:
-    """Mean Cd and alpha inferred for the same motor's other flights, flown by any physics."""
+    """Mean Cd and alpha inferred for the same motor's other flights, in any physics."""
 
     def forecast(flights: Reference, others: Int[Any, "other"], row: int) -> float:
         peers = others[flights.motor[others] == flights.motor[row]]
@@ -173,10 +174,10 @@ def rules(flights: Reference) -> list[Rule]:
 
 
 def scatter(flights: Reference) -> dict[str, float]:
-    """The scatter of valid flights of one motor and configuration, pooled, and the error that it leaves any rule.
+    """The pooled scatter of valid flights of one motor and configuration, and the resulting minimum error of any rule.
 
-    `sd_m` has `degrees_of_freedom`. If flights scatter so, normally, even a perfect forecast of the mean
-    misses by `perfect_mae_m` on average, and the mean of two earlier flights by `two_peers_mae_m`.
+    `sd_m` has `degrees_of_freedom`. With normal scatter of this size, a perfect forecast of the mean has the mean
+    absolute error `perfect_mae_m`, and the mean of two earlier flights `two_peers_mae_m`.
     """
     valid = flights.part(flights.valid)
     setups = np.stack([valid.motor, valid.dry_mass], axis=-1)

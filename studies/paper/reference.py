@@ -1,4 +1,4 @@
-"""The paper's twelve flights, what it published about them, and the thrust curves to fly them with."""
+"""The paper's twelve flights, its published results, and the thrust curves."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ STATED_FIGURES = {
     "openrocket_mae_m": 19.9,
     "openrocket_rmse_m": 23.1,
 }
-"""What the paper states in its text."""
+"""Figures from the paper's text."""
 
 CERTIFIED_NAMES = ("Quest E35W", "AeroTech F24W", "AeroTech F39T")
 """The paper's motors, in its order, as certified."""
@@ -50,7 +50,7 @@ class Reference:
         return len(self.flights)
 
     def part(self, rows: Flags | Int[Any, "row"]) -> "Reference":
-        """Some of the flights."""
+        """The selected flights."""
         numbers = np.arange(len(self))[rows]
         arrays = {name: getattr(self, name)[numbers] for name in self.__slots__ if name != "flights"}
         return Reference(flights=tuple(self.flights[number] for number in numbers), **arrays)
@@ -77,7 +77,7 @@ def reference() -> Reference:
 
 
 def normalised() -> Burns:
-    """The paper's profile scaled to the total impulse that the paper itself declares."""
+    """The paper's profile scaled to the total impulse in the paper."""
     scales = [motor.total_impulse / motor.delivered_impulse for motor in paper.MOTORS]
     scaled = [
         replace(motor, peak_thrust=scale * motor.peak_thrust, mean_thrust=scale * motor.mean_thrust)
@@ -95,7 +95,7 @@ def certified(*, casing: bool = False) -> Burns:
 def heights(
     flights: Reference, cd: Float[Array, "flight"], alpha: Float[Array, "flight"], curves: Burns
 ) -> Float[Array, "flight"]:
-    """Apogees in the paper's physics, each flight with its own Cd and alpha. [m]"""
+    """Apogees in the paper's physics, each flight with a separate Cd and alpha. [m]"""
     return apogees(paper.paper_setup(flights.motor, flights.dry_mass, cd, alpha, curves=curves))
 
 

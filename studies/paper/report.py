@@ -1,4 +1,4 @@
-"""Everything that `fieldkit paper` shows, computed from the twelve flights and the shipped networks."""
+"""The report of `fieldkit paper`, computed from the twelve flights and the shipped networks."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -28,7 +28,7 @@ from studies.paper.reference import (
 
 FRESH_FLIGHTS = 5000
 FRESH_SEED = 20_000_000
-"""Of the flights drawn for the report; training spawns its streams from a seed and never draws these."""
+"""Seed of the flights drawn for the report; training spawns its streams from another seed and never draws these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,7 @@ def _synthetic(ensemble: Ensemble) -> dict[str, Any]:
 
 
 def _thrust_profile(flights: Reference) -> dict[str, Any]:
-    """What the published profile delivers, and what the exact posterior reconstructs with it and without."""
+    """The impulse of the published profile, and the exact reconstructions with it and without."""
     published = paper.paper_burns()
     valid = flights.part(flights.valid)
     curves = {

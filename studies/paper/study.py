@@ -1,4 +1,4 @@
-"""The reference study: where the published bias comes from, part by part, and what remains when it is gone."""
+"""The reference study: the parts of the published bias, and the errors that remain without it."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -29,7 +29,8 @@ class BiasPart:
 
 @dataclass(frozen=True, slots=True)
 class Ejection:
-    """From apogee to ejection by the delay in the motor's name [s], what that costs, and with a short delay. [m]"""
+    """Time from apogee to ejection with the delay in the motor's name [s], the loss of apogee by it and by a short
+    delay. [m]"""
 
     after_apogee: float
     cost: float
@@ -37,19 +38,20 @@ class Ejection:
 
 
 SHORT_DELAY = 0.2
-"""By which a certified delay may fall short (NFPA 1125). [1]"""
+"""Fraction by which a certified delay may be short (NFPA 1125). [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Everything on the page: the paper's report, the steps from its physics to ours, the parts, what remains."""
+    """Everything on the page: the paper's report, the steps from its physics to ours, the parts of the bias, and the
+    rest."""
 
     report: PaperReport
     flights: Reference
     steps: tuple[Step, ...]
     parts: tuple[BiasPart, ...]
     lowered: tuple[float, ...]
-    """By how much each step lowers the apogees of the published Cd and alpha, in the mean. [m]"""
+    """The mean reduction of the apogees of the published Cd and alpha by each step. [m]"""
     ejection: Ejection
     loop: Diagnosis
     left_out: Judged
@@ -58,7 +60,7 @@ class Study:
 
 
 def study() -> Study:
-    """Compute the study from the twelve flights and what was published of them."""
+    """Compute the study from the twelve flights and the published results."""
     every = reference()
     valid = every.part(every.valid)
     loop = _loop(every.flights)
@@ -79,7 +81,7 @@ def study() -> Study:
 
 
 def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[BiasPart, ...]:
-    """Shares that add up to the published bias: the network's own, a step of the physics each, and what is left."""
+    """Parts that add up to the published bias: the network's, one for each step of the physics, and the rest."""
     bias = [float((one.rebuilt - flights.apogee).mean()) for one in steps]
     published = float((flights.published_apogee - flights.apogee).mean())
     moved = [
@@ -91,7 +93,7 @@ def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[BiasPart, ...
 
 
 def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
-    """What `fieldkit loop` says on these flights."""
+    """The verdict of `fieldkit loop` on these flights."""
     found = [catalogue().resolve(flight.motor) for flight in flights]
     model = rocket_model(flights, found)
     return diagnose(model, observe(flights, [flight.clean for flight in flights]))
@@ -111,7 +113,7 @@ def _ejection(flights: Reference) -> Ejection:
 
 
 def interval(misses: Float[Array, "flight"], absolute: bool = False) -> Interval:
-    """The 90 % bootstrap interval of a mean miss. [m]"""
+    """The 90% bootstrap interval of a mean miss. [m]"""
     values: Any = np.abs(misses) if absolute else misses
     low, high = np.quantile(values[resampled(len(misses))].mean(axis=1), LEVELS)
     return float(low), float(high)

@@ -86,7 +86,7 @@ def _steps(study: Study) -> Iterator[str]:
     yield _text(
         "Each row keeps the corrections of the rows above it. *Rebuilt*: apogees from the Cd and alpha inferred from "
         "those apogees. *Left out*: Cd and alpha averaged over the same motor's other flights, the honest forecast. In "
-        "brackets: 90 % intervals over the flights (bootstrap). *Lower by*: what the step alone does to the apogees of "
+        "brackets: 90% intervals over the flights (bootstrap). *Lower by*: what the step alone does to the apogees of "
         "the published Cd and alpha."
     )
     yield ""
@@ -141,7 +141,7 @@ def _remains(study: Study) -> Iterator[str]:
         f"`fieldkit loop`, which starts from certified curves, says *{loop.effect}* on these flights: "
         f"{loop.why}. It forecasts flights left out to {before.score.mae:.1f} m "
         f"({before.mae[0]:.1f} to {before.mae[1]:.1f}), bias {before.score.bias:+.1f} m, with "
-        f"{before.score.coverage90:.0%} of them in the 90 % interval{_after(study)}. Its evidence for each effect, the "
+        f"{before.score.coverage90:.0%} of them in the 90% interval{_after(study)}. Its evidence for each effect, the "
         "apogees alone to go by (log Bayes factor against no effect, to be paid for by the number tried):"
     )
     yield ""
@@ -154,7 +154,7 @@ def _remains(study: Study) -> Iterator[str]:
 
 
 def _after(study: Study) -> str:
-    """What the loop's choice, made again without each flight, makes of that."""
+    """The result with the loop repeated without each flight."""
     after = study.left_out_after
     if not study.loop.accepted:
         return ""

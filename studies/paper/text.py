@@ -1,4 +1,4 @@
-"""What the report's figures mean, in plain words."""
+"""The meaning of the report's figures in words."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from studies.paper.report import PaperReport
 
 
 def findings(report: PaperReport) -> list[str]:
-    """The five things that a reader of the paper should know, a paragraph each."""
+    """Five findings for a reader of the paper, one paragraph each."""
     return [_reconstruction(report), _openrocket(report), _thrust(report), _limit(report), _floor(report)]
 
 

@@ -1,7 +1,7 @@
 """The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight predicts about sixty.
 
-Each effect is asked what it would take on the lighter flight alone, the drag being whatever lets the heavier one
-reach what it reached; and which next flight would distinguish the possible causes.
+For each effect, the study computes the strength that explains the lighter flight, with the drag fitted to the heavier
+one, and the next flight that would distinguish the possible causes.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,17 +22,17 @@ from studies.paper.reference import Reference
 PAIR = ("1", "4")
 """The heavier flight (configuration B) and the lighter one (A), both on an E35-5W."""
 ALPHAS = (0.8, 1.0, 1.2)
-"""Thrust factors of the paper's prior at which the expected gain is asked."""
+"""Thrust factors in the paper's prior at which the expected gain is computed."""
 STRONGEST_WIND = 15.0
-"""Up to which wind is tried. [m/s]"""
+"""Maximum wind to try. [m/s]"""
 BREEZE = 5.0
-"""A wind that nobody would remark on, the unit in which wind is judged. [m/s]"""
+"""An unremarkable wind, the unit for judging winds. [m/s]"""
 STRENGTHS_TRIED = 60
 """Number of strengths tried for each effect. [1]"""
 MAX_APOGEE_MISS = 3.0
-"""Largest distance from the flown apogee to which a strength must bring the flight: an effect may jump there. [m]"""
+"""Tolerance for a strength to explain the flown apogee; an effect may have a jump there. [m]"""
 MIN_SEPARATION_SDS = 2.0
-"""Standard deviations of separation from which on two causes can be distinguished. [1]"""
+"""Two causes are distinguishable from this separation on, in standard deviations. [1]"""
 OWN_DRAG = "another drag of configuration A"
 
 
@@ -51,9 +51,9 @@ OWN_EFFECT = Effect(
     setup=_more_drag,
 )
 MAX_PRIOR_SDS = 2.5
-"""Standard deviations of its prior up to which a strength is called likely. [1]"""
+"""A strength is likely within this number of standard deviations of its prior. [1]"""
 READOUTS = ("apogee", "top_speed", "peak_accel", "coast_to_apogee", "apogee_to_eject")
-"""What the next flight could write down."""
+"""Readouts that the next flight could record."""
 READOUT_SCATTER = {
     "apogee": 16.0,
     "top_speed": 0.025,
@@ -67,10 +67,10 @@ READOUT_SCATTER = {
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """An effect on the lighter flight alone: the strength that explains it, and how far from believable that is.
+    """An effect on the lighter flight: the strength that explains it, and its plausibility.
 
-    `strength` is nan if none does. `away` is its distance from what was believed, in standard deviations of
-    the prior. `shows` is what the altimeter would show of that flight.
+    `strength` is nan if none does. `away` is its distance from the prior mean in prior standard deviations. `shows` are
+    the altimeter's readouts of that flight.
     """
 
     effect: str
@@ -87,7 +87,8 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class TwoFlights:
-    """What was flown, what straight flight expects for each thrust factor, and the causes, the likeliest first."""
+    """The flown apogees, the expectation of straight flight for each thrust factor, and the causes, the most likely
+    first."""
 
     flown_gain: float
     lighter_by: float
@@ -98,7 +99,8 @@ class TwoFlights:
 
 @dataclass(frozen=True, slots=True)
 class Discrimination:
-    """A readout of the lighter rocket, and how many pairs of likely causes it would distinguish, of how many."""
+    """A readout of the lighter rocket, the number of pairs of likely causes that it would distinguish, and their
+    total."""
 
     readout: str
     apart: int
@@ -136,7 +138,7 @@ def _setup(flight: Flight, area: float, alpha: float) -> Setup:
 
 
 def _area(flight: Flight, alpha: float) -> float:
-    """Drag area with which a flight reaches what it reached. [m^2]"""
+    """Drag area that reproduces the flown apogee. [m^2]"""
     from scipy.optimize import brentq
 
     def miss(log_area: float) -> float:
@@ -146,7 +148,7 @@ def _area(flight: Flight, alpha: float) -> float:
 
 
 def _gain(heavy: Flight, light: Flight, alpha: float) -> float:
-    """How much higher the lighter one should have flown. [m]"""
+    """Expected difference of the apogees, lighter minus heavier. [m]"""
     shown = fly(_setup(light, _area(heavy, alpha), alpha)).apogee_shown
     return float(shown[0]) - _apogee(heavy)
 
@@ -156,9 +158,9 @@ TESTABLE_CONDITIONS = ("", "wind")
 
 
 def _causes(heavy: Flight, light: Flight) -> list[Cause]:
-    """Every registered effect, and a drag of its own for the lighter configuration.
+    """Every registered effect, and a separate drag for the lighter configuration.
 
-    Effects that need a condition which was not recorded are left out; of the wind it is asked how much it would take.
+    Effects that need an unrecorded condition are left out; for wind, the required speed is computed.
     """
     area = _area(heavy, 1.0)
     flown_between = int(light.flight_id) - int(heavy.flight_id)
@@ -171,7 +173,7 @@ def _causes(heavy: Flight, light: Flight) -> list[Cause]:
 
 
 def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between: int) -> Cause:
-    """The least strength, to either side of nothing, at which the lighter flight comes to what it flew."""
+    """The strength nearest to zero that reproduces the lighter flight's apogee."""
     told = light.with_changes(**{effect.needs: 1.0}) if effect.needs else light
     prior = effect.prior
     low, high = (0.0, STRONGEST_WIND) if effect.needs else _bounds(effect)
@@ -197,13 +199,13 @@ def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between:
 
 
 def _bounds(effect: Effect) -> tuple[float, float]:
-    """The weakest and the strongest that an effect is believed to be."""
+    """Bounds of an effect's strength."""
     low, high = effect.prior.low, effect.prior.high
     return (0.0, float(np.sqrt(high))) if effect.squared else (low, high)
 
 
 def _crossing(strengths: Array, miss: Array) -> Array:
-    """The pair of strengths nearest to nothing between which a miss changes sign, or none."""
+    """The pair of strengths nearest to zero between which the error changes sign, or None."""
     order = np.argsort(np.abs(strengths))
     strengths, miss = strengths[order], miss[order]
     crossed = np.flatnonzero(miss[1:] * miss[:-1] <= 0)
@@ -220,7 +222,7 @@ def _refined(miss: Callable[[Array], float], ends: Array) -> float:
 
 
 def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> Mapping[str, Array]:
-    """What the altimeter shows of a flight at each strength."""
+    """The readouts of a flight at each strength."""
     count = len(strengths)
     setup = field_setup([flight] * count, [_found(flight)] * count, np.full(count, area), 1.0)
     setup = effect.bend_setup(setup, strengths, [flight] * count)

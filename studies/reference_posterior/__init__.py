@@ -1,1 +1,1 @@
-"""An exact sampler of the posterior that the fit approximates: no linear model, every tail and scale as stated."""
+"""An exact sampler of the posterior that the fit approximates, without linearization and with all tails and scales."""

@@ -1,8 +1,8 @@
 """Sample exact posteriors, and compare the fit with them: python -m studies.reference_posterior.
 
-`--store FILE` keeps the references for the tests. `--cases FILE` takes the histories and the hyperprior of such a file
-in place of new ones, and `--only` samples some of them and leaves the others as they are there, with no number all of
-them. `--table FILE` keeps the comparison.
+`--store FILE` saves the references for the tests. `--cases FILE` uses the histories and the hyperprior of such a file
+instead of new ones; `--only` samples some of them and keeps the others, or keeps all of them without a number. `--table
+FILE` saves the comparison.
 """
 
 import argparse
@@ -20,11 +20,11 @@ from studies.reference_posterior.sampler import FIGURES, Case, fitted, quantiles
 from studies.reference_posterior.summaries import Reference, off, read, stored, summarized, write
 
 DRAWS = 40_000
-"""Of the fit's forecast, when it is compared."""
+"""Number of draws of the fit's forecast."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Read the command line, sample, print the comparison, keep what is asked for."""
+    """Read the command line, sample, print the comparison, save the requested files."""
     parser = argparse.ArgumentParser(description=__doc__)
     for name in ("--store", "--cases", "--table"):
         parser.add_argument(name, type=Path, metavar="FILE")
@@ -52,7 +52,7 @@ COMMAND = "python -m studies.reference_posterior --cases FILE --store FILE"
 
 
 def reference(number: int, name: str, case: Case) -> Reference:
-    """The exact posterior of a case and that of its linear model, both sampled; the seed is by its number."""
+    """Samples of the exact posterior of a case and of its linear model; the number determines the seed."""
     result = fitted(case)
     readouts = (None, linear(result.model, result.tangent))
     exact, by_linear = (
@@ -63,7 +63,7 @@ def reference(number: int, name: str, case: Case) -> Reference:
 
 
 HEAD = (
-    "Differences of the 5, 50 and 95 % quantiles from the exact posterior's, in percent of its 90 % interval, for the\n"
+    "Differences of the 5, 50 and 95% quantiles from the exact posterior's, in percent of its 90% interval, for the\n"
     "log apogee of the next flight, log Cd and log alpha; excess CRPS of the apogee in percent; then the same "
     "differences\nof the linear model with nothing else approximated; split R-hat and effective draws of the "
     "sampler.\n\n"
@@ -73,7 +73,7 @@ HEAD = (
 
 
 def table(found: Sequence[Reference]) -> list[str]:
-    """The fit, as it is now, beside stored references: a line a case, and the difference of the quantiles over all."""
+    """The current fit compared with stored references: one line per case, and the differences of quantiles over all."""
     by_fit = np.array([off(quantiles(said_by_fit(one.case, DRAWS, 0)), one.quantiles) for one in found])
     by_linear = np.array([off(one.linear, one.quantiles) for one in found])
     lines = [
@@ -82,7 +82,7 @@ def table(found: Sequence[Reference]) -> list[str]:
         for one, fit, line in zip(found, by_fit, by_linear, strict=True)
     ]
     middle, most, worst = np.quantile([one.excess_crps for one in found], (0.5, 0.9, 1.0)) * 100
-    score = f"fit, excess CRPS of the apogee: median {middle:.2f} %, 9 in 10 {most:.2f} %, largest {worst:.2f} %"
+    score = f"fit, excess CRPS of the apogee: median {middle:.2f}%, 9 in 10 {most:.2f}%, largest {worst:.2f}%"
     return [HEAD, *lines, "", *_summary("fit", by_fit), score, *_summary("linear model, sampled", by_linear)]
 
 
@@ -91,12 +91,12 @@ def _percent(gap: Array) -> str:
 
 
 def _summary(name: str, gaps: Array) -> list[str]:
-    """Median, nine tenths and largest difference of each figure over the cases."""
+    """Median, 90% quantile and maximum difference of each figure over the cases."""
     lines = []
     for i, figure in enumerate(FIGURES):
         ends = np.quantile(np.abs(gaps[..., i]), (0.5, 0.9, 1.0), axis=0).T * 100
         parts = [
-            "{} %: {:.1f}, {:.1f}, {:.1f}".format(level, *one) for level, one in zip((5, 50, 95), ends, strict=True)
+            "{}%: {:.1f}, {:.1f}, {:.1f}".format(level, *one) for level, one in zip((5, 50, 95), ends, strict=True)
         ]
         lines.append(f"{name}, {figure}: median, 9 in 10 and largest difference at {'; '.join(parts)}")
     return lines

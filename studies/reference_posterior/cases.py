@@ -1,4 +1,4 @@
-"""The histories that the fit is checked on: drawn from the model itself, and some that are hard."""
+"""The histories for checking the fit: drawn from the model, and some difficult ones."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from studies.reference_posterior.sampler import Case
 
 SEED = 18
 DRAWN = 20
-"""Histories by random recipes."""
+"""Number of histories from random recipes."""
 HARD = {
     "apogees alone, six flights": Recipe(6, readouts=SUBSETS["apogee"]),
     "one flight, apogee alone": Recipe(1, readouts=SUBSETS["apogee"]),
@@ -22,9 +22,9 @@ HARD = {
     "diameter not recorded": Recipe(5, readouts=SUBSETS["apogee, speed"], diameter=False),
     "twenty flights, all readouts": Recipe(20, 3),
 }
-"""Recipes of the hard ones by name."""
+"""Recipes of the difficult ones by name."""
 FLEET = (Recipe(5, 2), Recipe(4, 1, SUBSETS["apogee"]), Recipe(6, 2), Recipe(2, 1, SUBSETS["apogee, speed"]))
-"""Rockets of a ledger; the last is asked about with what the others show."""
+"""Number of rockets in a ledger; the last one is forecast with information from the others."""
 
 
 def cases(hyperprior: Hyperprior) -> Iterator[tuple[str, Case]]:

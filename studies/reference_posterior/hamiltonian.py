@@ -1,9 +1,9 @@
-"""Hamiltonian Monte Carlo on many chains at once, with a force that need not be the gradient.
+"""Hamiltonian Monte Carlo on many chains at once, with a force that need not be the exact gradient.
 
-Leapfrog steps keep volume and can be reversed for any force that is a function of the position alone, so that with the
-exact energy in the acceptance the chain leaves the density as it is: a force that is only near the gradient costs
-acceptance and no exactness (Neal, MCMC Using Hamiltonian Dynamics, 2011, section 5.5; Zhang, Shahbaba and Zhao,
-Hamiltonian Monte Carlo Acceleration Using Surrogate Functions, 2017).
+Leapfrog steps preserve volume and are reversible for any force that depends only on the position. With the exact energy
+in the acceptance step, the density stays invariant: an approximate gradient lowers only the acceptance rate (Neal, MCMC
+Using Hamiltonian Dynamics, 2011, section 5.5; Zhang, Shahbaba and Zhao, Hamiltonian Monte Carlo Acceleration Using
+Surrogate Functions, 2017).
 """
 
 from collections.abc import Callable
@@ -18,9 +18,9 @@ Density = Callable[[Array], tuple[Array, Array]]
 """Log density and force at positions, `[chain dimension]` to `[chain]` and `[chain dimension]`."""
 
 ACCEPTANCE = 0.7
-"""Fraction of proposals to be accepted, by which the step is chosen during warm-up. [1]"""
+"""Target acceptance rate for choosing the step size during warm-up. [1]"""
 MIN_STEP = 0.2
-"""Least step: what is wrong with the force does not vanish with smaller ones. [1]"""
+"""Minimum step size: smaller steps do not reduce the error of the force. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class _State:
     force: Float[Array, "chain dimension"]
 
     def where(self, taken: Flags, other: "_State") -> "_State":
-        """The other state where it was taken, this one elsewhere."""
+        """The other state if it was accepted, otherwise this one."""
         return _State(
             np.where(taken[:, None], other.position, self.position),
             np.where(taken, other.log_density, self.log_density),
@@ -50,9 +50,10 @@ class _State:
 def sample(
     density: Density, start: Float[Array, "chain dimension"], warm_up: int, draws: int, rng: np.random.Generator
 ) -> Chains:
-    """Chains from `start`, of a density about as wide in every direction as a standard normal one.
+    """Chains from `start`, for a density about as wide in every direction as a standard normal one.
 
-    The step is adapted during warm-up alone (Robbins and Monro, 1951). Raises ValueError if a start has no density.
+    The step size is adapted only during warm-up (Robbins and Monro, 1951). Raises ValueError if the density at a start
+    is zero.
     """
     state = _State(start, *density(start))
     if not np.isfinite(state.log_density).all():
@@ -70,7 +71,7 @@ def sample(
 
 
 def _transition(density: Density, state: _State, step: float, rng: np.random.Generator) -> tuple[_State, float]:
-    """One trajectory of every chain, at most a quarter of a period long, and how many were accepted."""
+    """One trajectory of every chain, at most a quarter of a period long, and the number accepted."""
     momentum = np.asarray(rng.normal(size=state.position.shape), float)
     before: Array = state.log_density - 0.5 * (momentum**2).sum(axis=1)
     end = state
@@ -94,7 +95,7 @@ def split_r_hat(values: Float[Array, "iteration chain"]) -> float:
 
 
 def effective_size(values: Float[Array, "iteration chain"]) -> float:
-    """Independent draws that know the mean as well, by Geyer's initial monotone sequence over all chains."""
+    """Effective number of draws for the mean, by Geyer's initial monotone sequence over all chains. [1]"""
     count, chains = values.shape
     centred = values - values.mean()
     covariance = np.array(

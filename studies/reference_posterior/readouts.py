@@ -1,4 +1,4 @@
-"""The readouts as a function of terms and random effects, by the simulator or linear, and their slopes at a point."""
+"""The readouts as a function of terms and random effects, simulated or linear, and their derivatives at a point."""
 
 from collections.abc import Callable, Mapping
 
@@ -11,9 +11,9 @@ from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.shapes import Array, Float
 
 STEP_SIZES = {**STEPS, "opening": 0.1, "delay": 0.02}
-"""Steps to both sides, over which the force takes the readouts as linear."""
+"""Central finite-difference steps of the force."""
 MIN_TIME_FROM_APOGEE = 0.4
-"""How long before and after apogee the charge fires, at least, where slopes before and after it are taken. [s]"""
+"""Minimum time of ejection before and after apogee for the two sets of derivatives. [s]"""
 EJECTION = OBSERVED_READOUTS.index("apogee_to_eject")
 
 Readouts = Callable[[Array, Mapping[str, Array]], Array]
@@ -21,7 +21,7 @@ Readouts = Callable[[Array, Mapping[str, Array]], Array]
 
 
 def simulated(model: Model) -> Readouts:
-    """The readouts as the simulator has them."""
+    """Simulated readouts."""
 
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         readings = shown(model, values, scatter)
@@ -31,11 +31,11 @@ def simulated(model: Model) -> Readouts:
 
 
 def linear(model: Model, near: Tangent) -> Readouts:
-    """The readouts as the fit has them, linear about its last point."""
+    """Linear readouts at the fit's last point."""
     slopes = {str(term.bends): near.slope[..., i] for i, term in enumerate(model.terms) if term.weight.all()}
     slopes |= {str(kind.bends): near.scatter_slope[..., i] / kind.sd for i, kind in enumerate(model.scatter)}
 
-    there = np.nan_to_num(near.values)  # what the simulator does not give is not compared
+    there = np.nan_to_num(near.values)  # readouts that the simulator does not give are not compared
 
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         moved = np.einsum("fot,dt->dfo", near.slope, values - near.at)
@@ -47,12 +47,12 @@ def linear(model: Model, near: Tangent) -> Readouts:
 
 
 def side_slopes(model: Model, exact: Readouts, at: Float[Array, "term"]) -> Float[Array, "side flight readout kind"]:
-    """What readouts change by with everything that is bent, where each charge fires after apogee and where before."""
+    """Derivatives of readouts with respect to every property, for ejection after apogee and before it."""
     return np.stack([_slopes(exact, at, delay) for delay in _delays(model, exact, at)])
 
 
 def _delays(model: Model, exact: Readouts, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], ...]:
-    """By how much the logarithm of each flight's delay is moved for its charge to fire after, and before, apogee."""
+    """Shifts of each flight's log delay that move the ejection after, and before, apogee. [1]"""
     step = np.full((2, len(model.flights)), 0.02) * [[0], [1]]
     here, moved = exact(np.stack([at, at]), {"delay": step})[..., EJECTION]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -68,7 +68,7 @@ def _delays(model: Model, exact: Readouts, at: Float[Array, "term"]) -> tuple[Fl
 def _slopes(
     exact: Readouts, at: Float[Array, "term"], delay: Float[Array, "flight"]
 ) -> Float[Array, "flight readout kind"]:
-    """What readouts change by with everything that is bent, the delays being moved."""
+    """Derivatives of readouts with respect to every property, with shifted delays."""
     count = 2 * len(STEP_SIZES)
     rows = {kind: np.zeros((count, len(delay))) for kind in STEP_SIZES}
     for number, (kind, step) in enumerate(STEP_SIZES.items()):

@@ -1,4 +1,4 @@
-"""Draws of the exact posterior of a rocket's flights, and of its next flight, beside those of the fit."""
+"""Draws of the exact posterior of a rocket's flights and of its next flight, and those of the fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -23,18 +23,20 @@ from studies.reference_posterior.target import Target, target
 CHAINS = 128
 WARM_UP = 150
 TRANSITIONS = 300
-"""Transitions of each chain before the step is settled, and after it."""
+"""Number of transitions of each chain during warm-up, and after it."""
 MIN_EFFECTIVE_DRAWS = 700
-"""Effective draws of the figure that mixes worst: a quantile at 5 % is then known to 2.5 % of the 90 % interval. [1]"""
+"""Minimum effective number of draws of the slowest figure: the error of a 5% quantile is then 2.5% of the 90% interval.
+[1]"""
 WIDER = 1.3
-"""How much wider than the fit's posterior the chains start. [1]"""
+"""Width of the chains' starting points relative to the fit's posterior. [1]"""
 FIGURES = ("log_apogee", "log_cd", "log_alpha")
 """Of the next flight: log of its apogee [m], and of the rocket's Cd and thrust factor on it, without scatter. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Flights of a rocket, its next flight, the hyperprior, and what other rockets show of the shared terms."""
+    """Flights of a rocket, its next flight, the hyperprior, and information from other rockets about the shared
+    terms."""
 
     flown: tuple[tuple[Flight, Found], ...]
     plan: tuple[Flight, Found]
@@ -42,7 +44,7 @@ class Case:
     shared: SharedPrior | None = None
 
     def model(self) -> Model:
-        """The model of all flights, the one to come last."""
+        """The model of all flights, including the next one at the end."""
         both = [*self.flown, self.plan]
         flights, found = [flight for flight, _ in both], [motor for _, motor in both]
         return base_model(flights, found, self.hyperprior, len(self.flown), shared=self.shared)
@@ -50,7 +52,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """Draws of the posterior: of terms and scales, and how well the chains mixed.
+    """Draws of the posterior of terms and scales, and the convergence of the chains.
 
     `r_hat` and `effective` are the worst of the figures: split R-hat, and the effective number of draws.
     """
@@ -63,22 +65,22 @@ class Sampled:
 
 
 def fitted(case: Case) -> Fit:
-    """The fit as forecasts have it."""
+    """The fit used in forecasts."""
     model = replace(case.model().part(slice(0, len(case.flown))), coarse=True)
     flights = [flight for flight, _ in case.flown]
     return fit_robustly(model, observe(flights, [flight.clean for flight in flights], case.hyperprior))
 
 
 def target_of(case: Case, result: Fit, readouts: Readouts | None = None, *, student: bool = True) -> Target:
-    """The exact posterior density of a case; its force takes readouts as linear where the fit ended up."""
+    """The exact posterior density of a case; its force uses readouts linear at the fit's last point."""
     return target(replace(result.model, coarse=False), result.data, _middle(result), readouts, student=student)
 
 
 def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> Sampled:
-    """Draws of an exact posterior, all chains together in the order drawn.
+    """Draws of an exact posterior from all chains in the order drawn.
 
-    Positions are measured in the posterior's own width as far as the slopes know it (a constant mass matrix). Chains
-    that did not mix continue with the exact force from where they are, and what they drew before is left out.
+    Positions are scaled by the approximate width of the posterior (a constant mass matrix). Chains that did not mix
+    continue with the exact force from their last positions, and their earlier draws are dropped.
     """
     scatter, reading, _ = result.model.hyperprior.scales()
     scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))
@@ -116,14 +118,14 @@ def _sampled(
 def next_flight(
     case: Case, terms: Float[Array, "draw term"], scales: Float[Array, "draw 2"], seed: int
 ) -> Float[Array, "draw figure"]:
-    """`FIGURES` of the next flight, flown on draws of a posterior; its own scatter is by the seed alone."""
+    """`FIGURES` of the next flight, simulated with posterior draws; its scatter depends only on the seed."""
     plan = case.model().part(slice(len(case.flown), None))
     rng = np.random.default_rng(seed)
     return _figures(FittedForecast(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
 
 
 def said_by_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
-    """`FIGURES` of the next flight as forecasts have them."""
+    """`FIGURES` of the next flight from the fit's forecast."""
     return _figures(
         learn(case.flown, [case.plan], shared=case.shared, hyperprior=case.hyperprior, draws=draws, seed=seed)
     )
@@ -147,7 +149,7 @@ def _figures(learnt: FittedForecast) -> Float[Array, "draw figure"]:
 
 
 def _inside(density: hamiltonian.Density, start: Float[Array, "chain dimension"]) -> Float[Array, "chain dimension"]:
-    """Starts that have a density: those that have none are drawn toward the middle."""
+    """Starts with a nonzero density: the others are moved toward the middle."""
     for _ in range(20):
         outside = ~np.isfinite(density(start)[0])
         if not outside.any():

@@ -1,4 +1,4 @@
-"""Reference posteriors as a file: the flights, quantiles and some draws of each, and the fit beside them."""
+"""Reference posteriors as a file: the flights, quantiles and some draws of each, and their comparison with the fit."""
 
 import json
 from collections.abc import Mapping
@@ -18,16 +18,17 @@ from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_fli
 
 LEVELS = (0.05, 0.5, 0.95)
 THINNED = 200
-"""Draws of each posterior that are stored."""
+"""Number of stored draws of each posterior."""
 DIGITS = 4
-"""Decimals of what is stored, of logarithms."""
+"""Decimals of stored logarithms."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A case, quantiles of `FIGURES` by the exact sampler and by one of the linear model, and some exact draws.
+    """A case, quantiles of `FIGURES` from the exact sampler and from a sampler of the linear model, and some exact
+    draws.
 
-    `excess_crps` is that of the fit's forecast of the apogee when all was sampled [1].
+    `excess_crps` is that of the fit's forecast of the apogee at the time of sampling [1].
     """
 
     name: str
@@ -41,7 +42,7 @@ class Reference:
 
 
 def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int) -> Reference:
-    """What is stored of a case."""
+    """The stored summary of a case."""
     figures = next_flight(case, exact.terms, exact.scales, seed)
     thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
@@ -51,15 +52,15 @@ def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int
 
 
 def off(said: Float[Array, "level figure"], reference: Float[Array, "level figure"]) -> Float[Array, "level figure"]:
-    """How far quantiles are from those of the reference, as a fraction of its 90 % interval. [1]"""
+    """Differences of quantiles from the reference's, as fractions of its 90% interval. [1]"""
     return np.asarray((said - reference) / (reference[-1] - reference[0]))
 
 
 def excess_crps(said: Float[Array, "draw"], exact: Float[Array, "draw"]) -> float:
-    """By how much a forecast's expected CRPS is worse than the exact one's, as a fraction of that. [1]
+    """Relative excess of a forecast's expected CRPS over the exact forecast's. [1]
 
-    The truth being drawn from the exact one, the difference is the integral of the squared difference of their
-    distribution functions, and the exact one's own CRPS that of F (1 - F).
+    With the truth drawn from the exact forecast, the difference is the integral of the squared difference of their
+    distribution functions, and the exact forecast's CRPS is the integral of F (1 - F).
     """
     grid = np.sort(np.concatenate([said, exact]))
     by = [np.searchsorted(np.sort(draws), grid[:-1], side="right") / len(draws) for draws in (said, exact)]
@@ -68,14 +69,14 @@ def excess_crps(said: Float[Array, "draw"], exact: Float[Array, "draw"]) -> floa
 
 
 def write(path: Path, references: list[Reference], about: Mapping[str, Any]) -> None:
-    """Keep references as JSON, a case a line."""
+    """Save references as JSON, one case per line."""
     lines = [json.dumps(_kept(one), separators=(",", ":")) for one in references]
     head = json.dumps({**about, "hyperprior": references[0].case.hyperprior.json()}, indent=1)[:-2]
     path.write_text(head + ',\n "cases": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
 
 
 def read(path: Path) -> list[Reference]:
-    """The references of a file."""
+    """The references in a file."""
     kept = json.loads(path.read_text("utf-8"))
     hyperprior = read_card(json.dumps(kept["hyperprior"]), path.name)
     return [_read(one, hyperprior) for one in kept["cases"]]
@@ -109,7 +110,7 @@ def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
 
 
 def _flight(flight: Flight, found: Found) -> dict[str, Any]:
-    """A flight's fields that say something, numbers to six digits."""
+    """A flight's recorded fields, numbers to six digits."""
     values = {name: getattr(flight, name) for name in FIELDS if getattr(flight, name) not in (None, "", (), {})}
     short = {name: float(f"{x:.6g}") if isinstance(x, float) else x for name, x in values.items()}
     when = flight.date_time.isoformat() if flight.date_time else None
@@ -124,7 +125,7 @@ def _flown(kept: Mapping[str, Any]) -> tuple[Flight, Found]:
 
 
 def stored(case: Case) -> Case:
-    """The case as it is read back, so that what was sampled is what is stored."""
+    """The case after a round trip through JSON, so that the sampled case is the stored one."""
     hyperprior = read_card(json.dumps(case.hyperprior.json()), "the case")
     flown = tuple(_flown(json.loads(json.dumps(_flight(*one)))) for one in case.flown)
     plan = _flown(json.loads(json.dumps(_flight(*case.plan))))

@@ -1,7 +1,7 @@
-"""The exact posterior of a rocket's model as a density of coordinates that are standard normal a priori.
+"""The exact posterior of a rocket's model as a density of coordinates with a standard normal prior.
 
-Terms, the random effects of every flight, and the two scales are all unknown, none is integrated or linearized, and
-residuals are Student t. The simulator flies as it does in a forecast, not coarsely.
+Terms, the random effects of every flight, and the two scales are all sampled, without integration or linearization, and
+residuals are Student t. The simulator has the settings of forecasts, not the coarse ones.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,8 @@ EXACT_STEP = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """What coordinates stand for: values of the terms, scaled random effects of each flight, and the two scales."""
+    """The parameters at given coordinates: values of the terms, scaled random effects of each flight, and the two
+    scales."""
 
     terms: Float[Array, "draw term"]
     scatter: Float[Array, "draw flight kind"]
@@ -34,11 +35,11 @@ class Target:
     """The posterior density of a model's coordinates given data.
 
     Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scatter and the
-    reading scale, each as standard normal as its prior. `slopes` are what the force takes the readouts to change by
-    with everything that is bent (`kinds`): where the charge fires after apogee, and where before, for readouts have a
-    kink there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with
-    the precision that the fit gave each for an outlier (`trust` of the data). An `exact_force` takes slopes at every
-    point instead, by seven times as many flights.
+    reading scale, each transformed to a standard normal prior. `slopes` are the force's derivatives of the readouts
+    with respect to every property (`kinds`), for ejection after apogee and before it, because readouts have a kink
+    there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with the
+    fit's outlier weights (`trust` of the data). An `exact_force` computes derivatives at every point instead, with
+    seven times as many simulations.
     """
 
     model: Model
@@ -56,7 +57,7 @@ class Target:
         return len(self.model.terms) + len(self.model.flights) * len(self.model.scatter) + 2
 
     def point(self, at: Float[Array, "draw dimension"]) -> Point:
-        """What coordinates stand for."""
+        """The parameters at these coordinates."""
         flights, kinds, terms = len(self.model.flights), len(self.model.scatter), len(self.model.terms)
         scatter, reading = self._scales(at)
         values = np.stack([_value(term, at[:, i], scatter, reading) for i, term in enumerate(self.model.terms)], -1)
@@ -85,10 +86,10 @@ class Target:
     def __call__(
         self, at: Float[Array, "draw dimension"]
     ) -> tuple[Float[Array, "draw"], Float[Array, "draw dimension"]]:
-        """Log density, but for a constant, and what the force takes for its gradient."""
+        """Log density up to a constant [nat], and the force's approximate gradient."""
         point = self.point(at)
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
-        with np.errstate(over="ignore", invalid="ignore"):  # a trajectory may run off to if nothing flies
+        with np.errstate(over="ignore", invalid="ignore"):  # a trajectory may diverge to a region without flights
             flown = self.readouts(point.terms, effects)
         possible = (np.isfinite(flown) | ~self.seen).all(axis=(1, 2))
         error = np.where(self.seen & np.isfinite(flown), self.data.values - flown, 0.0)
@@ -108,13 +109,13 @@ class Target:
         return scatter, prior.reading.median * np.exp(prior.reading.log_sd * at[:, -1])
 
     def variance(self, point: Point) -> Float[Array, "draw flight readout"]:
-        """Squared width of every residual."""
+        """Squared scale of every residual."""
         variance = point.reading_scale[:, None, None] ** 2 * self.data.sd**2
         variance[..., 0] = self.data.sd[:, 0] ** 2 + (point.scatter_scale[:, None] * apogee_scatter(self.model)) ** 2
         return np.asarray(variance if self.student else variance / self.data.trust)
 
     def _residuals(self, error: Array, variance: Array) -> tuple[Array, Array, Array]:
-        """Log likelihood, its derivative by each readout, and by the logarithm of each width."""
+        """Log likelihood [nat], and its derivatives with respect to each readout and each log scale."""
         nu = self.model.hyperprior.tail
         square = error**2 / variance
         if self.student:
@@ -126,14 +127,14 @@ class Target:
         return total, weight * error / variance, by_width
 
     def _early(self, point: Point, flown: Float[Array, "draw flight readout"]) -> Flags:
-        """Whether the charge fires before apogee."""
+        """Whether ejection is before apogee."""
         bias = bent(self.model, point.terms, OBSERVED_READOUTS[EJECTION])
         return np.asarray(np.nan_to_num(flown[..., EJECTION]) < bias)
 
     def _bent(
         self, point: Point, score: Float[Array, "draw flight readout"], flown: Float[Array, "draw flight readout"]
     ) -> Float[Array, "draw flight kind"]:
-        """The derivative by readouts carried to what is bent, by the slopes."""
+        """The derivative with respect to properties, by the chain rule with the slopes."""
         if self.exact_force:
             return np.asarray(np.einsum("dfo,kdfo->dfk", score, self._slopes_here(point, flown)))
         late, before = (np.einsum("dfo,fok->dfk", score, side) for side in self.slopes)
@@ -157,7 +158,7 @@ class Target:
         score: Float[Array, "draw flight readout"],
         by_kind: Float[Array, "draw flight kind"],
     ) -> Float[Array, "draw dimension"]:
-        """The derivative by readouts and by what is bent carried to the coordinates."""
+        """The derivative with respect to the coordinates, by the chain rule."""
         by_term = np.stack([self._by_term(term, by_kind, score) for term in self.model.terms], axis=-1)
         prior, terms = self.model.hyperprior, len(self.model.terms)
         out = np.empty_like(at)
@@ -188,7 +189,8 @@ class Target:
         return [self.model.names.index(name) for name in self.model.shared.names]
 
     def curvature(self, at: Float[Array, "dimension"]) -> Float[Array, "dimension dimension"]:
-        """Expected negative second derivative of the log density, by the slopes (Fisher information and the prior)."""
+        """Expected negative second derivative of the log density, from the slopes (Fisher information plus the
+        prior)."""
         point, flights = self.point(at[None]), len(self.model.flights)
         nu = self.model.hyperprior.tail
         certain = np.where(self.seen, (nu + 1) / (nu + 3) / self.variance(point)[0], 0.0)
@@ -210,7 +212,7 @@ class Target:
 def target(
     model: Model, data: Data, at: Float[Array, "term"], readouts: Readouts | None = None, *, student: bool = True
 ) -> Target:
-    """The posterior of a model without effects; `at` is where the force takes readouts as linear.
+    """The posterior of a model without effects; `at` is the point of the force's linearization.
 
     `readouts` are by default the simulator's. A seen readout that the simulator does not give there is not compared, as
     in the fit. Raises ValueError for a model with a launch angle or with effects.
@@ -247,7 +249,7 @@ def _value(term: Term, at: Array, scatter: Array, reading: Array) -> Float[Array
 
 
 def _rate(term: Term, at: Array, scale: Array | float) -> Float[Array, "draw"] | float:
-    """By how much a term changes with its coordinate."""
+    """Derivative of a term with respect to its coordinate."""
     if not _bounded(term):
         return term.sd * scale
     low, high = _ends(term)

@@ -1,4 +1,4 @@
-"""Laws of the bench: the truth flies as physics says, the altimeter shows what its definitions say."""
+"""Laws of the bench: its simulators follow the physics, and its altimeter follows the definitions of the readouts."""
 
 import csv
 import importlib.util
@@ -55,7 +55,7 @@ def flown(*launches: Launch) -> list[dict[str, float]]:
 
 @pytest.fixture(scope="module")
 def shown() -> dict[str, dict[str, float]]:
-    """The exact readouts of `LAUNCHES`, flown in one batch."""
+    """The exact readouts of `LAUNCHES`, simulated in one batch."""
     return dict(zip(LAUNCHES, flown(*LAUNCHES.values()), strict=True))
 
 
@@ -185,7 +185,7 @@ def test_a_wrong_elevation_is_wrong_at_one_site_only() -> None:
 
 @pytest.fixture(scope="module")
 def sets(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with one set in it."""
+    """A folder with one set."""
     folder = tmp_path_factory.mktemp("sets")
     make(folder, ["mass_offset"], 1, 7, "fast")
     return folder
@@ -263,7 +263,7 @@ def test_scoring_calls_the_product_as_the_contract_says(sets: Path, tmp_path: Pa
     assert result.after is not None
     assert result.before.mae == result.after.mae > 0
     assert result.after.covered == result.after.flights == label["n_future"]
-    assert "mass_offset | 1 | 0 % | 100 %" in table([result])
+    assert "mass_offset | 1 | 0% | 100%" in table([result])
     broken = score(sets, label, [sys.executable, "-c", "raise SystemExit('no ledger here')"], timeout=20)
     assert "no ledger here" in broken.error
     assert "sets with an error: 1" in summary([result, broken])

@@ -1,4 +1,4 @@
-"""The reliability diagram: probabilities that are right have no calibration error, and overconfident ones have."""
+"""The reliability diagram: right probabilities have no calibration error, and overconfident ones have one."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.fast
 
 
 def results(sharpened: float) -> list[Result]:
-    """Two thousand sets in which an effect is there as often as its probability says, before that is sharpened."""
+    """Two thousand sets in which an effect is present with its probability, before that is made overconfident."""
     rng = np.random.default_rng(5)
     found = []
     for number, chance in enumerate(rng.uniform(0, 1, 2000)):
@@ -55,7 +55,7 @@ def test_the_summary_compares_forecasts_with_the_plain_model_the_truth_given_and
             one("null", "none", 10.0, 10.0, None, 10),
         ]
     )
-    assert "error with the true effect given: 1.41 (geometric), in the worst kind 2.00 (wear)" in said
-    assert "more than 5% above that of the plain model: 1 of 3" in said
-    assert "coverage after by kind: 70% (wear) to 100%" in said
-    assert "interval score after over before: 1.00, over the ideal: 3.17 (geometric)" in said
+    assert "the fit with the true effect: 1.41 (geometric mean), highest 2.00 (wear)" in said
+    assert "more than 5% above the plain model's: 1 of 3" in said
+    assert "coverage after by scenario: 70% (wear) to 100%" in said
+    assert "interval score after relative to before: 1.00, to the ideal: 3.17 (geometric mean)" in said

@@ -1,4 +1,4 @@
-"""The bench's judgment of single flights: what is exact has no error, and what is sure and wrong scores worst."""
+"""The scores of single flights: exact answers have no error, and confident wrong ones score worst."""
 
 import math
 
@@ -10,7 +10,7 @@ pytestmark = pytest.mark.fast
 
 
 def said(middle: float, sd: float) -> dict[str, float]:
-    """As `infer` prints a log-normal posterior."""
+    """A log-normal posterior in the format of `infer`."""
     mean = middle * math.exp(sd**2 / 2)
     return {"cd": mean, "cd_sd": mean * math.sqrt(math.expm1(sd**2)), "alpha": 1.0}
 

@@ -1,6 +1,6 @@
-"""The whole bench of undeclared effects: what is there is found, nothing else, and forecasts are better for it.
+"""The whole bench of undeclared effects: present effects are found, absent ones are not, and forecasts improve.
 
-Rates are held to what is promised as far as the luck of so many histories allows, 1 in 100.
+Rates have to meet their promise within chance at the 1% level.
 """
 
 import sys
@@ -15,13 +15,13 @@ from bench.scenarios import SCENARIOS
 from bench.score import results, to_score
 
 SEED, FIRST, EACH = 909, 1, 2
-"""Of the histories, and how many of each scenario."""
+"""Seed of the histories, and the number for each scenario."""
 COMMAND = [sys.executable, "-m", "fieldkit.cli.main"]
 CHANCE = 0.01
 
 
 def rarely_so_few(count: int, of: int, promised: float) -> bool:
-    """Whether so few would be rare luck if the promised share were kept."""
+    """Whether so few would have a probability below 1% at the promised rate."""
     return bool(binom.cdf(count, of, promised) < CHANCE)
 
 

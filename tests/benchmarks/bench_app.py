@@ -1,10 +1,9 @@
-"""How fast the app is there and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
+"""How fast the app starts and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
 
-The first group holds the app and an empty Textual app, each as a whole process up to its first paint; the second all
-that a key brings about in a ledger of 5,000 flights, beside an empty app that hears a key. Times are of the processor,
-all threads together: what workers do is counted with it. A key is answered when the screen is first painted after it,
-or nothing is left to paint, by the clock on the wall; it is done with when no worker has anything left to do and all
-of it is on the screen.
+The first group compares the app with an empty Textual app, each as a whole process up to its first paint. The second
+measures all effects of a key with a ledger of 5,000 flights, compared with a key in an empty app. Times are processor
+time over all threads, including workers. A key is answered, in wall-clock time, at the first paint after it, or when
+nothing is left to paint; it is done when all workers are idle and the screen is up to date.
 """
 
 import asyncio
@@ -37,15 +36,15 @@ from tests.pressing import opened, season
 
 MANY = 5000
 PAINT = 2.5
-"""Times an empty app, at most. [1]"""
+"""Maximum ratio to an empty app. [1]"""
 SHARES = (0.5, 0.95, 0.99, 1)
-"""Shares of the keys that are told of. [1]"""
+"""Reported quantiles of the response times. [1]"""
 AHEAD = "ready"
-"""The work that no key asked for: pages that are made ready out of sight."""
+"""Work without a key: preparing pages in the background."""
 
 
 def processor() -> float:
-    """Processor time of this process, all of its threads, and of the processes that it has waited for. [s]"""
+    """Processor time of this process with all threads and of its finished child processes. [s]"""
     spent = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(one.ru_utime + one.ru_stime for one in spent)
 
@@ -65,7 +64,7 @@ OURS = (
 
 
 TOOK: dict[str, list[float]] = {}
-"""Seconds of every round, by the benchmark that it is of."""
+"""Seconds of every round, by benchmark."""
 
 
 def measure(benchmark: BenchmarkFixture, code: str) -> None:
@@ -120,13 +119,13 @@ KEYS = [
     *("6", "down", "right", "left", "7", "3", "1", "home", "enter", "t", "down", "escape", "escape"),
     *("4", "down", "down", "up", "slash", "f", "escape", "5", "right", "left", "1"),
 ]
-"""Moving, filtering as one types, sorting by each column, typing a flight in, turning pages, opening a flight and its
-tags, choosing a motor, turning panels: each a key of its own.
-Pages are made ready out of sight before; the first time that a key is pressed counts with the others."""
+"""Moving, filtering, sorting by each column, entering a flight, changing pages, opening a flight and its tags, choosing
+a motor, changing panels. Pages are prepared in the background first; the first press of a key counts like the
+others."""
 
 
 class Session:
-    """An app that stays open while keys are sent to it, one at a time; how soon each was answered. [s]"""
+    """An app that stays open while keys are sent one at a time; the response time of each. [s]"""
 
     def __init__(self, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
         self.loop = asyncio.new_event_loop()
@@ -148,13 +147,13 @@ class Session:
         self.done.put_nowait(None)
 
     def _paint(self, app: App[None], screen: Screen[None], what: Any) -> None:
-        """Put together what a terminal would be sent, and note when it first is."""
+        """Render the terminal's output, and note the time of the first one."""
         if what is not None and not app._batch_count:
             what.render_segments(app.console)
             self.painted = self.painted or perf_counter()
 
     async def _done(self, app: App[None]) -> None:
-        """Until nothing that a key brought about is left to do and the screen shows it, painted when Textual paints."""
+        """Wait until all effects of a key are done and painted by Textual."""
         while True:
             while self.loop._ready:  # type: ignore[attr-defined]  # messages that widgets were woken for
                 await asyncio.sleep(0)
@@ -165,20 +164,20 @@ class Session:
             await asyncio.sleep(1 / MAX_FPS)
 
     def press(self, key: str) -> None:
-        """Send a key and wait for what comes of it; the empty one closes the app."""
+        """Send a key and wait for its effects; an empty key closes the app."""
         self.keys.put_nowait(key)
         self.loop.run_until_complete(self.done.get())
 
 
 @asynccontextmanager
 async def listening() -> AsyncIterator[Pilot[None]]:
-    """An empty app that is told of keys and does nothing."""
+    """An empty app that receives keys and does nothing."""
     async with App[None]().run_test(size=(80, 24)) as pilot:
         yield pilot
 
 
 def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> list[float]:
-    """How soon each key was answered. [s]"""
+    """The response time of each key. [s]"""
     session, keys = Session(open), cycle(KEYS)
     session.press("down")  # the app is opened
     session.answers.clear()
@@ -191,7 +190,7 @@ def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextM
 
 
 def shares(name: str, took: Sequence[float]) -> dict[str, Any]:
-    """Within what time so many of the keys were, and those that took longest."""
+    """Quantiles of the response times, and the slowest keys."""
     slowest = sorted(zip(took, cycle(KEYS), strict=False), reverse=True)[:5]
     within = {f"within_{share:.0%}_{name}_ms": round(float(np.quantile(took, share)) * 1e3, 1) for share in SHARES}
     return within | {f"slowest_{name}_ms": [f"{key} {one * 1e3:.0f}" for one, key in slowest]}

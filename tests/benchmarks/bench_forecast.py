@@ -1,7 +1,7 @@
-"""What a forecast from twenty flights takes:
+"""A forecast from twenty flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_forecast.py`.
 
-From flights that were read to draws of the next apogee, on one core, in processor time; beside it the import of numpy.
+Processor time on one core from flights in memory to draws of the next apogee, relative to the import of numpy.
 """
 
 import time
@@ -21,7 +21,7 @@ FLIGHTS = 20
 
 @pytest.fixture(scope="module")
 def numpy_import() -> float:
-    """What waking numpy takes, which is as quick as the machine is. [s]"""
+    """Processor time to import numpy, a measure of the machine's speed. [s]"""
     spent = []
     for _ in range(5):
         began = of_children()

@@ -1,9 +1,9 @@
-"""What the network of whole histories takes beside the fit, on twenty flights:
+"""The history network compared with the fit, on twenty flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
 
-Processor time on one core from flights that were read: what the model lacks beside the search of the loop, the next
-apogee beside the fit, that of two hundred motors beside the fit of as many, one more readout of a flight that is being
-typed beside a whole quick forecast, and of either the network alone.
+Processor time on one core from flights in memory: the quick search relative to the loop, the next apogee and the
+apogees of two hundred motors relative to the fit, one more readout of a flight being entered relative to a whole quick
+forecast, and the network without its features.
 """
 
 import time
@@ -36,7 +36,7 @@ def flown() -> list[tuple[Flight, Found]]:
     return season(np.random.default_rng(7), KEPT, FLIGHTS, 3.0)
 
 
-def test_what_a_model_lacks_beside_the_loop(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+def test_the_quick_search(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     used = [True] * FLIGHTS
     took = measured(benchmark, lambda: quick_look("Test", flown, used))
     flights = [flight for flight, _ in flown]
@@ -45,7 +45,7 @@ def test_what_a_model_lacks_beside_the_loop(benchmark: BenchmarkFixture, flown: 
     beside(benchmark, took, time.process_time() - began, "the search of the loop")
 
 
-def test_the_next_apogee_beside_the_fit(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+def test_the_next_apogee(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[0]
     plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
     took = measured(benchmark, lambda: forecast_at_once(flown, plan))
@@ -57,22 +57,18 @@ def test_the_next_apogee_beside_the_fit(benchmark: BenchmarkFixture, flown: list
     beside(benchmark, took, min(spent), "the forecast of the fit")
 
 
-def test_the_network_alone_beside_what_is_shown_to_it(
-    benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]
-) -> None:
+def test_the_network_without_its_features(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[0]
     plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
     began = time.process_time()
     features = forecast_at_once(flown, plan).summary.features
     whole = time.process_time() - began
     beside(
-        benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before"
+        benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "the same with its features"
     )
 
 
-def test_one_readout_typed_beside_the_whole_forecast(
-    benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]
-) -> None:
+def test_one_more_readout(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[-1]
     plan = repeated(flight), found
     began = time.process_time()
@@ -84,7 +80,7 @@ def test_one_readout_typed_beside_the_whole_forecast(
     assert beside(benchmark, took, whole, "the forecast from the start") < 1
 
 
-def test_two_hundred_motors_beside_the_fit(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+def test_two_hundred_motors(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, _ = flown[0]
     listings = [one for some in catalogue().listings.values() for one in some]
     motors = [motor for motor in (one.motor() for one in listings) if lifts(motor, flight.dry_mass or 0.0)][:MOTORS]

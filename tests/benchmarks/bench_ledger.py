@@ -1,8 +1,8 @@
-"""What a ledger of 100 to 100,000 flights costs:
+"""Ledgers with 100 to 100,000 flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_ledger.py`.
 
-The same questions of every size, in processor time; the ratio to 100 flights is printed. A rocket has 20 flights in
-each, so that what is asked of one rocket is the same work.
+The same requests for ledgers of every size, in processor time, relative to 100 flights. A rocket has 20 flights in
+each, so that requests for one rocket are the same work.
 """
 
 import shutil
@@ -32,7 +32,7 @@ SIZES = (100, 1_000, 10_000, 100_000)
 EACH = 20
 """Flights of a rocket. [1]"""
 FIRST: dict[str, float] = {}
-"""What each question took of 100 flights. [s]"""
+"""Time of each request with 100 flights. [s]"""
 
 
 @cache
@@ -42,7 +42,7 @@ def motors() -> Catalogue:
 
 @cache
 def ledger(size: int) -> Path:
-    """A ledger of so many flights."""
+    """A ledger with this number of flights."""
     rng, first = np.random.default_rng(size), datetime(2000, 1, 1, 10)
     flights = [
         Flight(
@@ -65,13 +65,13 @@ def ledger(size: int) -> Path:
 
 
 def first_backup(ledger: Ledger) -> None:
-    """A copy beside none, so that every row is looked through."""
+    """A backup without an earlier one, so that every row is checked."""
     shutil.rmtree(folder_of(Path(ledger.name)), ignore_errors=True)
     assert not keep_backup(ledger._engine, always=True)
 
 
 def another_backup(ledger: Ledger) -> None:
-    """A copy beside one with the same rows, which are compared."""
+    """A backup after one with the same rows, which are compared."""
     assert not keep_backup(ledger._engine, always=True)
 
 

@@ -1,8 +1,8 @@
-"""What `fieldkit flights` takes of long ledgers, to the first screen and in all:
-`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_listing.py`.
+"""`fieldkit flights` with long ledgers, to the first screen and in total: `pytest -o addopts= --benchmark-only -s
+tests/benchmarks/bench_listing.py`.
 
-Each is a whole process, in processor time, beside `fieldkit --version` and a bare import of the two libraries that the
-command stands on, which are measured in the same run.
+Each is a whole process, in processor time, relative to `fieldkit --version` and to a bare import of the command's two
+libraries in the same run.
 """
 
 import subprocess
@@ -17,15 +17,15 @@ from tests.benchmarks.timing import FLYER, beside, measured, of_children
 pytestmark = pytest.mark.benchmark(timer=of_children)
 COMMAND = "import sys; sys.argv[1:] = {!r}; from fieldkit.cli.main import run; run()"
 BARE = "import os, sqlalchemy.dialects.sqlite.pysqlite, typer.main; os._exit(0)"
-"""Without freeing memory at the end, as the commands leave."""
+"""Exit without freeing memory, like the commands."""
 SCREEN = 24
 """Lines of a terminal. [1]"""
 TOOK: dict[str, float] = {}
-"""What the baselines took. [s]"""
+"""Times of the baselines. [s]"""
 
 
 def printed(code: str, lines: int | None = None) -> None:
-    """A Python process of its own, ended after so many lines, or left to print them all."""
+    """A separate Python process, ended after a number of lines, or run to its end."""
     with subprocess.Popen([sys.executable, "-c", code], env=FLYER, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         for read, _ in enumerate(process.stdout, start=1):

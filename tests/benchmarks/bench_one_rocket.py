@@ -1,5 +1,5 @@
-"""What `loop` and `report` take of one rocket with 10 to 250 flights:
-`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_one_rocket.py`.
+"""`loop` and `report` for one rocket with 10 to 250 flights: `pytest -o addopts= --benchmark-only -s
+tests/benchmarks/bench_one_rocket.py`.
 
 Each is a whole process, in processor time; the ratio to 10 flights is printed.
 """
@@ -18,7 +18,7 @@ COMMAND = "import sys; sys.argv[1:] = {!r}; from fieldkit.cli.main import run; r
 COMMANDS = {"loop": ["loop", "--rocket", "Astra"], "report": ["report", "Astra", "--force", "--out"]}
 FEWEST = 10
 TOOK: dict[str, float] = {}
-"""What each command took of the fewest flights. [s]"""
+"""Time of each command with the fewest flights. [s]"""
 
 
 @pytest.mark.parametrize("count", [FEWEST, 50, 100, 250])

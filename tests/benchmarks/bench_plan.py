@@ -1,7 +1,7 @@
-"""What plans cost beside one `predict`: `pytest -s -o addopts= --benchmark-only tests/benchmarks/bench_plan.py`.
+"""Plans compared with one `predict`: `pytest -s -o addopts= --benchmark-only tests/benchmarks/bench_plan.py`.
 
-The catalogue is what fits a 29 mm mount and narrower, adapters and all, with every safety line. Times are of the
-processor; the ratio to one forecast holds where seconds do not: on another machine, or a busy one.
+The catalog is every motor for a 29 mm mount, with adapters, with every safety check. Times are processor time; the
+ratio to one forecast varies less than seconds on other or busy machines.
 """
 
 import time
@@ -29,7 +29,7 @@ from tests.benchmarks.timing import beside, measured
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 CATALOGUE = 1.0
-"""Seconds of a processor that the whole catalogue for one rocket may take, at most."""
+"""Maximum processor time of the whole catalog for one rocket. [s]"""
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def every(motors: Catalogue) -> list[Motor]:
 
 @pytest.fixture(scope="module")
 def one(ledger: Ledger, motors: Catalogue) -> float:
-    """One forecast as `predict` makes it, the least of some rounds. [s]"""
+    """Time of one forecast in `predict`, the minimum of some rounds. [s]"""
     rounds = []
     for _ in range(4):
         completed_plan = time.process_time()
@@ -62,7 +62,7 @@ def one(ledger: Ledger, motors: Catalogue) -> float:
 
 
 def timed(benchmark: BenchmarkFixture, one: float, work: Callable[[], Any]) -> float:
-    """The least time that some work takes, beside one forecast. [s]"""
+    """The minimum time of some work, relative to one forecast. [s]"""
     took = measured(benchmark, work, rounds=3)
     beside(benchmark, took, one, "one predict")
     return took
@@ -72,7 +72,7 @@ PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")
 
 
 @pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
-def test_the_whole_catalogue_for_one_rocket(
+def test_the_whole_catalog_for_one_rocket(
     benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue, every: list[Motor], wind: float | None
 ) -> None:
     day = PLAN.with_changes(wind=wind)

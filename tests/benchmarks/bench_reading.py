@@ -1,8 +1,8 @@
-"""How fast logs are read and flights inferred:
+"""Reading logs and inferring flights:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_reading.py`.
 
-A log of 100 MB stands beside pandas reading the same CSV into a table and doing nothing with it; a
-flight in a batch beside one alone. Times are of the processor.
+A log of 100 MB is compared with pandas reading the same CSV into a table, and a flight in a batch with a single flight.
+Times are processor time.
 """
 
 import time
@@ -20,17 +20,17 @@ from tests.samples import any_motor
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 SIZE = 100_000_000
-"""Of the log. [byte]"""
+"""Size of the log. [byte]"""
 MAX_RATIO = 1.5
-"""Of the time that pandas takes to read the same columns. [1]"""
+"""Maximum ratio to the time of pandas for the same columns. [1]"""
 ROUNDS = 3
-"""Of reading it, by each: memory is slower if others use it too. [1]"""
+"""Number of readings by each, because memory is slower if others use it too. [1]"""
 BATCH = 1000
 """Flights inferred together. [1]"""
 
 
 MEMORY = 300
-"""Of a process that reads it. [MB]"""
+"""Maximum memory of a process that reads it. [MB]"""
 BOTH = """
 import resource, sys, time
 from pathlib import Path
@@ -51,7 +51,7 @@ else:
     times = [(spent(ours), spent(theirs)) for _ in range(rounds)]
     print(min(one for one, _ in times), min(other for _, other in times))
 """
-"""Both in one process and by turns, so that both meet the same machine."""
+"""Both alternate in one process, so that they see the same machine."""
 
 
 @pytest.mark.benchmark(group="a log of 100 MB")

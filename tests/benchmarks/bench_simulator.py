@@ -1,8 +1,8 @@
-"""How fast the simulator is, in flights a second of one core, and beside scipy.
+"""The simulator in flights per second on one core, compared with scipy.
 
     pytest tests/benchmarks/bench_simulator.py --benchmark-only
 
-Times are processor time, so that a busy machine does not blur them; the ratios are of figures of one run.
+Times are processor time, to be independent of other load; ratios are between figures of one run.
 """
 
 import sys
@@ -27,14 +27,14 @@ from tests.physics.simulated import rocket
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 MILLION = 1_000_000
 AS_PUBLISHED, TO_APOGEE = 300_000, 1_000
-"""Times the flights of scipy that are to be reached: as the paper uses it, and ended at apogee."""
+"""Required ratio to scipy's flights per second: as the paper uses it, and ended at apogee."""
 CLOSE = 0.1
-"""Accuracy at which flights are compared. [m]"""
+"""Accuracy for comparing flights. [m]"""
 RATES: dict[str, float] = {}
 
 
 def timed(benchmark: BenchmarkFixture, name: str, flights: int, fly_them: Callable[[], Any], rounds: int = 5) -> Any:
-    """What the flights come to; keeps their rate, of the quickest round."""
+    """The results of the flights; notes the rate of the fastest round."""
     result = benchmark.pedantic(fly_them, rounds=rounds, warmup_rounds=1)
     RATES[name] = flights / benchmark.stats.stats.min
     benchmark.extra_info["flights_per_second"] = round(RATES[name])
@@ -53,7 +53,7 @@ SAMPLE = paper_draws(12)
 
 
 def by_scipy(row: int, **options: Any) -> float:
-    """Apogee of one of the sample by solve_ivp, the equations as one would write them down. [m]"""
+    """Apogee of one flight of the sample by solve_ivp with the plain equations. [m]"""
     motor = paper.MOTORS[int(SAMPLE.motor[row])]
     dry_mass, area, alpha = (float(v[row]) for v in (SAMPLE.dry_mass, SAMPLE.drag_area, SAMPLE.thrust_factor))
     burn, peak, mean = motor.burn_time, motor.peak_thrust, motor.mean_thrust
@@ -76,7 +76,7 @@ def by_scipy(row: int, **options: Any) -> float:
 
 
 def turns(t: float, y: Any) -> float:
-    """Upward speed once under way, for the event of apogee."""
+    """Upward speed after lift-off, for the event of apogee."""
     return 1.0 if t < 0.3 else float(y[1])
 
 
@@ -84,7 +84,7 @@ turns.terminal, turns.direction = True, -1  # type: ignore[attr-defined]
 
 
 def loosest() -> dict[str, Any]:
-    """The fewest demands on solve_ivp, ended at apogee, that come within `CLOSE` of the truth."""
+    """The loosest tolerances of solve_ivp, ended at apogee, with an error below `CLOSE`."""
     exact = [by_scipy(row, method="DOP853", rtol=1e-9, atol=1e-9, max_step=0.01, events=turns) for row in range(12)]
     for rtol in 10.0 ** -np.arange(2, 9):
         options = {"rtol": rtol, "atol": rtol, "events": turns}
@@ -117,7 +117,7 @@ def test_scipy_ended_at_apogee(benchmark: BenchmarkFixture) -> None:
 
 @pytest.fixture(scope="module")
 def whole_catalogue() -> Setup:
-    """A million flights, every motor of the catalogue as often."""
+    """A million flights, with every motor of the catalog equally often."""
     rng, motors = np.random.default_rng(1), catalogue().motors
     draws = MILLION // len(motors) + 1
     weight = np.array([motor.average_thrust / (9.8 * 8) for motor in motors])
@@ -128,7 +128,7 @@ def whole_catalogue() -> Setup:
 
 
 @pytest.mark.parametrize("what", [apogees, fly], ids=["apogees", "all readouts"])
-def test_flights_over_the_whole_catalogue(benchmark: BenchmarkFixture, whole_catalogue: Setup, what: Any) -> None:
+def test_flights_over_the_whole_catalog(benchmark: BenchmarkFixture, whole_catalogue: Setup, what: Any) -> None:
     flights = int(np.prod(whole_catalogue.draw_shape))
     timed(benchmark, f"catalogue, {what.__name__}", flights, lambda: what(whole_catalogue), rounds=2)
 

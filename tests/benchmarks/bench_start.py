@@ -1,8 +1,7 @@
-"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_start.py`.
+"""Starting a command: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_start.py`.
 
-Each command is a whole process, and beside it stands a bare Python that imports the very modules of other people's that
-the command woke up, and does nothing with them; beside `--help` an empty typer program, beside `predict` also the four
-libraries that the program stands on. Times are of the processor.
+Each command is a whole process and is compared with a bare Python process that imports the same third-party modules;
+`--help` with an empty typer program, and `predict` also with the program's four libraries. Times are processor time.
 """
 
 from pathlib import Path
@@ -18,7 +17,7 @@ from tests.seasons import season
 
 pytestmark = pytest.mark.benchmark(timer=of_children, group="start")
 HELP, PREDICT = 1.5, 1.5
-"""Times an empty typer program and bare imports, at most; 1.3 is aimed at, which a busy machine takes it beyond. [1]"""
+"""Maximum ratio to an empty typer program and bare imports; the aim is 1.3, which a busy machine exceeds. [1]"""
 
 EMPTY = """
 import typer
@@ -44,7 +43,7 @@ for name in {!r}:
         importlib.import_module(name)
 """
 LIBRARIES = ["numpy", "onnxruntime", "sqlalchemy", "typer"]
-"""What the program stands on."""
+"""The program's libraries."""
 COMMANDS = {
     "flights": [],
     "show": ["1"],
@@ -75,7 +74,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def least(code: str, rounds: int = 5) -> float:
-    """Of whole processes, the one that took least. [s]"""
+    """The minimum time over whole processes. [s]"""
     spent = []
     for _ in range(rounds):
         began = of_children()
@@ -99,7 +98,7 @@ def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_p
 
 @pytest.mark.parametrize("what", ["12 apogees", "20 flights with all readouts"])
 def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole: str) -> None:
-    """Beside the libraries that the program stands on."""
+    """Relative to the program's libraries."""
     arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
     took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
     assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT

@@ -1,4 +1,4 @@
-"""Processor time for benchmarks, and their rows: what others do on a machine blurs the clock on its wall."""
+"""Processor time for benchmarks, and their rows: other load on a machine distorts wall-clock time."""
 
 import os
 import subprocess
@@ -11,19 +11,19 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 ROOT = Path(__file__).parents[2]
 UNLIKE_A_FLYERS = ("FIELDKIT_CHECK_SHAPES", "PYTHONDONTWRITEBYTECODE")
-"""Settings for tests. An installed program is compiled once, and not at every start."""
+"""Settings for tests: an installed program is compiled once and not at every start."""
 FLYER = {k: v for k, v in os.environ.items() if k not in UNLIKE_A_FLYERS}
 FLYER |= {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
 
 
 def of_children() -> float:
-    """Processor time of the processes that this one has waited for. [s]"""
+    """Processor time of finished child processes. [s]"""
     spent = os.times()
     return spent.children_user + spent.children_system
 
 
 def whole_process(code: str) -> str:
-    """What a Python process of its own prints."""
+    """The output of a separate Python process."""
     return subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
@@ -34,7 +34,7 @@ def measured(benchmark: BenchmarkFixture, work: Callable[..., Any], *given: Any,
 
 
 def beside(benchmark: BenchmarkFixture, seconds: float, least: float, what: str) -> float:
-    """Note and print the ratio to the least that it could be. [1]"""
+    """Note and print the ratio to a baseline. [1]"""
     ratio = seconds / least
     benchmark.extra_info |= {"ratio": round(ratio, 3), "beside": what}
     sys.stdout.write(f"\n{benchmark.name}: {seconds:.4g} s, {ratio:.2f} times {what} ({least:.4g} s)\n")

@@ -1,7 +1,7 @@
-"""Loggers played on pseudo-terminals, byte for byte as their makers' sources have it, and as badly as in the field.
+"""Simulated loggers on pseudo-terminals, byte for byte as in the manufacturers' sources, with the faults of the field.
 
-A device is a function that talks on a `Wire`; `played` runs it in a thread. What the host sends is kept in
-`Wire.commands`, so a test can look at every byte that ever reached a device.
+A device is a function that talks on a `Wire`; `played` runs it in a thread. Bytes from the host are stored in
+`Wire.commands`, so a test can check every byte that reached a device.
 """
 
 import binascii
@@ -35,9 +35,9 @@ class Wire:
         self.received = bytearray()
         self.commands: list[bytes] = []
         self.left: int | None = None
-        """How many bytes it may still say before its cable is pulled; None for as many as it likes."""
+        """Number of bytes before its cable is pulled; None for no limit."""
         self.flood: tuple[int, bytes] | None = None
-        """What it babbles, once, when it has said so many bytes; None for a unit that makes sense."""
+        """Garbage that it sends once after a number of bytes; None for a normal device."""
         self._unread = bytearray()
         self._gone = threading.Event()
 
@@ -86,7 +86,7 @@ class Wire:
             self._unread += self.listen(0.05)
 
     def listen(self, wait: float) -> bytes:
-        """What the host sent, nothing after a wait. [s]"""
+        """Bytes from the host; empty after a timeout [s]."""
         if self._gone.is_set():
             raise Unplugged
         if not select.select([self.master], [], [], wait)[0]:
@@ -117,7 +117,7 @@ class Wire:
 
 @contextmanager
 def played(device: Device) -> Iterator[Wire]:
-    """A device on a wire of its own, in a thread that ends with the test."""
+    """A device on a separate wire, in a thread that ends with the test."""
     wire = Wire()
     faults: list[BaseException] = []
 
@@ -202,7 +202,7 @@ def altimulti(
     unplug_after: int | None = None,
     deaf: int = 0,
 ) -> Device:
-    """A unit; `spoil` answers have a wrong checksum in them, greetings up to `deaf` are not heard."""
+    """A unit; the first `spoil` answers have a wrong checksum, and it ignores greetings up to `deaf`."""
 
     def device(wire: Wire) -> None:
         left, budget = spoil, unplug_after
@@ -404,7 +404,7 @@ def mawd(heights: Sequence[int], *, dribble: random.Random | None = None, cut: i
 
 
 def talking(content: bytes, dribble: random.Random | None = None, pause: float = 0.0) -> Device:
-    """A unit that says something by itself, a line at a time where it pauses, and then nothing more. [s]"""
+    """A unit that sends lines by itself with pauses [s] and then stops."""
 
     def device(wire: Wire) -> None:
         wire.wait_until_opened()
@@ -418,7 +418,7 @@ def talking(content: bytes, dribble: random.Random | None = None, pause: float =
 
 
 def pulled(device: Device, after: int) -> Device:
-    """A unit whose cable is pulled when it has said so many bytes."""
+    """A unit whose cable is pulled after a number of bytes."""
 
     def broken(wire: Wire) -> None:
         wire.left = after
@@ -428,7 +428,7 @@ def pulled(device: Device, after: int) -> Device:
 
 
 def flooded(device: Device, after: int, flood: bytes) -> Device:
-    """A unit that babbles, once, when it has said so many bytes."""
+    """A unit that sends garbage once after a number of bytes."""
 
     def babbling(wire: Wire) -> None:
         wire.flood = (after, flood)
@@ -438,18 +438,18 @@ def flooded(device: Device, after: int, flood: bytes) -> Device:
 
 
 def deaf(wire: Wire) -> None:
-    """A unit that never says a word."""
+    """A unit that never sends anything."""
     while True:
         wire.listen(0.05)
 
 
 def arrived(folder: Path, content: bytes) -> Callable[[], bool]:
-    """Whether as much as this is on the disc: when to stop a stream that has no end."""
+    """Whether this much is on the disk, to stop an endless stream."""
     return lambda: sum(file.stat().st_size for file in folder.glob("*.raw")) >= len(content)
 
 
 def noise(size: int, seed: int = 1) -> bytes:
-    """Bytes without meaning, and without the letters that begin a record."""
+    """Random bytes without the letters that start a record."""
     return random.Random(seed).randbytes(size).replace(b"M", b"m").replace(b"$", b"s").replace(b"@", b"a")
 
 

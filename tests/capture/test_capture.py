@@ -1,4 +1,4 @@
-"""What was captured is kept, whatever happens to the cable, the program, the disc or the parser; and gets imported."""
+"""Captured bytes are saved whatever happens to the cable, the program, the disk or the parser, and are imported."""
 
 import json
 import os
@@ -72,7 +72,7 @@ def test_checksums_are_those_of_the_makers() -> None:
 
 
 def followed(events: Iterable[Event], wire: Wire) -> Ended:
-    """How a capture ended; a unit that talks by itself begins when its port is open."""
+    """How a capture ended; a unit that talks by itself starts when its port is open."""
     for event in events:
         if isinstance(event, PortOpened):
             wire.opened.set()
@@ -288,7 +288,7 @@ def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest
 
 
 def counting(wire: Wire) -> None:
-    """A unit that counts for as long as one listens."""
+    """A unit that counts as long as the port is open."""
     wire.wait_until_opened()
     for number in range(10**9):
         wire.say(b"%d,%d,0,0\r\n" % (number, number % 977))
@@ -298,7 +298,7 @@ def counting(wire: Wire) -> None:
 
 @contextmanager
 def running(*arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
-    """`fieldkit` in a process of its own."""
+    """`fieldkit` in a separate process."""
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "fieldkit.cli.main", *arguments]
     process = subprocess.Popen(
@@ -312,7 +312,7 @@ def running(*arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
 
 
 def until(done: object, patience: float = 60.0) -> None:
-    """Wait for something to be so. [s]"""
+    """Wait for a condition. [s]"""
     ends = time.monotonic() + patience
     while not done():  # type: ignore[operator]
         assert time.monotonic() < ends

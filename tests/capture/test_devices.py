@@ -52,7 +52,7 @@ def _answers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """For units that stop in the middle or never begin."""
+    """For units that stop in the middle or never start."""
     monkeypatch.setattr(altimulti, "ANSWER", 0.3)
     monkeypatch.setattr(altimulti, "GREETINGS", 2)
     monkeypatch.setattr(altos, "TRIES", 2)
@@ -63,7 +63,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run(events: Iterable[Event], *wires: Wire) -> list[Event]:
-    """All events of a capture; units that talk by themselves begin when the port is open."""
+    """All events of a capture; units that talk by themselves start when the port is open."""
     seen = []
     for event in events:
         seen.append(event)
@@ -435,7 +435,7 @@ STREAMED: list[tuple[str, Callable[[list[bytes]], devices.Device], list[bytes]]]
 def pulled_and_back(
     device: str, first: Wire, second: Wire, folder: Path, stop: Callable[[], bool] = lambda: False
 ) -> Ended:
-    """How a capture ends whose unit is lost on one wire and found on another."""
+    """The end of a capture whose unit is lost on one wire and found on another."""
     unit, moved = Port(first.name, 0x1A86, 0x7523, "A1"), []
     look = [Port("/dev/other"), replace(unit, name=second.name)]
     for event in capture(unit, device, folder=folder, wishes=BRIEF, look=lambda: look, stop=stop):

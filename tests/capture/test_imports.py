@@ -1,4 +1,4 @@
-"""What is captured from a unit reads as the file that its vendor's program would have written of the same memory."""
+"""A capture from a unit reads the same as the file from the vendor's program for the same memory."""
 
 import json
 import os

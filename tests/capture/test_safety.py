@@ -1,4 +1,4 @@
-"""No code path can send a command that fires, erases, arms or writes; nor anything else that is not in the table."""
+"""No code path can send a command that fires, erases, arms or writes, or anything else that is not in the table."""
 
 import ast
 import random
@@ -39,7 +39,7 @@ FORBIDDEN = [
     # Nothing is a command too
     *(b"", b"\n", b";", b"\r\n", b"\x00", b"\xff" * 40),
 ]
-"""What must never leave this computer, from the makers' own tables and from what could be put together of them."""
+"""Commands that must never be sent, from the manufacturers' tables and their combinations."""
 
 LETTERS = {
     "altimulti": rb"(?:[hbnrfg]|y)[0-9]{0,2};",
@@ -48,7 +48,7 @@ LETTERS = {
     "blue_raven": rb"download [lh]\r\n",
     "mawd": rb"[IVSD]",
 }
-"""What the makers' tables call harmless, written down a second time."""
+"""Harmless commands in the manufacturers' tables, listed a second time."""
 
 
 class Ear:
@@ -227,7 +227,7 @@ def test_nobody_outside_touches_what_is_inside_a_line() -> None:
             assert "_port" not in attributes(parsed(path)), path
 
 
-# --- Conversations with units that say anything
+# --- Conversations with units that answer anything
 
 
 RIGHT = {
@@ -266,7 +266,7 @@ REACHED = {
 
 @pytest.fixture
 def _hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Time flies: whoever waits for an answer gives up soon."""
+    """Time runs fast, so that waiting for an answer ends soon."""
     clock = count(step=0.02)
     monkeypatch.setattr("fieldkit.capture.link.time.monotonic", lambda: next(clock))
 

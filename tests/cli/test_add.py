@@ -1,4 +1,4 @@
-"""Typing a flight in: by answers, by options, halfway and back."""
+"""Entering a flight: by answers, by options, halfway and back."""
 
 import io
 import os
@@ -67,7 +67,7 @@ def held(file: Path) -> list[Flight]:
 
 
 def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Conversation, list[str]]:
-    """A conversation with somebody who gives these answers and then leaves; what they were asked."""
+    """A conversation with a user who gives these answers and then leaves; returns the questions."""
     asked: list[str] = []
     waiting = iter(answers)
 
@@ -291,7 +291,7 @@ def test_a_draft_that_no_longer_reads_is_asked_again_from_there(add: Add, file: 
 
 
 def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tuple[str, int]:
-    """Talk to `fieldkit add` in a terminal of its own, kill it once it says these words; all it said."""
+    """Run `fieldkit add` in a separate terminal and kill it when it prints these words; returns its output."""
     import pty
 
     controller, terminal = pty.openpty()

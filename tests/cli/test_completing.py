@@ -1,4 +1,4 @@
-"""A TAB offers what is in the flyer's ledger and on sale, changes nothing, and never complains."""
+"""A TAB offers names from the flyer's ledger and the catalog, changes nothing, and never fails."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ FLIGHTS = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.c
 
 @pytest.fixture
 def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Path:
-    """A ledger with the reference flights, where commands look for theirs."""
+    """A ledger with the reference flights at the default path."""
     path = tmp_path / "ledger.db"
     monkeypatch.setenv("FIELDKIT_LEDGER", str(path))
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -25,7 +25,7 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
 
 
 def offered(line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> list[str]:
-    """What bash is told after a TAB at the end of a line."""
+    """The completions that bash receives after a TAB at the end of a line."""
     words = line.split(" ")
     monkeypatch.setenv("_FIELDKIT_COMPLETE", "complete_bash")
     monkeypatch.setenv("COMP_WORDS", line)

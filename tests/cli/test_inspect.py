@@ -1,4 +1,4 @@
-"""`fieldkit inspect` and what `import` says of each file: one reading of the file behind both."""
+"""`fieldkit inspect` and the lines of `import` for each file come from the same reading of the file."""
 
 import json
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""`loop --quick` and `predict --quick`: the contract's keys, probabilities of everything, and nothing kept."""
+"""`loop --quick` and `predict --quick`: the contract's keys, probabilities of all effects, and nothing is saved."""
 
 import json
 from pathlib import Path

@@ -24,7 +24,7 @@ TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,no
 
 
 class Said:
-    """What a command printed, and how it ended."""
+    """The output and exit status of a command."""
 
     def __init__(self, status: int, out: str, err: str) -> None:
         self.status, self.out, self.err = status, out, err
@@ -46,7 +46,7 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs a command line on a ledger of its own."""
+    """Runs a command line on a separate ledger."""
 
     def run(*arguments: object) -> Said:
         capsys.readouterr()
@@ -65,13 +65,13 @@ def table(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def full(run: Run, table: Path) -> Run:
-    """The same, with the table imported."""
+    """The same with the table imported."""
     assert run("import", table).status == 0
     return run
 
 
 def plain() -> dict[str, str]:
-    """The environment of a flyer, who checks no shapes."""
+    """The environment of a flyer, without shape checks."""
     return {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
 
 

@@ -1,4 +1,4 @@
-"""Values, ledgers and folders that commands refuse in a line, and those that they do without."""
+"""Values, ledgers and folders that commands refuse in one line, and those that they do not need."""
 
 import os
 import subprocess

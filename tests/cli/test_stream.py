@@ -1,4 +1,4 @@
-"""Lists of any length: printed as they come, in order, nothing lost, as quick as reading them is."""
+"""Lists of any length are streamed in order, completely, as fast as they are read."""
 
 import io
 import json
@@ -56,7 +56,7 @@ def test_in_a_narrow_terminal_the_widest_texts_are_cut(
 
 
 def flown(number: int) -> Flight:
-    """Flights of three rockets: later ones may have been entered before, and some have no date."""
+    """Flights of three rockets, not in the order of entry, some without a date."""
     day = None if number % 7 == 3 else FIRST + timedelta(hours=(number * 37) % 400)
     tags = ("weak_launch",) if number % 5 == 0 else ()
     return Flight(flight_id=str(number // 3), rocket=f"R{number % 3}", date_time=day, tags=tags, apogee=100.0 + number)

@@ -1,6 +1,6 @@
-"""What may be written where a flyer says: never a file that fieldkit keeps data in, and no other one unasked.
+"""Files that commands may write: never one of fieldkit's data files, and no existing file without confirmation.
 
-The commands and their files are taken from the command tree, so that a new command is in by itself.
+The commands and their files come from the command tree, so that a new command is included automatically.
 """
 
 import ast
@@ -30,11 +30,11 @@ FILLERS = {
     "number": "1",
     "out": "written.png",
 }
-"""What other arguments a command needs, by name."""
+"""Other required arguments of commands, by name."""
 
 
 def commands(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Every command of the tree, groups that do something themselves too."""
+    """Every command of the tree, including groups that are commands."""
     if names:
         yield names, tree
     for name, child in getattr(tree, "commands", {}).items():
@@ -42,7 +42,7 @@ def commands(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
 
 
 def with_files() -> list[tuple[tuple[str, ...], Any, Any]]:
-    """Every command that takes a file's name, and the parameter that it takes it in."""
+    """Every command with a file name, and its parameter."""
     found = [
         (names, one, command) for names, command in commands(typer.main.get_command(app)) for one in command.params
     ]
@@ -53,7 +53,7 @@ WITH_FILES = with_files()
 
 
 def line(names: tuple[str, ...], parameter: Any, command: Any, file: Path) -> list[str]:
-    """A command line that hands a command a file, and else only what it needs."""
+    """A command line with a file and otherwise only required arguments."""
     words = list(names)
     for one in command.params:
         value = str(file) if one is parameter else FILLERS.get(str(one.name), "1")
@@ -86,7 +86,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def kept(home: Path) -> list[Path]:
-    """Every name under which a command could reach what fieldkit keeps, and those that would harm it if they came."""
+    """Every path by which a command could reach fieldkit's files, and paths that would harm them if created."""
     (backup, *_) = (home / "ledger.db-backups").iterdir()
     names = (
         "ledger.db",
@@ -102,7 +102,7 @@ def kept(home: Path) -> list[Path]:
 
 
 def bytes_of(home: Path) -> dict[str, bytes]:
-    """All files there are, by name, but the half-made ones of commands at work."""
+    """All files by name, except temporary files of running commands."""
     return {str(file.relative_to(home)): file.read_bytes() for file in sorted(home.rglob("*")) if file.is_file()}
 
 
@@ -130,12 +130,12 @@ def test_no_command_writes_over_what_fieldkit_keeps(
 
 
 def _suffixes(parameter: Any) -> tuple[str, ...]:
-    """Endings that a command asks of its file, under which a link may come."""
+    """File suffixes that a command requires, which a link may have."""
     return tuple(end for end in (".html", ".png") if end in (getattr(parameter, "help", None) or ""))
 
 
 def _under(home: Path, file: Path, suffix: str) -> Path:
-    """A link to a file that bears another ending."""
+    """A link to a file with another suffix."""
     link = home / f"another{suffix}"
     link.unlink(missing_ok=True)
     link.symlink_to(file)
@@ -220,7 +220,7 @@ def test_a_device_gets_what_is_written(tmp_path: Path) -> None:
 
 
 WRITERS = {"files.py", "capture/tape.py"}
-"""The modules that may write files themselves: this guard, and the tape, whose file is always a new one."""
+"""The modules that may write files directly: this guard, and the tape, whose file is always new."""
 
 
 def test_every_file_is_written_past_the_guard() -> None:
@@ -268,7 +268,7 @@ READERS = {
     "ledger/backups.py": "copies of a ledger",
     "capture/tape.py": "the names in a folder",
 }
-"""The modules that open files past `files.read`, and what they read."""
+"""The modules that open files without `files.read`, and what they read."""
 
 
 def test_every_file_from_elsewhere_is_read_within_bounds() -> None:

@@ -1,4 +1,4 @@
-"""Readouts carry how well they are known, and by what, from a table or a log through the ledger to the fit."""
+"""Readouts keep their standard deviation and source from a table or a log through the ledger to the fit."""
 
 import json
 from collections.abc import Callable

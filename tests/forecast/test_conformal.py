@@ -1,4 +1,4 @@
-"""Intervals corrected by how earlier forecasts fared."""
+"""Intervals corrected by the results of earlier forecasts."""
 
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -21,13 +21,13 @@ INTERVAL = (80.0, 100.0, 130.0)
 
 
 def forecast(number: int, flown: float, rocket: str = "Astra") -> Forecast:
-    """One of a series of forecasts that all say the same."""
+    """One of a series of identical forecasts."""
     when = datetime(2026, 1, 1) + timedelta(days=number)
     return Forecast(rocket, str(number), "F24-4", 3, flown, *INTERVAL, np.array(INTERVAL), when=when)
 
 
 def inside(row: Forecast) -> bool:
-    """Whether a flight lay in its corrected interval."""
+    """Whether a flight was in its corrected interval."""
     assert row.corrected is not None
     return row.corrected[0] <= row.flown <= row.corrected[1]
 

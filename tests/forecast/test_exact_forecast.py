@@ -1,4 +1,4 @@
-"""The posterior that forecasts draw from, against exact weights: importance sampling with the simulator itself."""
+"""The posterior of forecasts compared with exact weights from importance sampling with the simulator."""
 
 from dataclasses import dataclass, replace
 
@@ -26,7 +26,7 @@ class Drawn:
 
 
 def weighed(result: Fit, rng: np.random.Generator) -> Drawn:
-    """Prior times likelihood over the density that was drawn from; only the noise about a flight stays as it was."""
+    """Prior times likelihood over the density of the draws; only the noise of a flight is unchanged."""
     model = result.model
     which = rng.choice(len(result.weights), size=DRAWS, p=result.weights)
     roots = np.linalg.cholesky(result.covariance)[which]
@@ -63,7 +63,8 @@ def quantiles(values: Array, weight: Array) -> Array:
 def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
     kept: tuple[str, ...], effective: float, off: float
 ) -> None:
-    """To a share of how wide that is, before scatter; from apogees alone drag and thrust lie on a curved ridge."""
+    """The tolerance is a fraction of the width before scatter; from apogees alone drag and thrust lie on a curved
+    ridge."""
     rng = np.random.default_rng(5)
     flights, found = map(list, zip(*season(rng, kept), strict=True))
     model = replace(forecast_model(flights, found), coarse=True)
@@ -76,5 +77,5 @@ def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
 
 
 def next_apogees(model: Model, terms: Array) -> Array:
-    """Of the first flight flown again, without its scatter. [m]"""
+    """Apogees of repeating the first flight, without its scatter. [m]"""
     return shown(model.part(slice(0, 1)), terms, {})["apogee"][:, 0]

@@ -1,4 +1,4 @@
-"""Forecasts trust neither the simulator nor the device further than the flights bear out."""
+"""Forecasts trust the simulator and the device only as far as the flights confirm them."""
 
 from dataclasses import replace
 
@@ -25,8 +25,8 @@ Flown = list[tuple[Flight, Found]]
 
 
 def season(off: dict[str, float], count: int = 3) -> Flown:
-    """Flights as the model flies them at its prior mean, readouts multiplied by what is `off`: by readout, or the
-    apogee by motor."""
+    """Simulated flights at the model's prior mean, with readouts multiplied by `off`: by readout, or for the apogee by
+    motor."""
     plans = [replace(PLAN, flight_id=str(i), motor=motor) for i, motor in enumerate(MOTORS * count)]
     found = [catalogue().resolve(plan.motor) for plan in plans]
     model = base_model(plans, found)
@@ -59,7 +59,7 @@ def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flight
 
 
 def test_it_is_the_simulator_that_is_doubted_and_not_the_altimeter() -> None:
-    """In standard air an altimeter shows what is true, also on the motor about which the simulator is wrong."""
+    """In standard air an altimeter shows the truth, also on the motor with a wrong simulation."""
     said = next_on("F24", season({"F24": 1.25}))
     assert np.median(said.true_apogee) == pytest.approx(np.median(said.apogee), rel=0.01)
 
@@ -103,7 +103,7 @@ ALTERNATIVES = (
     {"diameter": None, "dry_mass": 0.9},
     {"motor": "E35", "site": "another field"},
 )
-"""What plans beside the one in question differ in: each brings news of its own to what has flown."""
+"""Differences of the other plans, each of which adds terms to the model."""
 
 
 @pytest.mark.parametrize(("past", "diameter"), [(0, 0.066), (3, None), (5, 0.066)])
@@ -119,7 +119,7 @@ def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, 
 
 
 def made(known: float, luck: float, draws: int = 4096) -> Prediction:
-    """A forecast whose logarithm has so much of what more flights would tell, and so much that they would not."""
+    """A forecast with given amounts of reducible and irreducible variance of its logarithm."""
     (said,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
     apart = norm.ppf(Sobol(2, rng=np.random.default_rng(8)).random(draws))
     common, chance = (np.linalg.qr(apart - apart.mean(axis=0))[0] * np.sqrt(draws)).T  # uncorrelated to the last digit
@@ -140,7 +140,7 @@ def test_nothing_narrows_what_is_luck_alone_and_all_goes_where_there_is_none() -
 
 
 def test_the_interval_narrows_by_what_was_said_once_the_flights_are_flown() -> None:
-    """By the mean of some seasons: how much flights scatter is learned from them too, and may turn out more or less."""
+    """The mean over some seasons, because the scatter is estimated from the flights too."""
     said, became = [], []
     for seed in range(16):
         flown = seasons.season(np.random.default_rng(seed), ("apogee",), 9, scatter=learned().sd("apogee", "flight"))

@@ -1,4 +1,4 @@
-"""What the field ensemble is shown of a flight, and the simulated flights it learns from."""
+"""The features of the field ensemble, and its simulated training flights."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The hyperprior: its card reads back, what is wrong in one is named, and learned figures are those of the card."""
+"""The hyperprior: its card round-trips, errors in a card are named, and learned figures match the card."""
 
 import json
 from dataclasses import replace

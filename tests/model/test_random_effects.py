@@ -1,4 +1,4 @@
-"""Effects as further nuisances of simulated flights: named on the command line, drawn from their priors."""
+"""Effects as additional nuisances of simulated flights, named on the command line and drawn from their priors."""
 
 import numpy as np
 import pytest

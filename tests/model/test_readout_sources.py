@@ -1,4 +1,4 @@
-"""What a readout was measured by decides whose bias it has: that of a device, or none."""
+"""The source of a readout determines its bias: a device's, or none."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ SHOWN = ("apogee", *FROM_DEVICES)
 
 
 def flown(source: str, count: int = 2) -> list[tuple[Flight, Found]]:
-    """Flights as simulated, exactly measured by a source, of a rocket with more drag than usual."""
+    """Simulated flights of a rocket with high drag, measured exactly by a source."""
     motor = catalogue().resolve(PLAN.motor)
     model = base_model([PLAN] * count, [motor] * count, START)
     truth = np.array([[term.mean for term in model.terms]])
@@ -60,13 +60,13 @@ def test_readouts_from_samples_share_no_term_with_those_of_a_device() -> None:
 
 @pytest.fixture
 def slow_device() -> Hyperprior:
-    """A world whose devices show speed a fifth low, and hardly differ."""
+    """A hyperprior with devices that show speed 20% low with little variation."""
     means = {**learned().means, "top_speed": -0.2}
     return replace(learned(), means=means).with_sds(top_speed__fleet=0.01, top_speed__rocket=0.01)
 
 
 def test_drag_and_thrust_are_found_from_logged_readouts_whatever_devices_show(slow_device: Hyperprior) -> None:
-    """The same figures typed in are of another flight: that device would have shown a fifth less speed."""
+    """Typed figures with the same values mean another flight, because that device would show 20% less speed."""
     motor = catalogue().resolve(PLAN.motor)
 
     def misses(source: str) -> tuple[float, float]:

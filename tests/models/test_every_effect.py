@@ -1,4 +1,4 @@
-"""What every effect in the folder must keep to, whoever wrote it."""
+"""Rules for every effect in the folder."""
 
 import ast
 from dataclasses import fields
@@ -33,7 +33,7 @@ FLIGHTS = (
     Flight("2", dry_mass=0.322, diameter=0.066, delay=6.0, wind=6.0, motor="F39-6T", site="mead", rail_length=1.5),
     Flight("3", dry_mass=0.25, diameter=0.05, delay=2.0, wind=3.0, motor="H219T", temperature=300.0, site="high"),
 )
-"""A slow, a middling and a fast flight, each of which ejects before apogee if the delay burns a little short."""
+"""A slow, a medium and a fast flight, each with ejection before apogee if the delay is a little short."""
 FASTER = {"mach_drag": 0.15, "flutter": 0.15}
 """Dry mass if an effect asks for speed. [kg]"""
 
@@ -42,11 +42,11 @@ LOWER = (
     *("mach_drag", "mass_offset", "rail_friction", "tip_off", "wear", "wind"),
 )
 HIGHER = ("motor_thrust",)
-"""Which way a positive strength bends the apogee, if it must: mass beyond the optimum mass only."""
+"""Required sign of the change of apogee by a positive strength; for mass only above the optimum mass."""
 
 
 def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> dict[str, Any]:
-    """All figures of flights with one effect at a strength; readings are bent, too."""
+    """All figures of flights with one effect at a strength, including its effect on readings."""
     effect = EFFECTS[name]
     found = [catalogue().resolve(flight.motor) for flight in flights]
     area = 0.5 * np.pi / 4 * np.array([flight.diameter or 0.0 for flight in flights]) ** 2
@@ -57,7 +57,7 @@ def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> di
 
 
 def some(effect: Effect) -> float:
-    """A strength that the effect takes for ordinary."""
+    """An ordinary strength of the effect."""
     prior = effect.prior
     fitted = min(max(prior.mean + prior.sd, 0.2 * prior.sd), prior.high)
     return float(effect.strength(np.asarray(fitted)))
@@ -278,7 +278,7 @@ def test_an_effect_needs_a_column_without_which_it_cannot_act(name: str) -> None
 
 @every_effect
 def test_a_squared_strength_is_even_in_what_it_does(name: str) -> None:
-    """What is fitted is the square, so a strength and its opposite must be one."""
+    """The square is fitted, so a strength and its negative must have the same effect."""
     effect = EFFECTS[name]
     if not effect.squared:
         assert effect.strength(np.asarray(-2.0)) == -2

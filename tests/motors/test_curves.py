@@ -144,7 +144,7 @@ def test_the_same_source_makes_the_same_catalogue_and_the_gaps_are_told() -> Non
     rows = [dict(zip(document["columns"], row, strict=True)) for row in document["motors"]]
     by_name = {row["name"]: row for row in rows}
     assert document["left_out"] == {
-        "impulse of the samples off the certified one by more than 25 %": ["Me E21W"],
+        "impulse of the samples off the certified one by more than 25%": ["Me E21W"],
         "masses not on record": ["Me E24W"],
         "nitrous not in the propellant mass": ["Me E25W"],
         "no samples": ["Me E20W"],

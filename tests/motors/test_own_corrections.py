@@ -108,7 +108,7 @@ def test_the_commands_compare_and_tell_where_corrections_are_kept(
 
 @pytest.mark.skipif(not (SHARED / "data" / "motor_tests.csv").exists(), reason="no table of tests here")
 def test_letters_of_certification_are_what_the_catalogue_has() -> None:
-    """Source: the certification letters of a table of tests; 10 % is twice the scatter that a lot may have."""
+    """Source: the certification letters of a table of tests; 10% is twice the scatter that a lot may have."""
     content = (SHARED / "data" / "motor_tests.csv").read_bytes()
     found = compare_tests(catalogue(), content, "motor_tests.csv")
     assert found.rows == 781

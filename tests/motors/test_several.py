@@ -135,7 +135,7 @@ whose charge does not fire early."""
 def test_openrockets_stored_simulations_are_met(
     stored: tuple[str, float, float, float, float, float, float, float],
 ) -> None:
-    """Source: openrocket/openrocket@8fa969d, examples; apogee within 2 %, best delay within 0.3 s."""
+    """Source: openrocket/openrocket@8fa969d, examples; apogee within 2%, best delay within 0.3 s."""
     name, rod, mass, diameter, cd, apogee, delay, burnout = stored
     motor = several(name)
     assert motor.burnout == pytest.approx(burnout, rel=0.03)

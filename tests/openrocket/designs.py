@@ -67,7 +67,7 @@ def _points(row: Example, time: Sequence[float], speed: Sequence[float], dry_mas
     diameter, burnout, top = (float(row[key]) for key in ("diameter_mm", "burnout_s", "top_speed_mps"))
     area = math.pi / 4 * (diameter / 1e3) ** 2
     for t, v in zip(time, speed, strict=True):
-        middle = 0.65 * top  # of the coast above 30 % of the top speed
+        middle = 0.65 * top  # of the coast above 30% of the top speed
         cd = float(row["cd_thrust"]) if t <= burnout else float(row["cd_coast"]) * (1 + WOBBLE * (1 - v / middle))
         cd *= 1 + SLOW if t > burnout and v < 0.3 * top else 1
         motor = MOTOR_MASS * max(1 - t / burnout, 0.4)

@@ -1,6 +1,6 @@
 """The designs that OpenRocket comes with, by their figures: every Cd on the area of the design, and forecasts from it.
 
-The stored reference area of these files has one digit for most, so that a Cd scaled by it is off by up to 20 %.
+The stored reference area of these files has one digit for most, so that a Cd scaled by it is off by up to 20%.
 """
 
 import math

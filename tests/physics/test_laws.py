@@ -1,4 +1,4 @@
-"""The laws of flight: closed forms, orders of convergence, what may never rise, what must not hang together."""
+"""The laws of flight: closed forms, orders of convergence, monotonicity, independence."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields
@@ -35,7 +35,7 @@ from tests.physics.simulated import DENSITY, EVEN_AIR, LONG, ROUGH, STANDARD_AIR
 
 NAN = np.asarray(np.nan)
 SLACK = 0.03
-"""By which steps of finite length may blur what never rises. [m]"""
+"""Tolerance of monotonicity for finite steps. [m]"""
 CASES = settings(max_examples=25, deadline=None)
 masses = st.floats(0.2, 1.0)
 areas = st.floats(1e-4, 8e-3)
@@ -86,7 +86,7 @@ def test_burnout_without_drag_is_that_of_tsiolkovsky() -> None:
 
 
 def ends(at: Callable[[int], np.ndarray[Any, Any]], counts: tuple[int, ...], finest: int) -> list[float]:
-    """By what the error divides each time the number of steps doubles."""
+    """Ratio of errors for each doubling of the number of steps."""
     truth = at(finest)
     errors = [float(np.abs(at(count) - truth).max()) for count in counts]
     return [a / b for a, b in pairwise(errors)]
@@ -211,7 +211,7 @@ def test_energy_stays_without_drag_and_only_falls_with_it(changes: dict[str, Any
 
 
 def mixed(rows: int = 24) -> Setup:
-    """Draws that differ in everything; some fly straight up, some aslant, some never, some eject early."""
+    """Draws that differ in everything; some fly vertically, some at an angle, some not at all, some eject early."""
     rng = np.random.default_rng(4)
     upright = rng.random(rows) < 0.5
     tiny = Push((0.0, 0.2), (2.0, 1.0), 0.01)

@@ -1,4 +1,4 @@
-"""Draws that are alike fly once, and come out as if each had flown."""
+"""Identical draws are simulated once, with the same results as separate simulations."""
 
 from dataclasses import fields
 
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.fast
 
 @pytest.fixture
 def doubled() -> Setup:
-    """Twenty draws of which each is there four times, on two axes."""
+    """Twenty draws, each present four times, on two axes."""
     rng = np.random.default_rng(1)
     mass, wind = (np.tile(rng.uniform(low, high, 5), (4, 1)) for low, high in ((0.3, 0.5), (0.0, 6.0)))
     return rocket([ROUGH, LONG], dry_mass=mass, wind=wind, motor=np.arange(5) % 2, delay=np.full(5, np.nan))

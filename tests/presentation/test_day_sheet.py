@@ -1,4 +1,4 @@
-"""The day sheet: a row for each plan, and every check that is not well."""
+"""The day sheet: a row for each plan, and every check that did not pass."""
 
 from pathlib import Path
 

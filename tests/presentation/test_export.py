@@ -1,4 +1,4 @@
-"""What leaves as a table or as JSON comes back as the same flights."""
+"""Exported tables and JSON import as the same flights."""
 
 import json
 

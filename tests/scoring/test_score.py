@@ -1,4 +1,4 @@
-"""Proper scores, calibration beside chance, and differences of scores on the same flights."""
+"""Proper scores, calibration relative to chance, and differences of scores on the same flights."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Patterns go with what was so before lift-off, whatever it is called, and never with what came of the flight."""
+"""Patterns follow conditions known before lift-off, whatever their name, and never outcomes of the flight."""
 
 from collections.abc import Sequence
 from datetime import datetime, timedelta
@@ -22,7 +22,7 @@ MOTORS = "F24-4W", "F39-6T", "E15-4W", "F39-6T"
 
 
 def season(count: int = 16, **columns: Sequence[str]) -> list[Flight]:
-    """Flights on three motors, readouts as the model has them with a scatter of 2 %, and columns of the flyer's own."""
+    """Flights on three motors, with simulated readouts, a scatter of 2%, and the flyer's columns."""
     plans = [
         Flight(
             f"F{row}",
@@ -99,7 +99,7 @@ def test_values_that_restate_a_readout_are_an_outcome_whatever_they_are_called()
 
 
 def test_a_pattern_that_nobody_listed_is_found_in_its_column() -> None:
-    """Drag that rises with a condition which no effect knows of."""
+    """Drag that rises with a condition that no effect uses."""
     spread = np.random.default_rng(5).normal(size=16)
     flights = season(fin_spread_mm=texts(60 + 3 * spread), sim_m=["0"] * 16)
     low = [

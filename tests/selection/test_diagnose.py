@@ -1,4 +1,4 @@
-"""The loop, on flights from a truth that is not the product's: what is there is found, and nothing else."""
+"""The loop on flights from another simulator: present effects are found, and nothing else."""
 
 import json
 from pathlib import Path
@@ -21,13 +21,13 @@ from fieldkit.selection.residual import fingerprint, patterns, readout_residuals
 CHECK_SHAPES = False
 
 SEED = 31
-"""Of the sets that these tests hold; none of them was looked at while the loop was made."""
+"""Seed of the held-out sets, which were not used in developing the loop."""
 HELD = ("null", "wind", "mass_offset", "early_ejection", "motor_thrust")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One set of each held scenario, at its strongest."""
+    """One set of each held-out scenario, at full strength."""
     folder = tmp_path_factory.mktemp("sets")
     make(folder, HELD, 1, SEED, "fast", first=2)
     return folder

@@ -1,4 +1,4 @@
-"""Histories flown by the model itself with an effect in them: if it is strong, it is found."""
+"""Histories simulated by the model with an effect: a strong effect is found."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ STRONG = {
 
 
 def history(strong: Strong, count: int = 16) -> tuple[Diagnosis, list[Flight]]:
-    """Flights by the search's own model with an effect, and their diagnosis."""
+    """Flights from the model of the search with an effect, and their diagnosis."""
     rng = np.random.default_rng(7)
     flights = []
     for row in range(count):

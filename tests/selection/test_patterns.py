@@ -1,4 +1,4 @@
-"""Patterns that no effect explains: they go on in the flights to come, and forecasts follow them."""
+"""Patterns that no effect explains: they continue in later flights, and forecasts follow them."""
 
 from datetime import datetime, timedelta
 
@@ -19,7 +19,7 @@ FIRST = datetime(2026, 5, 2, 9, 0)
 
 
 def flown(count: int = 12) -> list[Flight]:
-    """Flights of two days and two sites, with a paint of the flyer's own and a temperature."""
+    """Flights on two days at two sites, with the flyer's column for paint and a temperature."""
     return [
         PLAN.with_changes(
             flight_id=f"F{number}",
@@ -69,7 +69,7 @@ def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
 
 
 def test_a_forecast_follows_a_lasting_change() -> None:
-    """From the seventh flight on apogees are a tenth lower than the model has them."""
+    """From the seventh flight on, apogees are 10% lower than the model's."""
     history: Flown = [
         (one.with_changes(flight_id=f"F{row}", apogee=one.apogee * (0.9 if row > 5 else 1.0)), motor)
         for row, (one, motor) in enumerate(season({}, 4))

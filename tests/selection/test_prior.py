@@ -1,4 +1,4 @@
-"""The prior over sets of effects: another file takes from its own family alone."""
+"""The prior over sets of effects: a new file changes only its family."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A quick look: the plan that it adds to a history changes nothing of what the flown flights show."""
+"""The quick search: its added plan does not change the results of the flown flights."""
 
 from dataclasses import replace
 

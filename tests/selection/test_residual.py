@@ -1,4 +1,4 @@
-"""Residuals: calibrated if the model is right, and telling if something was put in."""
+"""Residuals: calibrated if the model is right, and informative if it is not."""
 
 from functools import cache
 
@@ -27,7 +27,7 @@ TERMS = 4
 
 @cache
 def near() -> Tangent:
-    """A linear rocket: four shared unknowns, two kinds of scatter."""
+    """A linear rocket: four shared terms, two kinds of scatter."""
     rng = np.random.default_rng(3)
     shape = (FLIGHTS, len(OBSERVED_READOUTS))
     shared = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), TERMS)), (FLIGHTS, 1, 1))

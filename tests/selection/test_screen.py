@@ -1,4 +1,4 @@
-"""Places that are worth a fit: what linear readouts say of them is near what fits say."""
+"""Screening of places: linear readouts agree with fits."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the loop says: effects that are probable enough are named, and what is given is taken."""
+"""The verdict: probable effects are named, and given effects are accepted."""
 
 from dataclasses import replace
 from datetime import datetime
@@ -29,7 +29,7 @@ CHECK_SHAPES = False
 
 
 def posterior(weights: dict[str, float]) -> SetPosterior:
-    """A posterior over sets, joined by `+`, of these probabilities; nothing for an empty name."""
+    """A posterior over sets, joined by `+`, with these probabilities; an empty name means no effect."""
     fitted = SimpleNamespace(log_evidence=0.0)
 
     def candidate(name: str) -> Candidate:
@@ -84,7 +84,7 @@ def test_inclusion_adds_up_the_sets_that_an_effect_is_in() -> None:
 
 
 def season(**columns: list[Any]) -> Model:
-    """Sixteen flights on four days of one rocket in two configurations, at a site that nobody described."""
+    """Sixteen flights on four days of one rocket in two configurations, at a site without a description."""
     flights = [
         Flight(
             f"{number:02d}",

@@ -1,4 +1,4 @@
-"""What was planned is what is typed in next; what was typed in is laid beside what was expected of it."""
+"""The plan is the default of the next entry, and an entered flight is compared with its forecast."""
 
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
@@ -42,7 +42,7 @@ def decide(ledger: Ledger, plan: Flight = PLAN) -> None:
 
 
 def offered(ledger: Ledger, **answers: object) -> dict[str, str]:
-    """What the form offers, question by question, each offer taken unless something else is answered."""
+    """The defaults of the form, question by question, accepted unless another answer is given."""
     plan, flight, found = planned_answers(ledger), Flight(), {}
     for one in QUESTIONS:
         found[one.name] = text = offer(ledger, flight, one, plan)

@@ -1,4 +1,4 @@
-"""The demo and the command infer, as a newcomer and as a script use them."""
+"""The demo and the command infer, used by a newcomer and by a script."""
 
 import json
 import re

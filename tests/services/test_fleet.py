@@ -1,4 +1,4 @@
-"""What other rockets of a ledger show is kept with it, and computed again when their flights change."""
+"""Messages of other rockets are saved in the ledger and updated when their flights change."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Cd and alpha of single flights come from the model that forecasts are made with."""
+"""Cd and alpha of single flights come from the forecast model."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ def ledger(tmp_path: Path) -> Ledger:
 
 
 def test_flights_of_any_rockets_are_judged_together_as_alone() -> None:
-    """All fly in one batch; what is said of one does not depend on the others."""
+    """All flights are simulated in one batch, and their answers are independent."""
     motors = [catalogue().resolve(name) for name in ("F24-4W", "C6-5", "F39-6T")]
     small = Flight("2", "Small", "A", "C6-5", dry_mass=0.05, diameter=0.025, apogee=180.0)
     bare = ONE.with_changes(flight_id="3", rocket="Bare", motor="F39-6T", diameter=None)
@@ -44,7 +44,7 @@ def test_more_height_is_less_drag_or_more_thrust(ledger: Ledger) -> None:
 
 
 def test_other_rockets_of_the_flyer_inform_a_flight(ledger: Ledger) -> None:
-    """Twelve rockets that all flew low: the next low flight is less of a surprise, and better known."""
+    """Twelve rockets that all flew low: the next low flight is less surprising and better known."""
     before = FlightInference(ledger, catalogue()).infer([ONE]).inferred[0]
     for n in range(12):
         low = ONE.with_changes(flight_id=f"{n}", rocket=f"R{n}", apogee=205.0, top_speed=64.0, coast_to_apogee=5.0)

@@ -1,4 +1,4 @@
-"""What is suggested after a flight follows from how the forecasts fared and from the target."""
+"""The suggestion after a flight follows from the forecasts' results and the target."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Flights that no rocket can have flown: named when they come in, excluded from every fit, and no number of theirs."""
+"""Implausible flights are named when they are imported and excluded from every fit."""
 
 import json
 import math

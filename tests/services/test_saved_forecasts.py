@@ -1,4 +1,4 @@
-"""Predictions kept: what each was made from, what makes it stale, and the flight that it is measured against."""
+"""Saved predictions: their inputs, reasons for being stale, and the flight that each is compared with."""
 
 import json
 import shutil
@@ -33,7 +33,7 @@ FLOWN = PAST[0].with_changes(flight_id="4", date_time=datetime(2026, 6, 2, 11), 
 
 @pytest.fixture(scope="module")
 def said(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three flights of May and a prediction of a fourth, said on the first of June."""
+    """Three flights in May and a prediction of a fourth, made on June 1."""
     file = tmp_path_factory.mktemp("said") / "ledger.db"
     with Ledger.open(file) as ledger, pytest.MonkeyPatch.context() as patch:
         patch.setattr(models, "now", lambda: MOMENT)

@@ -1,4 +1,4 @@
-"""Kept predictions are scored against what was known when they were made."""
+"""Saved predictions are scored with the data known when they were made."""
 
 import json
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""Cd, alpha and the next apogee while a flight is typed: what is missing, what moves, no figure that is not finite."""
+"""Cd, alpha and the next apogee while a flight is entered: missing inputs, updates, finite figures only."""
 
 import math
 from collections.abc import Iterator

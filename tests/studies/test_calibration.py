@@ -12,7 +12,7 @@ from studies.calibration import Ranked, coverage, rank, ranked, table, uniformit
 CHECK_SHAPES = False
 LEDGERS = 60
 CHANCE = 0.001
-"""Probability below which ranks are not taken for uniform: one run in a thousand of a calibrated forecast."""
+"""Significance level of the test for uniform ranks: a false alarm in one of a thousand runs."""
 
 
 @pytest.fixture(scope="module")

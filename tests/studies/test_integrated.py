@@ -1,4 +1,4 @@
-"""The exact posterior of simulated flights, all that is random in them integrated out."""
+"""The exact posterior of simulated flights with all random inputs integrated out."""
 
 import numpy as np
 import pytest

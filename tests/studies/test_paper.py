@@ -1,4 +1,4 @@
-"""The reference paper, reproduced: each figure of the report against what was published."""
+"""The reproduction of the reference paper: each figure of the report compared with the published one."""
 
 import json
 import sys
@@ -141,7 +141,7 @@ MAE = {
     "nominal_certified": (74.0, 0.5),
     "nominal_paper": (145.0, 0.5),
 }
-"""Each rule's mean absolute error, and how far the choice of integrator and of priors may move it. [m]"""
+"""Each rule's mean absolute error, and its tolerance for the choice of integrator and priors. [m]"""
 
 
 def test_every_rule_misses_by_what_is_known(found: PaperReport) -> None:
@@ -281,7 +281,7 @@ def test_the_papers_physics_knows_its_motors_only() -> None:
 
 
 def test_the_network_of_histories_forecasts_a_flight_that_it_was_not_shown(flights: Reference) -> None:
-    """Another apogee of the flight itself changes nothing of its own forecast, and something of the others'."""
+    """Another apogee of a flight changes the others' forecasts, but not its own."""
     before = history_forecasts(flights)
     own = list(flights.flights)
     own[1] = own[1].with_changes(apogee=1.3 * float(flights.apogee[1]))

@@ -1,4 +1,4 @@
-"""The exact sampler, where the answer is known: densities and models whose posterior is normal."""
+"""The exact sampler on problems with known answers: densities and models with a normal posterior."""
 
 from dataclasses import replace
 
@@ -45,7 +45,7 @@ def test_a_start_without_a_density_is_said() -> None:
 
 
 def plain() -> Hyperprior:
-    """Scales that are known, and an opening time far from its bound: with normal residuals all is normal."""
+    """Known scales and an opening time far from its bound: with normal residuals, the posterior is normal."""
     known = Scale((1.0,), 1.0, 1e-9)
     return replace(learned(), scatter=known, reading=known, opening=(4.0, 0.3))
 

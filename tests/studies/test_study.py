@@ -1,4 +1,4 @@
-"""The reference study: each share against what is known of it, and the page against the command that writes it."""
+"""The reference study: each part compared with known values, and the page with the command that writes it."""
 
 import os
 import re
@@ -50,7 +50,7 @@ def pair() -> TwoFlights:
 
 @pytest.mark.slow
 def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
-    """In a process of its own, where shapes are not checked: it is the longest computation of all tests."""
+    """In a separate process without shape checks, because it is the longest computation of all tests."""
     flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
     command = [sys.executable, "-m", "fieldkit.cli.main", "study", "reference", "--out", str(tmp_path / "page.md")]
     done = subprocess.run(command, env=flyer | {"PYTHONPATH": str(ROOT)}, cwd=tmp_path, capture_output=True, text=True)
@@ -135,7 +135,7 @@ def test_a_history_is_forecast_forward_in_time() -> None:
 
 
 def test_the_shortfall_is_traced_to_what_the_flights_were_made_with() -> None:
-    """Flights a fifth lower than simulated with Cd 0.6: the bias is there at first and gone with everything put in."""
+    """Flights 20% lower than simulated with Cd 0.6: the bias is present at first and gone with all causes."""
     plans = [
         Flight(str(n), rocket=f"R{n % 3}", motor="F24", dry_mass=0.3 + 0.03 * (n % 3), diameter=0.066, date_time=DAY)
         for n in range(9)

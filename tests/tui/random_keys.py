@@ -1,5 +1,5 @@
-"""The app under random keys, in a process of its own: `python -m tests.tui.random_keys SEED KEYS LEDGER` prints a line
-of JSON: memory at the start, the most of it, and at rest [MB], and what nobody foresaw."""
+"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS LEDGER` prints a line of
+JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors."""
 
 import asyncio
 import json

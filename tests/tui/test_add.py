@@ -1,4 +1,4 @@
-"""Typing a flight in on the screen: few keys, nothing lost, nothing refused before it is saved."""
+"""Entering a flight on the screen: few keys, nothing is lost, nothing is refused before saving."""
 
 import asyncio
 from datetime import UTC, datetime
@@ -60,7 +60,7 @@ async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is
         for key in keys:
             await press(pilot, key, *(["_"] if key in ("f", "a") else []))
         seen = words(pilot)
-        for text in ("Saved flight 13", "Flown 198.0 m", "inside the 90 % interval", "Cd 0.", "Next", "Suggested"):
+        for text in ("Saved flight 13", "Flown 198.0 m", "inside the 90% interval", "Cd 0.", "Next", "Suggested"):
             assert text in seen
         with Ledger.open(file) as ledger:
             assert [change.command for change in ledger.history()[-2:]] == ["keep", "add"]
@@ -95,7 +95,7 @@ async def test_figures_at_odds_are_noted_and_taken(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
         await press(pilot, *typed("2"))
-        assert "top speed looks 155 % high for " in words(pilot)
+        assert "top speed looks 155% high for " in words(pilot)
         await press(pilot, "enter", "enter", "enter", *typed("150m"))
         assert "! ejection altitude 150 m is above apogee 100 m" in words(pilot)
         await press(pilot, "ctrl+s")
@@ -262,7 +262,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         await press(pilot, *typed("830ft"), "ctrl+s", "_")
         said = words(pilot)
         assert "Saved flight 13, u to undo." in said
-        for text in ("Flown 253.0 m", "the 90 % interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
+        for text in ("Flown 253.0 m", "the 90% interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
             assert text in said
         await press(pilot, "y", "_")
         assert "copied: Astra A" in words(pilot)

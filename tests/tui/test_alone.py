@@ -1,4 +1,4 @@
-"""Long questions are worked out one at a time, and given up if nobody waits for them any more."""
+"""Long requests run one at a time, and are dropped if nobody waits for them anymore."""
 
 import threading
 import time

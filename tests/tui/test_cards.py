@@ -1,4 +1,4 @@
-"""What stands beside a row of the app: words for what a log brought, lines on one scale, facts of what is in hand."""
+"""Cards next to a row of the app: words for values from a log, lines on one scale, facts of the current row."""
 
 from pathlib import Path
 

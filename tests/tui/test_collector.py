@@ -1,4 +1,4 @@
-"""No key waits while the collector looks through flights and pages that stay."""
+"""No key waits for the garbage collector to scan permanent flights and pages."""
 
 import gc
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Errors that nobody foresaw: a line, a file with nothing of the flyer's, the draft kept, and back if one was."""
+"""Unexpected errors: one line, a crash file without private data, a saved draft, and a restart in the same place."""
 
 from collections.abc import Callable, Coroutine
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Add while a flight is typed: Cd, alpha and the next apogee move with each readout."""
+"""The page Add while a flight is entered: Cd, alpha and the next apogee follow each readout."""
 
 import re
 from pathlib import Path

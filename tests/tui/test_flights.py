@@ -1,4 +1,4 @@
-"""The table of flights, one flight in full, and tags with what they do."""
+"""The table of flights, one flight in full, and tags with their effects."""
 
 import asyncio
 from pathlib import Path

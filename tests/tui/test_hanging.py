@@ -1,4 +1,4 @@
-"""Long lines are broken so that what stands in a column stays in it, and nothing of them is lost."""
+"""Long lines are wrapped within their column, and nothing is lost."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""The page that opens first: what is next, the first steps with an empty ledger, and weather typed once a day."""
+"""The first page: the next flight, the first steps with an empty ledger, and the weather of the day."""
 
 from datetime import datetime
 from pathlib import Path
@@ -223,7 +223,7 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         for text in (
             "Saved flight 1, u to undo",
             "Flown 235.0 m",
-            "inside the 90 % interval",
+            "inside the 90% interval",
             "on AeroTech F24W-4",
             "One more flight on AeroTech F24W-4 narrows the interval by",
         ):

@@ -1,6 +1,6 @@
-"""The app as a machine of states: keys, pages and another program's changes in any order, shrunk to those that matter.
+"""The app as a state machine: keys, pages and another program's changes in any order, shrunk to a minimal example.
 
-Of every state the same must be so: nobody was surprised, the app runs, and its ledger is sound.
+In every state there are no unexpected errors, the app runs, and its ledger is sound.
 """
 
 import asyncio

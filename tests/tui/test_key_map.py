@@ -1,4 +1,4 @@
-"""A key means one thing in the whole app: whoever knows it on one page knows it on all."""
+"""A key has the same meaning on every page of the app."""
 
 from collections import defaultdict
 from importlib import import_module

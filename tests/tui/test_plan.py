@@ -61,7 +61,7 @@ async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_deci
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
         assert "flights of Astra, each forecast from the earlier ones" in said(pilot)
         assert "last on motor, else scalar" in said(pilot)
-        assert "in the 90 % interval" in said(pilot)
+        assert "in the 90% interval" in said(pilot)
         assert "scalar correction" in said(pilot)
         assert "90% interval: " in said(pilot)
 

@@ -1,1 +1,1 @@
-"""How good forecasts were: rivals of the model, and histories forecast forward in time."""
+"""Evaluation of forecasts: rivals of the model, and forecasts forward in time."""

@@ -1,6 +1,6 @@
-"""Scores of the model's forecasts and of its rivals' on the same flights, and where the model is no better.
+"""Scores of the model's and its rivals' forecasts on the same flights, including cases in which the model is no better.
 
-All scores are relative to the apogee flown, so that a flight to 50 m counts as much as one to 500 m.
+All scores are relative to the flown apogee, so a flight to 50 m counts as much as one to 500 m.
 """
 
 from collections.abc import Sequence
@@ -21,8 +21,8 @@ OWN_FORECAST = "fieldkit"
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """One way to forecast, flight by flight: forecast less flown, CRPS and score of the 90 % interval, each over the
-    apogee flown [1], and whether the flight lay in the interval."""
+    """The scores of one method for each flight: predicted minus flown, CRPS and score of the 90% interval, each
+    divided by the flown apogee [1], and whether the flight was in the interval."""
 
     bias: Float[Array, "flight"]
     crps: Float[Array, "flight"]
@@ -37,7 +37,7 @@ class Scores:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """How good one way to forecast was, as fractions of the apogee flown; `mae` and `bias` in meters."""
+    """The scores of one method as fractions of the flown apogee; `mae` and `bias` in meters."""
 
     name: str
     flights: int
@@ -91,7 +91,7 @@ class Against:
 
 @dataclass(frozen=True, slots=True)
 class ScoreReport:
-    """How good a set of forecasts was: every way by itself, against each rival, by rocket against the bar, and its
+    """The evaluation of a set of forecasts: every method alone, against each rival, by rocket against the bar, and
     calibration. `crps` is in meters."""
 
     rows: tuple[Forecast, ...]
@@ -103,7 +103,7 @@ class ScoreReport:
 
     @property
     def coverage90(self) -> float:
-        """Fraction of flights in the model's own 90 % interval. [1]"""
+        """Fraction of flights in the model's 90% interval. [1]"""
         return self.ways[0].coverage90 if self.ways else float("nan")
 
     def json(self) -> dict[str, Any]:
@@ -121,7 +121,7 @@ class ScoreReport:
 
 
 def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
-    """Everything that is reported of forecasts that were flown."""
+    """The full evaluation of forecasts of flown flights."""
     rockets = dict.fromkeys(row.rocket for row in rows)
     own = {rocket: against([row for row in rows if row.rocket == rocket], BAR) for rocket in rockets}
     return ScoreReport(
@@ -135,7 +135,7 @@ def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
 
 
 def scores(rows: Sequence[Forecast], way: str) -> Scores:
-    """Scores of the model (`OWN_FORECAST`) or a rival on flights that it forecast."""
+    """Scores of the model (`OWN_FORECAST`) or a rival on the flights with its forecast."""
     flown = np.array([row.flown for row in rows])
     drawn = [(row.draws if way == OWN_FORECAST else row.rivals[way]) / row.flown for row in rows]
     ends = [
@@ -152,12 +152,12 @@ def scores(rows: Sequence[Forecast], way: str) -> Scores:
 
 
 def forecast_by(rows: Sequence[Forecast], way: str) -> list[Forecast]:
-    """The flights that the model or a rival forecast."""
+    """The flights with a forecast of the model or a rival."""
     return [row for row in rows if way == OWN_FORECAST or way in row.rivals]
 
 
 def tally(rows: Sequence[Forecast], way: str) -> Tally:
-    """How good the model or a rival was on the flights that it forecast."""
+    """The scores of the model or a rival, summarized over the flights with its forecast."""
     both = forecast_by(rows, way)
     name = LABELS.get(way, way)
     if not both:

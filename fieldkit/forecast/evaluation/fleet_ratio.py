@@ -1,6 +1,6 @@
 """The fleet ratio: a normal model of log(apogee flown / simulated) with a mean, a rocket effect and Student-t flights.
 
-It takes no physics but the uncalibrated simulation, six lines of algebra, and is learned again before each flight.
+It uses no physics except the uncalibrated simulation, has six lines of algebra, and is fitted again before each flight.
 """
 
 from collections.abc import Sequence
@@ -11,12 +11,13 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated
 from fieldkit.shapes import Array, Float, Int, Integers
 
 MEAN, MEAN_SD = float(np.log(0.85)), 0.1
-"""Of the logarithm of the ratio over all rockets: sport flights reach 0.85 of the simulated apogee. [1]"""
+"""Prior mean and standard deviation of the log ratio over all rockets: sport flights reach 0.85 of the simulated
+apogee. [1]"""
 ROCKET_SD, FLIGHT_SD, FREEDOM = 0.2, 0.15, 4.0
-"""By how much rockets and flights differ, and the degrees of freedom of the flights' Student t. [1]"""
+"""Standard deviations of rockets and flights, and the degrees of freedom of the flights' Student t. [1]"""
 DRAWS, SEED = 2000, 1
 ITERATIONS, TOLERANCE = 50, 1e-6
-"""Of the reweighting, and by what the mean may still move. [1]"""
+"""Maximum number of reweighting steps, and the convergence tolerance of the mean. [1]"""
 
 
 def fleet_ratio(earlier: Sequence[Simulated], plan: Simulated) -> Float[Array, "draw"]:

@@ -1,4 +1,4 @@
-"""Forecasts forward in time: each flight of a ledger forecast from what all its rockets had flown before it."""
+"""Forecasts forward in time: each flight of a ledger is forecast from the earlier flights of all its rockets."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,12 +22,12 @@ FlownFlight = tuple[Flight, Found]
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """One flight with what was forecast before it flew, by the model and by its rivals. [m]
+    """One flight with the forecasts of the model and its rivals from before the flight. [m]
 
-    `draws` are the model's equally likely apogees and `p05` to `p95` its quantiles; `rivals` are the draws of those
-    rivals that had something to go by, `stacked` the mixture with some of them. `earlier` counts the clean flights with
-    an apogee that its rocket had flown. `corrected` is the 90 % interval after `corrected_by_earlier`, by a factor
-    `stretch`; both None while too few forecasts came before.
+    `draws` are the model's equally likely apogees and `p05` to `p95` its quantiles; `rivals` are the draws of the
+    rivals with enough data, and `stacked` is the mixture with some of them. `earlier` counts the earlier clean flights
+    with an apogee of its rocket. `corrected` is the 90% interval after `corrected_by_earlier`, by a factor `stretch`;
+    both are None if there are too few earlier forecasts.
     """
 
     rocket: str
@@ -46,7 +46,7 @@ class Forecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The model's quantiles at 5, 50 and 95 %. [m]"""
+        """The model's 5, 50 and 95% quantiles. [m]"""
         return self.p05, self.p50, self.p95
 
 
@@ -59,8 +59,8 @@ def forward(
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
-    With `rocket` only those of that rocket are forecast, still from the flights of all. What a rocket shows of the
-    fleet is computed again when it has flown. `hyperprior` takes the place of the learned one.
+    With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
+    the fleet is updated after each of its flights. `hyperprior` replaces the learned one.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}
@@ -85,7 +85,8 @@ def _fleet_before(
     fits: dict[str, tuple[int, RocketFit]],
     hyperprior: Hyperprior,
 ) -> SharedPrior | None:
-    """What the flights so far of all other rockets show; `fits` holds those of rockets that have not flown since."""
+    """The information from all other rockets' flights so far; `fits` has the fits of rockets that have not flown
+    since."""
     found = []
     for name, flown in past.items():
         teaching = [(flight, motor) for flight, motor in flown if flight.clean and flight.readouts()]
@@ -111,7 +112,7 @@ def _forecast(
 
 
 def unflown(flight: Flight) -> Flight:
-    """A flight as it was planned: without its readouts."""
+    """A flight as planned, without its readouts."""
     return flight.with_changes(**dict.fromkeys(flight.readouts()))
 
 
@@ -121,7 +122,7 @@ def beside_rivals(
     interval: tuple[float, float, float],
     earlier: Sequence[Simulated],
 ) -> Forecast:
-    """A flight, simulated as it was planned, with its forecast and what the rivals make of earlier flights."""
+    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights."""
     flight = plan.flight
     assert flight.apogee is not None
     return Forecast(
@@ -138,7 +139,7 @@ def beside_rivals(
 
 
 def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
-    """The forecasts, in the order flown, each with its mixture with rivals, weighted by those of earlier flights."""
+    """The forecasts in the order flown, each with its stacked mixture, weighted by the forecasts of earlier flights."""
     found: list[Forecast] = []
     scores: list[Float[Array, "way"]] = []
     for row in rows:
@@ -149,15 +150,15 @@ def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
 
 
 def next_weights(rows: Sequence[Forecast]) -> dict[str, float]:
-    """The weights that the flight after these would be stacked with, by way. [1]"""
+    """The stacking weights for the next flight, by method. [1]"""
     weights = weights_after([log_scores(row.draws, row.rivals, row.flown) for row in rows])
     return dict(zip(("fieldkit", *STACKED_RIVALS), weights.tolist(), strict=True))
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
-    """The forecasts, in the order flown, each with its interval corrected by how those of earlier flights fared.
+    """The forecasts in the order flown, each with its interval corrected by the results of earlier flights.
 
-    The correction is by the forecasts of all rockets given, for one rocket rarely has enough.
+    The correction uses the forecasts of all rockets given, because one rocket rarely has enough.
     """
     found: list[Forecast] = []
     surprises: list[float] = []
@@ -172,7 +173,7 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
 
 
 def corrected_coverage(rows: Sequence[Forecast]) -> dict[str, float | None] | None:
-    """Coverage of the intervals that earlier flights corrected, and of the model's own for the same flights. [1]"""
+    """Coverage of the corrected intervals, and of the model's intervals for the same flights. [1]"""
     later = [(row, row.corrected) for row in rows if row.corrected]
     if not later:
         return None

@@ -1,7 +1,7 @@
-"""Rivals of the model: simple forecasts of a flight from earlier ones, which it has to be ahead of.
+"""Rivals of the model: simple forecasts from earlier flights that the model has to beat.
 
 Each is a function of the earlier clean flights with an apogee, of all rockets in the order flown, and of the planned
-one. It returns equally likely apogees [m], a single one if it has no spread, or None if it has nothing to go by.
+one. It returns equally likely apogees [m], a single one if it has no spread, or None if it has too little data.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,9 +13,9 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated, uncalibrated
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
-"""Equally likely values that a spread is known by. [1]"""
+"""Number of equally likely values that represent a distribution. [1]"""
 FEWEST_RATIOS = 3
-"""From which on their scatter says how wide the scalar correction is. [1]"""
+"""Minimum number of ratios for a spread of the scalar correction. [1]"""
 
 Draws = Float[Array, "draw"]
 Rival = Callable[[Sequence[Simulated], Simulated], Draws | None]
@@ -29,7 +29,7 @@ def own(earlier: Sequence[Simulated], plan: Simulated) -> list[Simulated]:
 def scalar(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
     """The simulation times the mean ratio of the rocket's earlier flights: one plus their mean relative bias.
 
-    From three ratios on the next one is normal in the logarithm, with their scatter, about a mean that is not known.
+    With three or more ratios, the log of the next one is normal with their scatter around an uncertain mean.
     """
     ratios = np.array([one.ratio for one in own(earlier, plan) if np.isfinite(one.ratio)])
     if not len(ratios):
@@ -44,13 +44,13 @@ def scalar(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
 
 
 def last_on_motor(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
-    """The apogee of the rocket's last flight on the same motor type, else the scalar correction."""
+    """The apogee of the rocket's last flight on the same motor type, or else the scalar correction."""
     same = [one for one in own(earlier, plan) if one.found.motor is plan.found.motor]
     return _flown(same[-1]) if same else scalar(earlier, plan)
 
 
 def flight_before(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
-    """The apogee of the rocket's flight before, on whatever motor."""
+    """The apogee of the rocket's previous flight, on any motor."""
     same = own(earlier, plan)
     return _flown(same[-1]) if same else None
 
@@ -74,12 +74,12 @@ LABELS: Mapping[str, str] = {
     "fleet_ratio": "fleet ratio",
     "stacked": "stacked",
 }
-"""What rivals are called in tables; `stacked` is the mixture with some of them."""
+"""Names of the rivals in tables; `stacked` is the mixture with some of them."""
 BAR = "scalar"
-"""The rival that anyone can beat fieldkit with: a simulation times what the flights so far made of it."""
+"""The main rival, which anyone can compute: a simulation times the mean ratio of the flights so far."""
 
 
 def rival_draws(earlier: Sequence[Simulated], plan: Simulated) -> dict[str, Draws]:
-    """What each rival makes of a planned flight, those that have something to go by."""
+    """The forecasts of a planned flight by the rivals that have enough data."""
     made = {name: rival(earlier, plan) for name, rival in RIVALS.items()}
     return {name: draws for name, draws in made.items() if draws is not None}

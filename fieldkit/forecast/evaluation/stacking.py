@@ -1,4 +1,4 @@
-"""Stacking: forecasts as a mixture of the model's and its rivals', weighted by how each did on earlier flights.
+"""Stacking: forecasts as a mixture of the model's and its rivals', weighted by their results on earlier flights.
 
 The weights maximize the summed log score of the mixture over forecasts made before their flights (Yao, Vehtari, Simpson
 and Gelman, Using Stacking to Average Bayesian Predictive Distributions, Bayesian Analysis 13, 2018) plus the logarithm
@@ -12,22 +12,24 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 STACKED_RIVALS = ("fleet_ratio", "scalar")
-"""Rivals that are stacked: those with a spread. A single number has no density."""
+"""Rivals in the mixture: those with a spread, because a single number has no density."""
 PRIOR_FLIGHTS = 10.0
-"""What the prior of the weights counts as: after as many flights, these have half the say. [1]"""
+"""Number of flights that the prior of the weights counts as. [1]"""
 PRIOR_OWN = 0.9
-"""Prior weight of the model, the rest shared evenly by the rivals. [1]"""
+"""Prior weight of the model; the rivals share the rest equally. [1]"""
 MIN_FORECASTS_TO_STACK = 10
-"""Forecasts of earlier flights from which on forecasts are stacked. [1]"""
+"""Minimum number of forecasts of earlier flights for stacking. [1]"""
 ITERATIONS, TOLERANCE = 500, 1e-6
 FREEDOM = 4.0
-"""Of the Student t about each draw, whose tails keep the density of a surprise above zero. [1]"""
+"""Degrees of freedom of the Student t kernel around each draw, whose tails keep the density of a surprise above zero.
+[1]"""
 
 
 def log_density(draws: Float[Array, "draw"], flown: float) -> float:
-    """Log density of the logarithm of an apogee, by a kernel about the logarithm of each draw; -inf without a spread.
+    """Log density of the logarithm of an apogee, from a kernel around the logarithm of each draw; -inf without a
+    spread. [nat]
 
-    The width is Silverman's (Density Estimation, 1986, equation 3.31).
+    The bandwidth is Silverman's (Density Estimation, 1986, equation 3.31).
     """
     logs = np.log(draws[draws > 0])
     if len(logs) < 2 or not np.ptp(logs) > 0 or not flown > 0:
@@ -42,13 +44,13 @@ def log_density(draws: Float[Array, "draw"], flown: float) -> float:
 
 
 def prior_counts(ways: int) -> Float[Array, "way"]:
-    """The prior in flights: the model first, then its rivals."""
+    """The prior in units of flights: the model first, then its rivals."""
     rivals = np.full(ways - 1, PRIOR_FLIGHTS * (1 - PRIOR_OWN) / max(ways - 1, 1))
     return np.asarray(np.r_[PRIOR_FLIGHTS - rivals.sum(), rivals])
 
 
 def stacking_weights(log_scores: Float[Array, "flight way"], prior: Float[Array, "way"]) -> Float[Array, "way"]:
-    """Weights of the ways to forecast, from the log density that each gave to flights, by expectation maximization.
+    """Weights of the methods from their log densities of the flights, by expectation-maximization. [1]
 
     They maximize sum log(sum w exp(score)) + sum prior log w; a Dirichlet distribution of concentration 1 + `prior`.
     """
@@ -68,16 +70,16 @@ def stacking_weights(log_scores: Float[Array, "flight way"], prior: Float[Array,
 def log_scores(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], flown: float
 ) -> Float[Array, "way"]:
-    """Log density of a flight in the model's forecast and in each of `STACKED_RIVALS`; one that is absent gets the
-    model's."""
+    """Log density of a flight in the forecasts of the model and of each of `STACKED_RIVALS`; a missing rival gets the
+    model's. [nat]"""
     own = log_density(draws, flown)
     found = [log_density(rivals[name], flown) if _spread(rivals, name) else own for name in STACKED_RIVALS]
     return np.asarray([own, *found], float)
 
 
 def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]:
-    """Weights of the model and of each of `STACKED_RIVALS` after the log scores of earlier flights; while few, the
-    model's alone."""
+    """Weights of the model and of each of `STACKED_RIVALS` from the log scores of earlier flights; with too few, the
+    model has all the weight. [1]"""
     if len(earlier) < MIN_FORECASTS_TO_STACK:
         return np.asarray(np.eye(1 + len(STACKED_RIVALS))[0])
     return stacking_weights(np.array(earlier), prior_counts(1 + len(STACKED_RIVALS)))
@@ -86,17 +88,16 @@ def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]
 def mixed_in(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], weights: Float[Array, "way"]
 ) -> Float[Array, "draw"]:
-    """The stacked forecast, where the weight of an absent rival goes to the model."""
+    """The stacked forecast; the weight of a missing rival goes to the model. [m]"""
     return stacked(draws, [rivals[name] if _spread(rivals, name) else draws for name in STACKED_RIVALS], weights)
 
 
 def stacked(
     draws: Float[Array, "draw"], rivals: Sequence[Float[Array, "_"]], weights: Float[Array, "way"]
 ) -> Float[Array, "draw"]:
-    """As many equally likely values of the mixture as the model has draws, in order.
+    """Equally likely values of the mixture in ascending order, as many as the model's draws. [m]
 
-    Each method gets a number of them in proportion to its weight, to the nearest whole number, at evenly spaced
-    levels of its own distribution.
+    Each method contributes values in proportion to its weight, rounded, at evenly spaced levels of its distribution.
     """
     ends = np.rint(np.cumsum(weights) / np.sum(weights) * len(draws)).astype(int)
     counts = np.diff(ends, prepend=0).tolist()
@@ -105,7 +106,7 @@ def stacked(
 
 
 def _even(draws: Float[Array, "_"], count: int) -> Float[Array, "_"]:
-    """So many of some draws, evenly spaced in rank."""
+    """This number of the draws, evenly spaced in rank."""
     ranks = ((np.arange(count) + 0.5) / max(count, 1) * len(draws)).astype(int)
     return np.asarray(np.sort(draws)[ranks])
 

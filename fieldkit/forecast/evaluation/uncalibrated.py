@@ -1,6 +1,6 @@
-"""What a flyer has before any calibration: one simulation with a certified motor and a typical drag coefficient.
+"""The forecast without calibration: one simulation with a certified motor and a typical drag coefficient.
 
-It rests on nothing that was learned from flights, so that it stays the same yardstick whatever the model learns.
+It uses nothing learned from flights, so the yardstick stays the same when the model changes.
 """
 
 from collections.abc import Sequence
@@ -16,8 +16,8 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.shapes import Array, Float
 
 NOMINAL_CD = 0.6
-"""On the frontal area of the body, of a model rocket as built (Mandell, Caporaso and Bengen, Topics in Advanced Model
-Rocketry, 1973, give 0.4 to 0.8). [1]"""
+"""Drag coefficient on the frontal area of a typical model rocket (Mandell, Caporaso and Bengen, Topics in Advanced
+Model Rocketry, 1973, give 0.4 to 0.8). [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Simulated:
 
     @property
     def ratio(self) -> float:
-        """Apogee flown over simulated, nan for a flight without one. [1]"""
+        """Ratio of flown to simulated apogee; nan for a flight without an apogee. [1]"""
         flown = self.flight.apogee
         return flown / self.simulated if flown is not None and self.simulated > 0 else float("nan")
 
@@ -38,8 +38,8 @@ class Simulated:
 def simulate(flown: Sequence[tuple[Flight, Found]]) -> list[Simulated]:
     """Every flight with the apogee that the altimeter would show at the nominal Cd and certified thrust.
 
-    The area is that of the body, or by the law of thumb of the flight's own dry mass. 0 m for a flight that does not
-    leave the pad. Raises ImpossibleFlight for one without a dry mass.
+    The area is the body's, or else follows from the flight's dry mass by a rule of thumb. The apogee is 0 m if the
+    flight does not leave the pad. Raises ImpossibleFlight for one without a dry mass.
     """
     if not flown:
         return []
@@ -50,5 +50,5 @@ def simulate(flown: Sequence[tuple[Flight, Found]]) -> list[Simulated]:
 
 
 def uncalibrated(_earlier: Sequence[Simulated], plan: Simulated) -> Float[Array, "draw"]:
-    """The simulation itself, one number. [m]"""
+    """The simulated apogee as a forecast without spread. [m]"""
     return np.array([plan.simulated])

@@ -41,7 +41,7 @@ _CLOCK = re.compile(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9}
 
 
 def number_in(cell: str, channel: Channel) -> float | None:
-    """The number of a cell, nan if it is absent and may be, None if it is no number."""
+    """The number in a cell, in the unit of its column; nan if it is empty and may be, None if it is not a number."""
     if cell.lower() in ABSENT_MARKS:
         return None if channel.needed else math.nan
     if channel.clock:

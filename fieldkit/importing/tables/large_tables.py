@@ -63,7 +63,8 @@ def plain_numbers(
     decimal: str,
     widths: Collection[int] | None,
 ) -> Float[Array, "row channel"] | None:
-    """The numbers of a block with so many ends of lines, a row for each of its lines; None if it is not plain."""
+    """The numbers of a block with this number of line ends, one row per line, in the units of their columns; None if it
+    has anything else."""
     import pandas
 
     content = bytes(block)

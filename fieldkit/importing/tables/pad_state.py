@@ -34,7 +34,7 @@ def scale_at_rest(magnitude: Float[Array, "row"], scales: Sequence[float]) -> fl
 
 
 def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] | None:
-    """Of three axes the one that carries gravity while the rocket stands on its pad, nose up positive, or None."""
+    """The axis of three that measures gravity on the pad, positive with the nose up; None if there is none. [m/s^2]"""
     if not rest.any() or not np.isfinite(axes[:, rest]).any(axis=1).all():
         return None
     levels = np.nanmedian(axes[:, rest], axis=1) / STANDARD_GRAVITY
@@ -54,7 +54,7 @@ ONE_G_RANGE = (0.6, 1.2)
 
 
 def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Float[Array, "row"] | None:
-    """What three axes feel along the rocket, however they are mounted: along the strongest lasting push.
+    """The acceleration along the rocket from three axes in any mounting: along the strongest sustained push. [m/s^2]
 
     None if there is none, or if gravity on the pad does not point along it.
     """

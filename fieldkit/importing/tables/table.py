@@ -36,7 +36,7 @@ class LogTable:
         return len(self.rows)
 
     def get(self, name: str) -> Float[Array, "row"] | None:
-        """The values of a channel, or None if the log has none of it."""
+        """The values of a channel in SI; None if the log does not have it."""
         values = self.values.get(name)
         return None if values is None or np.isnan(values).all() else values
 

@@ -84,7 +84,7 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
 
 
 def rest(acceleration: Float[Array, "time"]) -> float:
-    """What an accelerometer shows where it is quietest before it shows most, as it stands.
+    """The reading of an accelerometer at its quietest before its peak, in the unit of the log.
 
     After a landing it lies on its side, as quietly as before and with another part of gravity along its axis, so only
     what comes before counts; nan if a log begins in flight, for what is steadiest in it may be the thrust.

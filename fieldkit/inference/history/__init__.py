@@ -1,1 +1,1 @@
-"""A whole history in one linear step: what flights and plans would show, evidence, and the features of the network."""
+"""A whole history in one linear step: the response of flights and plans, the evidence, and the network's features."""

@@ -1,4 +1,4 @@
-"""A strength with a normal prior between bounds, which moves readouts in proportion: its posterior in closed form."""
+"""The closed-form posterior of a strength with a truncated normal prior and a linear effect on the readouts."""
 
 from math import erfc
 
@@ -7,7 +7,7 @@ import numpy as np
 from fieldkit.shapes import Array
 
 INSIDE_SDS = 5.0
-"""Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
+"""At this distance inside a bound, in standard deviations, the probability beyond it is zero. [1]"""
 MIN_MASS = 1e-250
 """Mass between two bounds below which it is treated as zero. [1]"""
 _ERFC = np.frompyfunc(erfc, 1, 1)

@@ -1,17 +1,17 @@
 """Checks the network's forecast of a plan against the model, by importance sampling.
 
-The network's draws are weighted by the one model's posterior density over the density that they were drawn from (Robert
-and Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. Log Cd and
-log alpha of the plan are drawn from the network's normal distribution, the other terms from the linear fit given those,
-a little wider. A draw's weight is its prior times its likelihood, the noise of each flight a multivariate Student t,
-summed over the scales of scatter and reading. With these weights the draws are the model's forecast of the plan's
-apogee. The network's draws of the apogee, those beyond its last quantiles with the tails of that Student t, are
-weighted by the density of this forecast over their own.
+The network's draws are weighted by the model's posterior density over the density they were drawn from (Robert and
+Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. Log Cd and log
+alpha of the plan are drawn from the network's normal distribution; the other terms are drawn from the linear fit given
+those two, slightly widened. The weight of a draw is its prior times its likelihood, with multivariate Student t noise
+for each flight, summed over the scales of scatter and reading. The weighted draws are the model's forecast of the
+plan's apogee. The network's draws of the apogee, with tails of that Student t beyond its last quantiles, are weighted
+by the density of this forecast over their own.
 
-Weights whose largest follow a generalized Pareto distribution of shape k > 0.7 cannot be relied on (Vehtari, Simpson,
+Weights are unreliable if the largest follow a generalized Pareto distribution of shape k > 0.7 (Vehtari, Simpson,
 Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024): then the
-network does not reach where the model's answer lies. Of the apogee both densities are known, and what is left to ask is
-how much they overlap: the effective fraction of the network's draws.
+network's draws do not cover the model's answer. For the apogee both densities are known, and the effective fraction of
+the network's draws measures their overlap.
 """
 
 from dataclasses import dataclass, replace
@@ -32,19 +32,18 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
-"""Draws that are weighted: enough for a tail of 60 that its shape is fitted to. [1]"""
+"""Number of weighted draws: the shape is then fitted to a tail of 60. [1]"""
 LEAST_EFFECTIVE = 0.5
-"""Effective fraction of the apogee's draws from which on both forecasts are taken to agree: most of them count. [1]"""
+"""Both forecasts agree if at least this fraction of the apogee's draws is effective. [1]"""
 LEAST_SD = 1e-4
-"""Least standard deviation of log Cd and log alpha, if nothing is left open. [1]"""
+"""Minimum standard deviation of log Cd and log alpha. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """What the one model makes of the network's draws of the parameters and of the planned apogee.
+    """The model's check of the network's draws of the parameters and of the planned apogee.
 
-    `pareto_k` is the shape of the tail of the parameters' weights; the others are effective numbers of draws over their
-    number. [1]
+    `pareto_k` is the shape of the tail of the parameters' weights; the others are effective fractions of draws. [1]
     """
 
     pareto_k: float
@@ -54,14 +53,13 @@ class Check:
 
     @property
     def agrees(self) -> bool:
-        """Whether the weights of the parameters can be relied on and most draws of the apogee count."""
+        """Whether the weights of the parameters are reliable and most draws of the apogee are effective."""
         return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
 
 
 def check(said: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
-    """Weight the network's draws for the plan of a history by the one model that forecasts are made with; more of them
-    if the weights of the first cannot be relied on. `linear` is its linear fit, by default the one that the network
-    corrected.
+    """Weight the network's draws for the plan of a history by the forecast model, with more draws if the weights of the
+    first are unreliable. `linear` is the model's linear fit, by default the one that the network corrected.
 
     Raises ValueError for a history of several plans.
     """
@@ -93,18 +91,18 @@ def _check(said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> 
 
 
 def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
-    """Weights that sum to one; zeros if no draw has any."""
+    """Weights normalized to sum to one; zeros if all are zero."""
     total = np.logaddexp.reduce(log_weight)
     return np.exp(log_weight - total) if np.isfinite(total) else np.zeros(len(log_weight))
 
 
 def _effective(weights: Float[Array, "draw"]) -> float:
-    """Effective number of draws over their number (Kish): 1 for equal weights, 0 for none. [1]"""
+    """Effective fraction of draws (Kish): 1 for equal weights, 0 if all are zero. [1]"""
     return float(1 / (weights**2).sum() / len(weights)) if weights.any() else 0.0
 
 
 def _flown(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw flight readout"]:
-    """What every draw shows, as a fit compares it."""
+    """The readouts of every draw in the form that a fit compares."""
     low, high = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high"))
     readings = shown(model, np.clip(terms, low, high), {})
     return compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
@@ -113,7 +111,7 @@ def _flown(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw
 def _drawn(
     said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
-    """Draws of the terms, log Cd and log alpha of the plan as the network has them, and their log density."""
+    """Draws of the terms, with the network's log Cd and log alpha of the plan, and their log density."""
     fit, fresh = linear.fit, linear.fresh
     known, count = fit.mean.shape[1], fit.mean.shape[1] + len(fresh)
     mean = np.concatenate([fit.mean, np.tile([term.mean for term in fresh], (len(fit.mean), 1))], axis=1)
@@ -150,8 +148,8 @@ def _drawn(
 def _apogees(
     quantiles: Float[Array, "level"], count: int, freedom: float
 ) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """Equally likely log apogees by the network's quantiles, beyond the last of which they follow a Student t, and
-    their log density."""
+    """Equally likely log apogees from the network's quantiles, with Student t tails beyond the last, and their log
+    density."""
     from scipy.stats import norm, t
 
     levels = np.asarray((np.arange(count) + 0.5) / count)
@@ -178,7 +176,7 @@ def _log_forecast(
     by_scale: Float[Array, "draw scale"],
     apogees: Float[Array, "apogee"],
 ) -> Float[Array, "apogee"]:
-    """Log density of the model's forecast of the plan's log apogee: every draw with a Student t about it."""
+    """Log density of the model's forecast of the plan's log apogee: a Student t around every draw."""
     from scipy.special import gammaln
 
     flies = np.isfinite(middle)

@@ -1,4 +1,4 @@
-"""The columns that features are made of: of the history, of the evidence for all effects, and of each effect."""
+"""The columns of the features: for the history, for the evidence of all effects, and for each effect."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -15,9 +15,9 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 MAX_LOG_BAYES = 60.0
-"""Size to which evidence is limited before the network sees it. [nat]"""
+"""Limit of the evidence in the features. [nat]"""
 LOG_BAYES_SCALE = 4.0
-"""Unit in which evidence is shown: its inverse hyperbolic sine keeps weak evidence in proportion. [nat]"""
+"""Unit of evidence under the inverse hyperbolic sine, which is linear for weak evidence. [nat]"""
 PER_EFFECT = (
     "log_bayes",
     "robust",
@@ -30,7 +30,7 @@ PER_EFFECT = (
     "z",
     "acts",
 )
-"""What is shown of every effect."""
+"""Features of every effect."""
 OF_HISTORY = (
     "flights",
     *(f"seen_{name}" for name in OBSERVED_READOUTS[:6]),
@@ -74,13 +74,13 @@ OF_HISTORY = (
     "alpha_sd",
     "cd_alpha",
 )
-"""What is shown of the history as a whole and of the plan."""
+"""Features of the whole history and of the plan."""
 
 
 def of_history(
     history: History, selection: LinearFit, plain: LinearFit, robustly: LinearFit, data: Data, left_out: LeaveOneOut
 ) -> dict[str, float | Array]:
-    """Columns of the flights, and of how often each plan's motor and configuration flew."""
+    """Columns of the flights, and for the number of earlier flights of each plan's motor and configuration."""
     count = len(history.used_in_fit)
     flown = history.flights[:count]
     used = max(int(data.seen.any(axis=1).sum()), 1)
@@ -117,13 +117,13 @@ def of_history(
 
 
 def _residuals(linear: LinearFit, left_out: LeaveOneOut, data: Data) -> Float[Array, "flight readout"]:
-    """Residuals of flights left out in their standard deviations; nan if nothing was seen."""
+    """Standardized leave-one-out residuals; nan if not observed."""
     weight = np.exp(left_out.log_weight - np.logaddexp.reduce(left_out.log_weight, axis=0))
     return np.where(data.seen, np.einsum("sf,sfo->fo", weight, left_out.residual), np.nan)
 
 
 def _scales(linear: LinearFit, suffix: str) -> dict[str, float]:
-    """Posterior means of the logarithms of both scales, in prior standard deviations."""
+    """Posterior mean logarithms of both scales, in prior standard deviations."""
     prior = linear.model.hyperprior
     scatter, reading, _ = prior.scales()
     weights = linear.fit.weights
@@ -134,20 +134,20 @@ def _scales(linear: LinearFit, suffix: str) -> dict[str, float]:
 
 
 def _before(kinds: Sequence[str], data: Data) -> Float[Array, "plan"]:
-    """Logarithm of one more than the flights before on what each plan flies on."""
+    """Log of one plus the number of earlier flights in each plan's group."""
     count = len(data.seen)
     flown = Counter(kind for kind, seen in zip(kinds[:count], data.seen[:, 0].tolist(), strict=True) if seen)
     return np.asarray(np.log1p(np.array([flown[kind] for kind in kinds[count:]], float)))
 
 
 def shown_evidence(log_bayes: Array | float) -> Array:
-    """Evidence as the network is shown it. [1]"""
+    """Evidence in the form that the network receives. [1]"""
     limited = np.minimum(np.maximum(log_bayes, -MAX_LOG_BAYES), MAX_LOG_BAYES)
     return np.asarray(np.arcsinh(limited / LOG_BAYES_SCALE))
 
 
 def families(trials: Trials) -> dict[str, list[int]]:
-    """Rows of trials by what a verdict would name; patterns under no name."""
+    """Rows of trials by the name in a verdict; patterns have an empty name."""
     found: dict[str, list[int]] = {}
     for row, name in enumerate(trials.family):
         found.setdefault(name, []).append(row)
@@ -165,7 +165,7 @@ def _leaders(trials: Trials) -> dict[str, int]:
 
 
 def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Array]:
-    """The strongest effects, patterns, and by how much effects shift the forecast of each plan."""
+    """The strongest effects, patterns, and the shift of each plan's forecast by effects."""
     by_family = families(trials)
     bayes = {name: _sum(trials, rows) for name, rows in by_family.items()}
     named = sorted((value for name, value in bayes.items() if name), reverse=True)
@@ -193,7 +193,7 @@ def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Ar
 
 
 def _shifts(trials: Trials) -> dict[str, Array]:
-    """By how much effects move the log apogee of each plan, averaged over what the flights say of each."""
+    """The shift of each plan's log apogee by effects, averaged over their posteriors."""
     by_family = {name: rows for name, rows in families(trials).items() if name}
     if not by_family:
         return dict.fromkeys(("shift", "shift_sd", "shift_of_first"), np.zeros(len(trials.forecast_gain)))
@@ -217,7 +217,7 @@ def _shifts(trials: Trials) -> dict[str, Array]:
 
 
 def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) -> list[Mapping[str, float]]:
-    """What is shown of each effect; zeros for one that these flights could not show."""
+    """Features of each effect; zeros for one that these flights cannot show."""
     by_family, other = families(trials), families(beside_forecast)
     leaders = _leaders(trials)
     present = [name for name in leaders if name]

@@ -1,4 +1,4 @@
-"""Rockets, motors, days and weather drawn at random, of all kinds, to train the network of whole histories on."""
+"""Random rockets, motors, days and weather for training the history network."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,9 +15,9 @@ from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 MAX_FLIGHTS = 60
-"""Flights of the longest history. [1]"""
+"""Maximum number of flights in a history. [1]"""
 MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
-"""Probability of one, two, ... types of motors."""
+"""Probabilities of one, two, ... motor types."""
 CONFIG_COUNTS = (0.65, 0.25, 0.1)
 SITE_COUNTS = (0.5, 0.3, 0.2)
 DECLARED_SETS = ("all", "temperature and wind", "only wind", "nothing")
@@ -28,16 +28,16 @@ READOUT_SETS = (
     ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject"),
 )
 READOUT_ODDS = (0.35, 0.25, 0.2, 0.2)
-"""Of each of `READOUT_SETS`, and of the apogee with any of the others."""
+"""Probabilities of each of `READOUT_SETS`, and of the apogee with any of the others."""
 THRUST_TO_WEIGHT = (3.5, 25.0)
-"""Of the first motor, on the pad. [1]"""
+"""Bounds of the thrust-to-weight ratio of the first motor at lift-off. [1]"""
 WORKABLE_THRUST_TO_WEIGHT = (2.8, 40.0)
-"""Of the other motors. [1]"""
+"""Bounds of the thrust-to-weight ratio of the other motors. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stock:
-    """Motors that may be drawn, with the figures that decide which fly the same rocket."""
+    """Motors to draw from, with the figures that decide which fit the same rocket."""
 
     motors: tuple[Motor, ...]
     thrust: Float[Array, "motor"]
@@ -47,7 +47,7 @@ class Stock:
 
 
 def stock(motors: Sequence[Motor]) -> Stock:
-    """The motors with a name of their own, each impulse class as likely as any other."""
+    """The motors with distinct names, all impulse classes equally likely."""
     names = np.array([motor.impulse_class for motor in motors])
     weight = 1.0 / np.array([(names == name).sum() for name in names])
     return Stock(
@@ -61,8 +61,8 @@ def stock(motors: Sequence[Motor]) -> Stock:
 
 @dataclass(frozen=True, slots=True)
 class DrawnRocket:
-    """Flights without readouts in the order flown, the last of them planned; which readouts each will show, and
-    which flights are used in the fit."""
+    """Flights without readouts in the order flown, the last one planned; the readouts each will have; and which flights
+    are used in the fit."""
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
@@ -71,7 +71,8 @@ class DrawnRocket:
 
 
 def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = None) -> DrawnRocket:
-    """One rocket with `count` flights and a plan, by default of 1 to `MAX_FLIGHTS`, uniform in the logarithm."""
+    """One rocket with `count` flights and a plan; by default the count is 1 to `MAX_FLIGHTS`, uniform in the
+    logarithm."""
     if count is None:
         count = int(np.clip(np.rint(np.exp(rng.uniform(np.log(0.6), np.log(MAX_FLIGHTS + 0.4)))), 1, MAX_FLIGHTS))
     motors, mass = _motors(rng, choice, count)
@@ -109,7 +110,7 @@ def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = Non
 
 
 def _motors(rng: np.random.Generator, choice: Stock, count: int) -> tuple[list[Motor], float]:
-    """Types of motors that fly one rocket, and its dry mass. [kg]"""
+    """Motor types for one rocket, and its dry mass. [kg]"""
     first = int(rng.choice(len(choice.motors), p=choice.odds))
     lift = float(np.exp(rng.uniform(*np.log(THRUST_TO_WEIGHT))))
     loaded = choice.loaded[first]
@@ -130,7 +131,7 @@ def _can_fly(choice: Stock, mass: float, diameter: float) -> Flags:
 
 
 def _another(rng: np.random.Generator, choice: Stock, motors: Sequence[Motor], mass: float) -> Motor:
-    """A motor that the rocket has not flown, if there is one."""
+    """A motor that the rocket has not flown, if one fits."""
     free = [i for i in np.flatnonzero(_can_fly(choice, mass, motors[0].diameter)) if choice.motors[i] not in motors]
     return choice.motors[int(rng.choice(free))] if free else motors[0]
 
@@ -145,7 +146,7 @@ def _masses(rng: np.random.Generator, mass: float, count: int) -> list[tuple[str
 
 
 def _delay(rng: np.random.Generator, motor: Motor, mass: float, diameter: float) -> float:
-    """A delay on sale near the coast that is to be expected, mostly; nan for none. [s]"""
+    """A delay on sale, mostly near the expected coast time; nan for none. [s]"""
     sold = np.array([delay for delay in motor.delays if np.isfinite(delay)])
     if not len(sold):
         return float("nan")
@@ -156,7 +157,7 @@ def _delay(rng: np.random.Generator, motor: Motor, mass: float, diameter: float)
 
 
 def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
-    """Where and when each flight and the plan fly, and what is written down of the weather."""
+    """Place and time of each flight and the plan, and the recorded weather."""
     sites = 1 + int(rng.choice(len(SITE_COUNTS), p=SITE_COUNTS))
     heights = rng.choice([200.0, 800.0, 1800.0], p=[0.7, 0.2, 0.1]) * rng.uniform(size=sites)
     windy = 2.5 * float(np.exp(0.5 * rng.normal()))
@@ -188,7 +189,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
 
 
 def _shows(rng: np.random.Generator, count: int) -> tuple[tuple[str, ...], ...]:
-    """Which readouts each flight shows."""
+    """Whether each flight has each readout."""
     which = int(rng.choice(len(READOUT_ODDS), p=READOUT_ODDS))
     whole: tuple[str, ...] = READOUT_SETS[min(which, len(READOUT_SETS) - 1)]
     if which == len(READOUT_SETS):

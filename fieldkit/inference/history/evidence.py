@@ -1,8 +1,8 @@
-"""Evidence for what a model may lack, in closed form about one linear fit of the model without it.
+"""Closed-form evidence for additions to a model, from one linear fit of the model without them.
 
-A strength s with a normal prior adds s times a known shift of the readouts. With M the inverse covariance of the
-readouts by the model, a = shift' M shift and b = shift' M miss, the log Bayes factor is that of a normal mean (Bishop,
-Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior over prior mass inside the bounds.
+A strength s with a normal prior adds s times a known shift of the readouts. With the model's inverse covariance M of
+the readouts, a = shift' M shift and b = shift' M miss, the log Bayes factor is that of a normal mean (Bishop, Pattern
+Recognition and Machine Learning, 2006, section 3.5), plus the log ratio of posterior to prior mass inside the bounds.
 """
 
 from collections.abc import Sequence
@@ -17,18 +17,18 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 _NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "pull")
-"""Fields of trials that are one number each."""
+"""Scalar fields of trials."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trials:
-    """Candidates beside a linear fit, an entry each; a candidate with several starts has several entries.
+    """Candidates added to a linear fit, one entry each; a candidate with several starts has several entries.
 
-    `candidate` is the number of the candidate, `family` what a verdict would name. `log_bayes` includes no prior;
-    `log_share` is the candidate's part of its effect's prior. `robust` is what stays of `log_bayes` without the flight
-    that says most for it. `shift` are columns of what a unit of strength does to the flown flights, `weighed` the same
-    times the inverse covariance at the likeliest scales. `forecast_gain` is what a unit does to the log apogee of each
-    plan beside what the other terms take up.
+    `candidate` is the number of the candidate, and `family` its name in a verdict. `log_bayes` includes no prior;
+    `log_share` is the candidate's part of its effect's log prior. `robust` is `log_bayes` without the flight that
+    contributes most to it. `shift` has the effect of a unit of strength on the flown flights as columns, and `weighed`
+    is the same times the inverse covariance at the most likely scales. `forecast_gain` is the effect of a unit on the
+    log apogee of each plan, net of what the other terms absorb.
     """
 
     candidate: tuple[int, ...]
@@ -48,12 +48,12 @@ class Trials:
 
     @property
     def weight(self) -> Float[Array, "trial"]:
-        """Log evidence with the candidate's own prior."""
+        """Log evidence with the candidate's own prior. [nat]"""
         return np.asarray(self.log_bayes + self.log_share)
 
 
 def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
-    """Readouts that evidence is weighed by: the apogee, and what any flight shows."""
+    """Readouts used for the evidence: the apogee, and every readout of any flight."""
     some = np.asarray(seen.any(axis=0))
     some[0] = True
     return np.flatnonzero(some)
@@ -61,9 +61,10 @@ def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weights:
-    """What turns shifts of the readouts of flown flights into evidence, for every pair of scales.
+    """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
 
-    `sharp` is the inverse covariance of what single flights differ by, `pulled` that of all readouts times the miss.
+    `sharp` is the inverse covariance of single flights, and `pulled` the inverse covariance of all readouts times the
+    residual.
     """
 
     fit: Fit
@@ -76,11 +77,11 @@ class _Weights:
 
     @property
     def best(self) -> int:
-        """The likeliest pair of scales."""
+        """The most likely pair of scales."""
         return int(np.argmax(self.log_weight))
 
     def stacked(self, columns: Sequence[Direction]) -> Float[Array, "flight readout column"]:
-        """Shifts of what was observed."""
+        """Shifts of the observed readouts."""
         shifts = [column.shift[: len(self.usable)][:, self.used] for column in columns]
         return np.where(self.usable[..., None], np.stack(shifts, axis=-1), 0.0)
 
@@ -105,7 +106,7 @@ def _weights(fit: Fit) -> _Weights:
 
 
 def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
-    """The evidence for every candidate beside a linear fit."""
+    """The evidence for every candidate added to a linear fit."""
     single, several = directions(linear, candidates)
     weights = _weights(linear.fit)
     plans = len(linear.model.flights) - linear.flown
@@ -149,7 +150,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Sequence[Direction]) 
 
 
 def _several(weights: _Weights, columns: Sequence[Direction], plans: int) -> Trials:
-    """A candidate with a strength of its own in each of several groups; its strength is their root mean square."""
+    """A candidate with a separate strength in each of several groups; its strength is their root mean square."""
     shift = weights.stacked(columns)
     weighed = weights.weighed(shift)
     a = np.einsum("foc,sfod->scd", shift, weighed, optimize=True)
@@ -200,9 +201,9 @@ def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
 
 
 def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
-    """Log Bayes factor of each of some trials beside each other one of them already accepted; its own on the diagonal.
+    """Log Bayes factor of each trial given each other trial; on the diagonal, of the trial alone. [nat]
 
-    Strengths are taken as normal, without their bounds.
+    Strengths are treated as normal, without bounds.
     """
     some = list(rows)
     gram = trials.shift[:, some].T @ trials.weighed[:, some]

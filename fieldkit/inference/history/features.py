@@ -1,7 +1,7 @@
-"""What the network of a whole history is shown: evidence, forecasts and residuals of linear fits, in the same order
-for any history and whatever the order in which a day's flights are listed.
+"""The features of the history network: evidence, forecasts and residuals of linear fits, in the same order for any
+history and independent of the order in which a day's flights are listed.
 
-Two fits stand behind it: by the hyperprior that effects are judged with, and by the one that forecasts are made with.
+They come from two fits: one with the hyperprior for effects, one with the hyperprior for forecasts.
 """
 
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class HistorySummary:
-    """The features of a history, a row a plan, and the linear fits behind them. `baseline` are the forecasts that the
-    network moves."""
+    """The features of a history, one row per plan, and their linear fits. `baseline` are the forecasts that the network
+    corrects."""
 
     features: Float[Array, "plan feature"]
     baseline: Moments
@@ -40,19 +40,19 @@ class HistorySummary:
 
 
 def effect_names() -> tuple[str, ...]:
-    """The effects that verdicts speak of, in alphabetical order."""
+    """The effects that verdicts name, in alphabetical order."""
     return tuple(sorted({spoken(name) for name in effects()}))
 
 
 def feature_names(names: Sequence[str]) -> tuple[str, ...]:
-    """The names of the features for some effects: those of the history, then those of each effect."""
+    """The names of the features for some effects: first the history's, then each effect's."""
     return (*OF_HISTORY, *(f"{effect}.{name}" for effect in names for name in PER_EFFECT))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedHistory:
-    """What of a history stays as it is while readouts are typed: the models of both hyperpriors, what is weighed beside
-    them, and what its flights would show."""
+    """The part of a history that does not change while readouts are typed: the models with both hyperpriors, the
+    candidates, and the response of its flights."""
 
     history: History
     response: FlightResponse
@@ -62,12 +62,12 @@ class PreparedHistory:
 
     @property
     def flown(self) -> tuple[Flight, ...]:
-        """The flights that are not plans."""
+        """The number of flown flights."""
         return self.history.flights[: len(self.history.used_in_fit)]
 
 
 def prepared(history: History, response: FlightResponse, candidates_of: Candidates) -> PreparedHistory:
-    """A history whose flights' response is known, as far as its readouts do not matter."""
+    """The part of a history with a known response that does not depend on its readouts."""
     count = len(history.used_in_fit)
     both = history.flights, history.found, count
     model = history_model(*both, history.selection, declared=False)
@@ -77,7 +77,7 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
 
 
 def _on_one_new_motor(model: Model, flown: int) -> Model:
-    """Plans on motors never flown as if on one: an effect of a motor is as probable whichever of them flies next."""
+    """Plans on motors never flown, as if all used the same motor: an effect of a motor is equally probable for each."""
     known = set(groups(model.flights[:flown], model.found[:flown], "motor"))
     plans = groups(model.flights[flown:], model.found[flown:], "motor")
     new = [motor for name, motor in zip(plans, model.found[flown:], strict=True) if name not in known]
@@ -90,13 +90,13 @@ def _on_one_new_motor(model: Model, flown: int) -> Model:
 def summarize(
     history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
 ) -> HistorySummary:
-    """The features of one history, whose flights' response is known."""
+    """The features of one history with a known response."""
     ready = prepared(history, response, candidates_of)
     return summarized(ready, ready.flown, names)
 
 
 def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
-    """The features of a history, its flown flights with the readouts that they have now."""
+    """The features of a history with the current readouts of its flown flights."""
     history, response, candidates = ready.history, ready.response, ready.candidates
     data = history_data(flown, history.used_in_fit, history.selection)
     selection = linear_fit(ready.selection, data, response)

@@ -1,4 +1,4 @@
-"""A rocket's model solved in one pass over its response: no flight is simulated beyond those of the response."""
+"""A rocket's model solved in one pass over its response, without further simulations."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,15 +30,15 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 SCATTER_NODES, READING_NODES = (-1.6, -0.55, 0.55, 1.6), (-0.9, 0.9)
-"""Scales of scatter and readings that a fit in one pass considers, in prior standard deviations of their logarithm."""
+"""Scales of scatter and readings in a one-pass fit, in prior standard deviations of their logarithm."""
 DRAG_ROUNDS = 2
-"""Times the drag is moved to where the flights put it."""
+"""Number of times the drag is moved to its posterior mean."""
 ROBUST_ROUNDS = 2
-"""Times the weights of outliers are updated."""
+"""Number of updates of the weights of outliers."""
 
 
 def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
-    """The hyperprior with a few scales of scatter and reading in place of its grid."""
+    """The hyperprior with a few scales of scatter and reading instead of its grid."""
 
     def few(scale: Scale, nodes: Sequence[float]) -> Scale:
         return replace(scale, grid=tuple(scale.median * np.exp(scale.log_sd * np.array(nodes))))
@@ -52,11 +52,11 @@ def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
 
 @dataclass(frozen=True, slots=True)
 class LinearFit:
-    """A model of flown and planned flights, and the posterior by the flown ones.
+    """A model of flown and planned flights, and the posterior given the flown ones.
 
-    `fit` is of the flown flights alone; `near` linearizes all at the same point, where the drag is off the reference
-    by `offset`; `moved` is what everything that may be missing would do there. `fresh` are terms that act on plans
-    alone, such as the thrust of a motor never flown: the model that is fitted does not have them.
+    `fit` is for the flown flights alone; `near` linearizes all flights at the same point, whose drag differs from the
+    reference by `offset`; `moved` is the effect of every candidate there. `fresh` are terms that act only on plans,
+    such as the thrust of a motor never flown; the fitted model does not have them.
     """
 
     model: Model
@@ -77,14 +77,14 @@ def history_model(
     *,
     declared: bool,
 ) -> Model:
-    """The model of a history with its plans, which all come next; `declared` wind acts with the prior of its effect."""
+    """The model of a history and its alternative plans; a `declared` wind acts with the prior of its effect."""
     order = [*range(flown), *[flown] * (len(flights) - flown)]
     model = base_model(flights, found, coarse_scales(hyperprior), flown, order, shared)
     return model.with_terms(*declared_terms(flights)) if declared else model
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
-    """Effects that act on forecasts if their column was recorded, each on all flights."""
+    """Effects that act on all flights of a forecast if their column is recorded."""
     every = np.ones(len(flights))
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
@@ -94,7 +94,7 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
 
 
 def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
-    """The readouts of flights that a history's network uses: all but those of logs."""
+    """The readouts that the history network uses: all except those from logs."""
     data = observe(flights, used_in_fit, hyperprior)
     seen = data.seen & ~IN_LOG
     return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
@@ -103,8 +103,8 @@ def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperpr
 def linear_fit(
     model: Model, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
 ) -> LinearFit:
-    """The posterior of the first flights of a model, those of `data`, the drag moved from `start` to where they put
-    it."""
+    """The posterior given the first flights of a model, those in `data`, with the drag moved from `start` to its
+    posterior mean."""
     flown = len(data.values)
     model, fresh = _taught(model, flown)
     past = model.part(slice(flown))
@@ -124,7 +124,7 @@ def linear_fit(
 
 
 def _taught(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
-    """A model with the terms that its flown flights or other rockets constrain, and its other terms."""
+    """A model with only the terms that its flown flights or other rockets constrain, and the remaining terms."""
     shared = model.shared.names if model.shared else ()
     known = [i for i, term in enumerate(model.terms) if term.weight[:flown].any() or term.name in shared]
     others = sorted(set(range(len(model.terms))) - set(known))
@@ -132,7 +132,7 @@ def _taught(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
 
 
 def robust(linear: LinearFit) -> LinearFit:
-    """The same with outliers counting for less, as in `fit_robustly`."""
+    """The same fit with smaller weights for outliers, as in `fit_robustly`."""
     fit = linear.fit
     for _ in range(ROBUST_ROUNDS):
         fit = solve(fit.model, replace(fit.data, trust=outlier_weights(fit)), fit.tangent)

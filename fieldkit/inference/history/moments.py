@@ -1,4 +1,4 @@
-"""Moments of what a linear fit says of plans: their apogees, and the Cd and alpha that they fly with."""
+"""Moments of a linear fit's forecasts of plans: apogees, Cd and alpha."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,9 +17,9 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """Mean and standard deviation of the log apogee of plans, and of log Cd and log alpha that they fly with.
+    """Mean and standard deviation of log apogee, log Cd and log alpha of plans.
 
-    `parameter_sd` is the part of `apogee_sd` that more flights would narrow, `cd` is over the reference area. [1]
+    `parameter_sd` is the part of `apogee_sd` that more flights would reduce; `cd` refers to the reference area. [1]
     """
 
     apogee: Float[Array, "plan"]
@@ -33,7 +33,7 @@ class Moments:
 
 
 def moments(linear: LinearFit) -> Moments:
-    """The forecasts of the plans by a linear fit, and the drag and thrust they fly with."""
+    """A linear fit's forecasts of the plans and of their drag and thrust."""
     fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
     plans = slice(linear.flown, None)
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
@@ -65,13 +65,13 @@ def moments(linear: LinearFit) -> Moments:
 
 
 FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("apogee", *FROM_LOGS))
-"""Readouts of a plan that are forecast beside its apogee."""
+"""Readouts of a plan that are forecast in addition to its apogee."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReadoutMoments:
-    """What plans will show beside the apogee by a linear fit, but for the error of the reading: mean and standard
-    deviation of each of `FORECAST_READOUTS` as they are compared, and its covariance with the plan's log Cd and log
+    """A linear fit's forecast of the other readouts of plans, without reading errors: mean and standard deviation of
+    each of `FORECAST_READOUTS` in the form that is compared, and its covariance with the plan's log Cd and log
     alpha."""
 
     mean: Float[Array, "plan readout"]
@@ -79,8 +79,8 @@ class ReadoutMoments:
     with_parameters: Float[Array, "plan readout 2"]
 
     def given(self, before: "ParameterMoments", after: "ParameterMoments") -> "ReadoutMoments":
-        """The same where log Cd and log alpha are distributed otherwise than by the linear fit: the distribution given
-        the two stays as it is (Jeffrey, The Logic of Decision, 1965, chapter 11)."""
+        """The same for another distribution of log Cd and log alpha; the conditional distribution given the two does
+        not change (Jeffrey, The Logic of Decision, 1965, chapter 11)."""
         gain = self.with_parameters @ np.linalg.inv(before.covariance)
         change = after.covariance - before.covariance
         mean = self.mean + (gain @ (after.mean - before.mean)[..., None])[..., 0]
@@ -90,7 +90,7 @@ class ReadoutMoments:
 
 @dataclass(frozen=True, slots=True)
 class ParameterMoments:
-    """Mean and covariance of the log Cd and log alpha that plans fly with. [1]"""
+    """Mean and covariance of the log Cd and log alpha of plans. [1]"""
 
     mean: Float[Array, "plan 2"]
     covariance: Float[Array, "plan 2 2"]
@@ -110,7 +110,7 @@ def parameter_moments(
 
 
 def readout_moments(linear: LinearFit) -> ReadoutMoments:
-    """What plans will show beside the apogee, by a linear fit."""
+    """A linear fit's forecast of the other readouts of plans."""
     fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
     plans, count = slice(linear.flown, None), len(model.flights)
     columns = [OBSERVED_READOUTS.index(name) for name in FORECAST_READOUTS]
@@ -134,13 +134,13 @@ def readout_moments(linear: LinearFit) -> ReadoutMoments:
 
 
 def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Array, "scale plan readout"]:
-    """Variance of what single flights do, beside what is not known of the rocket."""
+    """Variance of single flights given the terms."""
     scatter, plans = linear.model.hyperprior.scales()[0][:, None, None], slice(linear.flown, None)
     return np.asarray(scatter**2 * (linear.near.scatter_slope[plans][:, columns] ** 2).sum(axis=-1))
 
 
 def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
-    """Variance of each plan's log apogee beside what is not known of the rocket: its own scatter and its reading's."""
+    """Variance of each plan's log apogee given the terms: scatter and reading. [1]"""
     model, near, plans = linear.model, linear.near, slice(linear.flown, None)
     scatter = model.hyperprior.scales()[0][:, None]
     reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
@@ -158,6 +158,6 @@ def _mixture(
 
 
 def acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
-    """How strongly each term bends one property of each flight."""
+    """The weight of each term on one property of each flight. [1]"""
     acting = [term.weight * (term.bends == bends) for term in terms]
     return np.array(acting, float).reshape(len(terms), flights)

@@ -1,4 +1,4 @@
-"""What a model may lack, as a linear fit of it has it: directions in which strengths move the readouts."""
+"""Candidates for a model in a linear fit: directions in which strengths move the readouts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,12 +13,13 @@ from fieldkit.physics.effect import Effect, effects
 from fieldkit.shapes import Array, Float
 
 START_SD = 0.25
-"""Standard deviation of a strength about each of its starts, over that start. [1]"""
+"""Relative standard deviation of a strength around each of its starts. [1]"""
 
 
 @runtime_checkable
 class PlacedEffect(Protocol):
-    """A candidate: an effect in a place, or a pattern (whose `effect` is empty), with its terms on every flight."""
+    """A candidate: an effect with its place (the flights it acts on), or a pattern (with an empty `effect`), and its
+    terms on every flight."""
 
     @property
     def effect(self) -> str: ...
@@ -44,7 +45,7 @@ class Direction:
 
 
 def directions(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[list[Direction], list[list[Direction]]]:
-    """Directions of candidates with one strength; of those with several, all of each together."""
+    """Directions of candidates with one strength, and for those with several, all directions of each."""
     names = {id(effect): name for name, effect in effects().items()}
     moved = linear.moved
     single: list[Direction] = []

@@ -1,4 +1,4 @@
-"""A history and what is weighed beside its model: what the network of whole histories is asked about."""
+"""A history and the candidates for its model: the input of the history network."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 
 Candidates = Callable[[Model, Sequence[bool]], Sequence[PlacedEffect]]
-"""What is weighed beside a model whose first flights have flown; given, because selection stands above inference."""
+"""A function that returns the candidates for a model with some flown flights; a parameter, because selection is a layer
+above inference."""
 
 
 @dataclass(frozen=True, slots=True)
 class History:
-    """A rocket's flights in the order flown, with what they rest on, and one planned flight after them; or several
-    plans, each as if it flew next, that differ in their motors alone and of which none or all fly on motors flown
-    before."""
+    """A rocket's flights in the order flown, with their hyperpriors, and one planned flight after them, or several
+    alternative plans that differ only in their motors. Either all or none of the plans use motors flown before."""
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]

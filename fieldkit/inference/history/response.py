@@ -1,7 +1,7 @@
-"""What flights would show, simulated at a few drag coefficients, and how each unknown and each effect moves it.
+"""Simulated readouts of flights at a few drag coefficients, and their derivatives for each term and each effect.
 
-All flights and all perturbations fly in one batch. Between the drag coefficients everything is interpolated, so that a
-fit can move its point of linearization without flying again.
+All flights and all perturbations are simulated in one batch. Results are interpolated between the drag coefficients, so
+that a fit can move its point of linearization without new simulations.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,44 +20,44 @@ from fieldkit.physics.effect import Effect, effects
 from fieldkit.shapes import Array, Float
 
 REFERENCE_LOG_DRAG = float(np.log(0.6))
-"""Logarithm of the drag coefficient about which flights are simulated. [1]"""
+"""Logarithm of the reference drag coefficient of the simulations. [1]"""
 REFERENCE_OPENING = 0.6
-"""Time in which the parachute opens there. [s]"""
+"""Opening time of the parachute at the reference. [s]"""
 DRAG_OFFSETS = (-0.45, 0.0, 0.45)
-"""Logarithms of drags over the reference, between which readouts are interpolated. [1]"""
+"""Logarithms of drag over the reference between which readouts are interpolated. [1]"""
 MAX_DRAG_OFFSET = 0.9
-"""How far from the reference the logarithm of drag is followed at most. [1]"""
+"""Maximum distance of the logarithm of drag from the reference. [1]"""
 STEPS = {"thrust": 0.05, "stretch": 0.05, "mass": 0.03, "opening": 0.3, "tilt": 1.0}
-"""Step of the difference for each property of a flight, in the unit of its terms."""
+"""Finite-difference step of each property of a flight, in the unit of its terms."""
 DELAY_STEP = 0.08
-"""Step in the delay, to both sides: where ejection meets apogee readouts have a kink. [1]"""
+"""Central step of the delay, because readouts have a kink when ejection is at apogee. [1]"""
 GROWN = 8.0
-"""Flights before, for the step of an effect that grows from flight to flight. [1]"""
+"""Number of earlier flights for the step of an effect that grows from flight to flight. [1]"""
 IN_LOG = np.array([name in FROM_LOGS for name in OBSERVED_READOUTS])
-"""Readouts that only the samples of a log show: a history's network does not use them."""
+"""Readouts that only the samples of a log provide; the history network does not use them."""
 _OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), strict=True))
-"""What a unit of a reading's bias does."""
+"""The effect of a unit of a reading's bias."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightResponse:
-    """Readouts as a fit compares them at each of `DRAG_OFFSETS`, and derivatives there.
+    """Readouts in the form that a fit compares, at each of `DRAG_OFFSETS`, and their derivatives.
 
-    The first of `moved` are the readouts themselves; `names` say what the others are: what a unit of what terms bend
-    does, or of the fitted value of an effect; of one with several `starts`, what each of them does, under the name and
-    the number of the start.
+    The first entry of `moved` is the readouts; `names` lists the others: the effect of one unit of a property or of the
+    fitted value of an effect. An effect with several `starts` has one entry for each, named by the effect and the
+    number of the start.
     """
 
     names: tuple[str, ...]
     moved: Float[Array, "quantity drag flight readout"]
 
     def part(self, rows: slice | list[int]) -> "FlightResponse":
-        """Some of the flights."""
+        """The selected flights."""
         return FlightResponse(self.names, self.moved[:, :, rows])
 
 
 def secant(effect: Effect) -> tuple[float, ...]:
-    """The fitted values of an effect at which its shift is simulated: one that is neither small nor extreme."""
+    """The fitted values at which the shift of an effect is simulated, neither small nor extreme."""
     prior = effect.prior
     if effect.starts:
         return effect.starts
@@ -65,7 +65,7 @@ def secant(effect: Effect) -> tuple[float, ...]:
 
 
 def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
-    """The response of flights, of any rockets, on coarse thrust curves and steps."""
+    """The response of flights, of any rockets, with coarse thrust curves and steps."""
     known = effects()
     count = len(flights)
     places = [(name, value) for name, effect in known.items() for value in secant(effect)]
@@ -99,12 +99,12 @@ def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array
 
 
 def started(effect: str, number: int) -> str:
-    """The name of what one of an effect's starts does."""
+    """The name of the entry for one of an effect's starts."""
     return f"{effect} {number}"
 
 
 def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "drag"]]:
-    """Lagrange's weights of the simulated drags at one between them, and their derivatives."""
+    """Lagrange interpolation weights of the simulated drags, and their derivatives."""
     low, middle, high = DRAG_OFFSETS
     nodes = np.array(DRAG_OFFSETS)
     others = np.array([[middle, high], [low, high], [low, middle]])
@@ -113,7 +113,7 @@ def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "d
 
 
 def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, "flight readout"]]:
-    """Every quantity of a response at an offset of the drag, and the slope with drag."""
+    """Every quantity of a response at an offset of the drag, and its derivative with respect to drag."""
     weights, steeper = _interpolation(offset)
     along = np.tensordot(weights, response.moved, axes=(0, 1))
     found = dict(zip(response.names, along, strict=True))
@@ -121,14 +121,14 @@ def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, 
 
 
 def drag_term(model: Model) -> int:
-    """The term that holds the level of drag."""
+    """The term for the level of drag."""
     return next(i for i, term in enumerate(model.terms) if term.bends == "drag" and np.all(term.weight == 1.0))
 
 
 def slopes(
     terms: Sequence[Term], moved: Mapping[str, Float[Array, "flight readout"]]
 ) -> Float[Array, "flight readout term"]:
-    """Derivatives of the readouts by terms, from what `moved_at` has."""
+    """Derivatives of the readouts per unit of each term, from the result of `moved_at`."""
     names = {id(effect): started(name, 0) for name, effect in effects().items()}
     known = {**moved, **_OF_READOUTS}
     found = np.empty((*moved[""].shape, len(terms)))
@@ -139,8 +139,8 @@ def slopes(
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
-    """Values and derivatives of a model's terms where its drag is off the reference by `offset`, from what
-    `moved_at` has there."""
+    """Values and derivatives for a model's terms at a drag that differs from the reference by `offset`, from the result
+    of `moved_at`."""
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
     at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
     slope = slopes(model.terms, moved)
@@ -149,5 +149,5 @@ def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], o
 
 
 def part_of(near: Tangent, rows: slice) -> Tangent:
-    """Some of the flights of a tangent."""
+    """The selected flights of a tangent."""
     return Tangent(near.at, near.values[rows], near.slope[rows], near.scatter_slope[rows])

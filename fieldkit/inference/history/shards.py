@@ -1,4 +1,4 @@
-"""Simulated histories as tables of features and truths, made in shards on any machines in any order."""
+"""Simulated histories as tables of features and truths, computed in shards on any machines in any order."""
 
 import hashlib
 import io
@@ -26,7 +26,7 @@ from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100
-"""Some 200 histories: seconds of work."""
+"""Rockets per shard: about 200 histories, some seconds of work."""
 TRUTHS = (
     "unexplained",
     "selects",
@@ -43,13 +43,13 @@ TRUTHS = (
     "alpha_sd",
     "correlation",
 )
-"""Columns after the features and a flag for each effect: the truth, and the linear fit's own answer."""
+"""Columns after the features and a flag for each effect: the truth, and the linear fit's answer."""
 
 
 @dataclass(frozen=True, slots=True)
 class ShardPlan:
-    """What decides a shard: the seed of the whole, its number, how many rockets, what effects are weighed by and their
-    prior probabilities, whether of motors held out."""
+    """What determines a shard: the seed, its number, the number of rockets, the candidates and their prior
+    probabilities, and whether it uses the held-out motors."""
 
     seed: int
     number: int
@@ -61,25 +61,25 @@ class ShardPlan:
 
 @dataclass(frozen=True, slots=True)
 class HistoryTable:
-    """Histories as features and truths, a row each."""
+    """Histories as features and truths, one row each."""
 
     features: Float[Array, "history feature"]
     effects: Float[Array, "history effect"]
     truths: Float[Array, "history truth"]
 
     def truth(self, name: str) -> Float[Array, "history"]:
-        """A column of `TRUTHS`."""
+        """One column of `TRUTHS`, in its unit."""
         return self.truths[:, TRUTHS.index(name)]
 
     def rows(self, which: Any) -> "HistoryTable":
-        """Some of the histories."""
+        """The selected histories."""
         return HistoryTable(self.features[which], self.effects[which], self.truths[which])
 
 
 def summarized(
     found: Sequence[SimulatedHistory], candidates_of: Candidates, names: Sequence[str]
 ) -> Iterator[HistorySummary]:
-    """The summaries of simulated histories, whose rockets fly in one batch."""
+    """The summaries of simulated histories; their rockets are simulated in one batch."""
     rockets = {id(one.history.found): one.history for one in found}
     flights = [flight for history in rockets.values() for flight in history.flights]
     motors = [motor for history in rockets.values() for motor in history.found]
@@ -92,7 +92,7 @@ def summarized(
 
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:
-    """A history as a row: features, effects, truths."""
+    """A history as a row: features, effects, truths, in their units."""
     said, seen = made.baseline, made.data.seen
     truths = {
         "unexplained": one.unexplained,
@@ -115,7 +115,7 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
 
 
 def simulate_shard(plan: ShardPlan) -> bytes:
-    """The histories of a shard as a table in numpy's own format; its random numbers are its own, on whichever
+    """The histories of a shard as a table in numpy's format. Its random numbers depend only on the shard, not on the
     machine."""
     rng = np.random.default_rng(np.random.SeedSequence(plan.seed, spawn_key=(int(plan.held_out), plan.number)))
     choice = stock(_motors(plan.held_out))
@@ -147,7 +147,7 @@ def simulate_table(
     *,
     held_out: bool = False,
 ) -> HistoryTable:
-    """The histories of so many rockets, with the shards that an earlier run left in the folder."""
+    """The histories of this number of rockets; shards from an earlier run in the folder are reused."""
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {
         f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, inclusion, held_out)
@@ -170,8 +170,8 @@ def table(rows: Float[Array, "history column"]) -> HistoryTable:
 
 
 def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
-    """Of what shards are made from: those of another seed, feature, prior, hyperprior or fieldkit are never taken for
-    them."""
+    """A digest of everything that shards depend on, so that shards of another seed, feature, prior, hyperprior or
+    version are not reused."""
     drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
     made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
     said = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)

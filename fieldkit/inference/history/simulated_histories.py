@@ -1,10 +1,10 @@
-"""Simulated histories with the truth behind them: the prior predictive of the one model, randomized beyond it.
+"""Simulated histories with their truth: the prior predictive of the model, with additional random deviations.
 
-Everything that the model has is drawn from a hyperprior; each effect of `models/effects` is there with its prior
-inclusion probability, at a strength and in a place from its own priors. Beyond the model are a drag that differs
-between burn and coast and near the speed of sound, a little weathercocking, flights that went wrong unnoticed, standard
-deviations other than the hyperprior's, and patterns that no effect stands for: changes for good, single days, every so
-many flights, smooth functions of what was written down.
+Everything in the model is drawn from a hyperprior. Each effect in `models/effects` is present with its prior inclusion
+probability, with a strength and a place from its priors. The deviations from the model are a drag that differs between
+burn and coast and near the speed of sound, a little weathercocking, failures that nobody noticed, standard deviations
+other than the hyperprior's, and patterns that no effect represents: permanent changes, single days, every nth flight,
+smooth functions of recorded conditions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,31 +27,31 @@ from fieldkit.physics.effect import Prior, effects
 from fieldkit.shapes import Array, Float
 
 SELECTION_WORLD = 0.55
-"""Fraction of rockets drawn from the hyperprior that effects are judged with, the rest from that of forecasts. [1]"""
+"""Fraction of rockets drawn from the hyperprior for effects; the others come from the hyperprior for forecasts. [1]"""
 UNEXPLAINED = "unexplained"
-"""Name of the prior probability of a pattern that no effect stands for, whatever effects there are."""
+"""Name of the prior probability of a pattern that no effect represents."""
 MIN_FLIGHTS_OF_PATTERN = 4
-"""Flights from which on a pattern is drawn. [1]"""
+"""Minimum number of flights for a pattern. [1]"""
 SD_SPREAD = 0.25
-"""Standard deviation of the logarithm of every standard deviation about the hyperprior's. [1]"""
+"""Standard deviation of the logarithm of every standard deviation around the hyperprior's. [1]"""
 MISTAKES = 0.015
-"""Fraction of flights that went wrong and bear no tag. [1]"""
+"""Fraction of flights that went wrong without a tag. [1]"""
 DRAWS_PER_ROCKET = 2
-"""Histories of each drawn rocket."""
+"""Histories per rocket."""
 ROCKETS_PER_BATCH = 25
-"""Rockets that fly together."""
+"""Rockets per batch."""
 BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
-"""Standard deviation of the strengths of effects that are always there a little: those that act in flight, and those
-of something that is written down. [1]"""
+"""Standard deviation of the strengths of effects that are always weakly present: effects in flight, and effects of
+recorded conditions. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class SimulatedHistory:
-    """A history as its flyer has it, and the truth.
+    """A history as recorded, and its truth.
 
-    `effects` are the names of those that act, `unexplained` whether a pattern does; `apogee` is what the plan will
-    show [m], `cd` and `alpha` the logarithms of what it flies with [1]. `selects` says whether it comes from the
-    hyperprior that effects are judged with.
+    `effects` are the names of the active effects, and `unexplained` is whether a pattern is active. `apogee` is the
+    plan's readout [m]; `cd` and `alpha` are logarithms of the plan's drag and thrust [1]. `selects` is whether it comes
+    from the hyperprior for effects.
     """
 
     history: History
@@ -65,7 +65,7 @@ class SimulatedHistory:
 
 @dataclass(frozen=True, slots=True)
 class _Rocket:
-    """A drawn rocket with its model and what it may lack."""
+    """A drawn rocket with its model and the candidates for it."""
 
     rocket: DrawnRocket
     model: Model
@@ -84,11 +84,11 @@ def simulated_histories(
     flights: int | None = None,
     selects: bool | None = None,
 ) -> list[SimulatedHistory]:
-    """Histories of so many rockets, `draws` of each; plans that would not leave the pad are left out.
+    """Histories of this number of rockets, `draws` of each; plans that do not leave the pad are left out.
 
-    `inclusion` are the prior probabilities of each effect and of `UNEXPLAINED`, independent of each other; an effect
-    that some flights could not show changes nothing there. `flights` is how many each has, `selects` which hyperprior
-    they come from, if these are not drawn too.
+    `inclusion` has the independent prior probabilities of each effect and of `UNEXPLAINED`; an effect that some flights
+    cannot show does not change them. `flights` is the number of flights of each, and `selects` chooses the hyperprior;
+    both are random by default.
     """
     some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
@@ -125,7 +125,8 @@ def _rocket(
 
 
 def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
-    """What other rockets of the flyer show: means away from the hyperprior's and standard deviations below."""
+    """Information from other rockets of the flyer: other means than the hyperprior's, and smaller standard
+    deviations."""
     names = shared_names(model)
     terms = [next(term for term in model.terms if term.name == name) for name in names]
     left = rng.uniform(0.25, 1.0, len(names))
@@ -136,7 +137,7 @@ def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
 
 @dataclass(frozen=True, slots=True)
 class _Lacks:
-    """What the plain model of one history lacks: effects in places, and shifts that no effect stands for."""
+    """What the plain model of one history lacks: effects with their places, and shifts that no effect represents."""
 
     placed: tuple[PlacedEffect, ...]
     pattern: dict[str, Float[Array, "flight"]]
@@ -155,12 +156,12 @@ def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float
 
 
 def _background() -> list[str]:
-    """Effects that are always there a little."""
+    """Effects that are always weakly present."""
     return [name for name, effect in effects().items() if effect.acceleration is not None or effect.needs]
 
 
 class _World:
-    """Rockets of a batch as one model, whose draws are the histories."""
+    """The rockets of a batch as one model, whose draws are the histories."""
 
     def __init__(
         self, rng: np.random.Generator, some: Sequence[_Rocket], kinds: Sequence[Sequence[_Lacks]], draws: int
@@ -231,7 +232,7 @@ class _World:
         terms.append(replace(term, weight=weight))
 
     def fly(self) -> Float[Array, "draw flight readout"]:
-        """What the altimeter shows, as a fit compares it; nan if a flight would not leave the pad."""
+        """The altimeter's readouts in the form that a fit compares; nan if a flight does not leave the pad."""
         rng = self.rng
         readings = shown(self.model, self.values, self.scatter)
         flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
@@ -255,7 +256,7 @@ class _World:
         return np.asarray(flown + noise)
 
     def history(self, readings: Float[Array, "draw flight readout"], number: int, draw: int) -> SimulatedHistory | None:
-        """One history, None if its plan does not fly."""
+        """One history; None if its plan does not leave the pad."""
         one, lacks = self.some[number], self.kinds[number][draw]
         rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
         own, rocket = readings[draw, rows], one.rocket
@@ -283,6 +284,6 @@ class _World:
 
 
 def _shown(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
-    """The readouts that a flight shows, those that there are."""
+    """The recorded readouts of a flight, without missing ones."""
     found = {name: float(values[OBSERVED_READOUTS.index(name)]) for name in names}
     return {name: value for name, value in found.items() if np.isfinite(value)}

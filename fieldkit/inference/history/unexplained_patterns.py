@@ -1,4 +1,4 @@
-"""Patterns that no effect stands for: what a simulated history may show beyond the model."""
+"""Patterns that no effect represents, for simulated histories."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,12 +9,11 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 _PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
-"""The smallest and the largest shift of the logarithm of each. [1]"""
+"""Bounds of the shift of the logarithm of each property. [1]"""
 
 
 def unexplained_pattern(rng: np.random.Generator, rocket: DrawnRocket) -> dict[str, Float[Array, "flight"]]:
-    """A shift of the logarithm of drag, mass or thrust with something that was written down, or with the order of
-    flying. [1]"""
+    """A shift of log drag, log mass or log thrust with a recorded condition or with the flight index. [1]"""
     kinds: Sequence[Callable[[np.random.Generator, DrawnRocket], Array]] = (_step, _day, _periodic, _smooth, _smooth)
     shape = kinds[int(rng.integers(len(kinds)))](rng, rocket)
     bends = str(rng.choice(list(_PATTERN_SIZES), p=[0.6, 0.25, 0.15]))
@@ -42,7 +41,7 @@ def _periodic(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
 
 
 def _smooth(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    """A smooth random function of the hour, the order or a condition, of standard deviation one half."""
+    """A smooth random function of the hour, the flight index or a condition, with standard deviation 0.5."""
     hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in rocket.flights])
     columns = [hours, np.arange(len(hours), dtype=float)]
     columns += [recorded(rocket.flights, name) for name in ("temperature", "wind", "pressure")]

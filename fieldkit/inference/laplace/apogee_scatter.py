@@ -1,8 +1,8 @@
-"""The scatter of apogees, compared with what the fit of all readouts makes of it.
+"""The scatter of apogees relative to the scatter that the fit of all readouts expects.
 
-Two scales stand for the scatter of every readout in a fit, so that speeds and times that are steadier or wilder than
-expected speak for the apogee too. What was forecast of flights left out says how much the apogee's own scatter differs:
-a factor on its standard deviation, with a prior about one, weighed by a Student t likelihood of their errors.
+A fit describes the scatter of all readouts by two scales, so the scatter of speeds and times affects the apogee too.
+The errors of leave-one-out forecasts show how much the scatter of the apogee differs: they give a factor on its
+standard deviation, with a prior around one and a Student t likelihood.
 """
 
 from dataclasses import dataclass
@@ -13,22 +13,22 @@ from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.shapes import Array, Flags, Float
 
 TAIL = CERTIFIED_PRIOR.tail
-"""Degrees of freedom of the distribution that single flights are taken to have. [1]"""
+"""Degrees of freedom of the assumed distribution of single flights. [1]"""
 FACTORS = np.geomspace(0.5, 3.5, 16)
-"""The apogee's own scatter over what the fit says. [1]"""
+"""The ratio of the apogee's scatter to that of the fit. [1]"""
 _LOG_PRIOR = -0.5 * (np.log(FACTORS) / 0.4) ** 2
 
 
 @dataclass(frozen=True, slots=True)
 class ScatterWeights:
-    """Posterior weights of `FACTORS`, by all flights, and by all but each one."""
+    """Posterior weights of `FACTORS` from all flights, and from all flights but each one."""
 
     weight: Float[Array, "factor"]
     weight_without: Float[Array, "factor flight"]
 
     @property
     def mean_square_without(self) -> Float[Array, "flight"]:
-        """Mean square of the factor by all flights but each one. [1]"""
+        """Mean square of the factor from all flights but each one. [1]"""
         return np.asarray(FACTORS**2 @ self.weight_without)
 
     def draw(self, draws: int, rng: np.random.Generator) -> Float[Array, "draw"]:
@@ -39,10 +39,11 @@ class ScatterWeights:
 def apogee_spread(
     error: Float[Array, "flight"], known: Float[Array, "flight"], own: Float[Array, "flight"], seen: Flags
 ) -> ScatterWeights:
-    """The apogee's own scatter by how flights left out came to lie.
+    """The posterior of the factor from the errors of leave-one-out forecasts.
 
-    `error` is the log of flown over forecast apogee, `known` the variance of the forecast for what is not known of
-    the rocket, `own` that for the scatter of single flights. Flights not `seen` say nothing.
+    `error` is the log of flown over predicted apogee, `known` the variance of the forecast due to the uncertain
+    parameters of the rocket, and `own` the variance due to the scatter of single flights. Flights not `seen` are
+    ignored.
     """
     variance = known + FACTORS[:, None] ** 2 * own
     unit = (TAIL - 2) * variance

@@ -7,17 +7,17 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.shapes import Array
 
 CONVERGENCE_TOLERANCE = 0.03
-"""Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
+"""Convergence tolerance of a step, in prior standard deviations: evidence is needed to a tenth of a nat. [1]"""
 FORECAST_TOLERANCE = 0.2
 """Convergence tolerance for a forecast, in posterior standard deviations: hundredths of its interval. [1]"""
 
 
 class DampedSteps:
-    """The way of a lane's point to its posterior mean.
+    """The damped iteration of one lane's point toward its posterior mean.
 
-    Where ejection meets apogee readouts have a kink, and a point could oscillate across it indefinitely: a term
-    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
-    readout is off by is as linear anywhere, and gets there at once.
+    Readouts have a kink when ejection is at apogee, and a point could oscillate across it indefinitely. So the step of
+    a term is halved when it changes direction, and doubled, up to the full step, while it does not. Biases of readouts
+    are exactly linear and converge in one step.
     """
 
     def __init__(self, at: Array) -> None:

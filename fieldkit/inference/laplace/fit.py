@@ -1,7 +1,6 @@
-"""Fit a model to flights: move the point about which readouts are taken as linear to where the posterior lies.
+"""Fit a model to flights: move the point of linearization to the posterior mean.
 
-Derivatives are differences of the simulator, all in one batch; the point is moved to the posterior mean a few times
-(Gauss-Newton).
+Derivatives are finite differences of the simulator, computed in one batch. A few Gauss-Newton steps move the point.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,35 +17,36 @@ from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float, Int, Integers
 
 ROUNDS = 5
-"""Times the point of linearization is moved."""
+"""Maximum number of Gauss-Newton steps."""
 MAX_LOG_EVIDENCE_BEHIND = 8.0
-"""Log evidence behind the best of the fits run together beyond which a fit is abandoned. [nat]"""
+"""A fit is abandoned if its log evidence is this far below the best of the fits run together. [nat]"""
 DISTINCT_STEP = 1e-4
-"""Difference of a term from which on two points are distinct. [1]"""
+"""Minimum difference of a term between two distinct points. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
-"""Opening times from which a fit is started. [s]"""
+"""Opening times from which a fit starts. [s]"""
 ROBUST_ROUNDS = 2
-"""Times the point is moved after the weights of outliers have settled."""
+"""Maximum number of steps after the weights of outliers have converged."""
 TRUST_ROUNDS = 4
-"""Times the weights of outliers are updated about one point."""
+"""Number of updates of the outliers' weights at one point."""
 REFIT_ROUNDS = 4
-"""Times the point of a fit without a flight is moved from that of the fit with it."""
+"""Number of steps of a leave-one-out fit from the point of the full fit."""
 FLIGHT_WEIGHT_ROUNDS = 1
-"""Times the weights of outlier flights are updated about the first point."""
+"""Number of updates of the outlier flights' weights at the first point."""
 FLIGHT_WEIGHT_TOLERANCE = 0.15
-"""Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
+"""Convergence tolerance of the log weight of a flight; the bound, which is stationary there, is then within 0.01 nat.
+[1]"""
 MAX_SETTLING_ROUNDS = 4
-"""Times these weights are updated at most about the last point."""
+"""Maximum number of updates of these weights at the last point."""
 WALKING_SCALE_WEIGHT = 1e-3
-"""Posterior weight of a scale below which a fit does without it on its way. [1]"""
+"""A fit ignores scales below this posterior weight until its last step. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One of several fits made side by side: which terms of a common model it has, and where it begins.
+    """One of several parallel fits: its terms of a common model and its starting point.
 
-    Of the lanes of one `kind`, those that fall far behind are not followed further. With `near`, the readouts about
-    `start` as far as they are known, the first step is made without flying.
+    Lanes far behind the best of their `kind` are abandoned. `near` is a known linearization at `start`, which saves the
+    simulations of the first step.
     """
 
     terms: tuple[int, ...]
@@ -64,11 +64,11 @@ def fit(
     near: bool = False,
     outlier_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearized where it ends up; `start` is where to begin.
+    """The posterior of a model given data, linearized at its mean; `start` is the starting point.
 
-    Without a start it is started from several opening times of the parachute, for what that does has a kink
-    where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs, with
-    `outlier_flights` the noise of single flights follows a Student t.
+    Without one, the best of several fits from different opening times of the parachute is returned, because readouts
+    have a kink when ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With
+    `outlier_flights`, the noise of single flights follows a Student t.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -94,10 +94,10 @@ def fit_lanes(
     near: bool = False,
     flight_weight: Float[Array, "flight"] | None = None,
 ) -> list[Fit]:
-    """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
+    """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
 
-    A lane whose log evidence stays below `worth` is not followed further. `on_progress` hears the share done. With a
-    `flight_weight` to begin from, the noise of single flights follows a Student t.
+    A lane whose log evidence stays below `worth` is abandoned. `on_progress` is called with the fraction done. With an
+    initial `flight_weight`, the noise of single flights follows a Student t.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]
@@ -135,7 +135,7 @@ def fit_lanes(
 
 
 def _first_fit(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
-    """The posterior about the first point, the weights of outlier flights updated a few times."""
+    """The posterior at the first point, after a few updates of the weights of outlier flights."""
     found = solve(model, data, tangent, flight_weight)
     for _ in range(FLIGHT_WEIGHT_ROUNDS if flight_weight is not None else 0):
         found = _moved(found, tangent)
@@ -143,17 +143,17 @@ def _first_fit(model: Model, data: Data, tangent: Tangent, flight_weight: Float[
 
 
 def _moved(known: Fit, tangent: Tangent) -> Fit:
-    """The posterior about another point, with the scales that matter alone."""
+    """The posterior at another point, with only the scales that matter."""
     weight = None if known.flight_weight is None else flight_weights(known)
     return solve(known.model, known.data, tangent, weight, probable_scales(known))
 
 
 def probable_scales(known: Fit) -> Int[Integers, "scale"]:
-    """The pairs of scales that matter to a fit on its way: all between those that are probable, and the next smaller
-    scatter, for that is what scatter turns to as a fit finds its place."""
+    """The pairs of scales that matter before a fit converges: all in the range of the probable ones, and the next
+    smaller scatter, because the scatter decreases as a fit converges."""
     scatter, reading, _ = known.model.hyperprior.scales()
     every = np.arange(len(scatter)) if known.scales is None else known.scales
-    if not np.isfinite(known.log_weight).all():  # evidence that is no number: flights that this point does not follow
+    if not np.isfinite(known.log_weight).all():  # the evidence is nan: some flights cannot be simulated at this point
         return np.arange(len(scatter))
     likely = every[known.weights > WALKING_SCALE_WEIGHT]
     own, other = scatter[likely], reading[likely]
@@ -163,7 +163,7 @@ def probable_scales(known: Fit) -> Int[Integers, "scale"]:
 
 
 def _settled(result: Fit) -> Fit:
-    """The fit with weights of outlier flights that agree with it, and all pairs of scales."""
+    """The fit with converged weights of outlier flights and all pairs of scales."""
     for _ in range(MAX_SETTLING_ROUNDS):
         if result.flight_weight is None:
             break
@@ -177,7 +177,7 @@ def _settled(result: Fit) -> Fit:
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence[DampedSteps], moving: Sequence[int]) -> dict[int, int]:
-    """Lanes that are where an earlier one of the same terms is, each with that one: from there both take the same
+    """Lanes at the same point as an earlier lane with the same terms, each with that lane: both would take the same
     steps."""
     first: dict[tuple[object, ...], int] = {}
     places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / DISTINCT_STEP).tolist()) for i in moving}
@@ -185,7 +185,7 @@ def _joined(lanes: Sequence[Lane], walks: Sequence[DampedSteps], moving: Sequenc
 
 
 def _best(lanes: Sequence[Lane], results: Sequence[Fit | None]) -> dict[str, float]:
-    """The greatest log evidence so far of every kind of lane."""
+    """The highest log evidence so far for every kind of lane."""
     best: dict[str, float] = {}
     for lane, result in zip(lanes, results, strict=True):
         if result is not None:
@@ -198,7 +198,7 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
 
 
 def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
-    """A fit made again without each of some flights, all side by side, from where it ended with all of them."""
+    """Fits without each of some flights, in parallel, starting from the fit to all of them."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = whole.tangent.scatter_slope[..., -1]
     likely = probable_scales(whole)
@@ -224,13 +224,13 @@ def _unseen(data: Data, row: int) -> Data:
 
 
 def fit_robustly(model: Model, data: Data) -> Fit:
-    """As `fit`, each residual a Student t and not a normal, so that outliers count for less.
+    """As `fit`, with a Student t instead of a normal distribution for each residual, so that outliers count less.
 
     A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
     each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
-    variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is what scatter and terms leave
-    of a readout, so that a peak that is misread says nothing against its flight's apogee. The result has the finer
-    grids of scales of `Hyperprior.refined`.
+    variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is the part of a readout that
+    terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The result has the
+    finer grids of scales of `Hyperprior.refined`.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
@@ -241,7 +241,7 @@ def fit_robustly(model: Model, data: Data) -> Fit:
 
 
 def _followed(result: Fit) -> Fit:
-    """The fit relinearized at its posterior mean; the fit itself if it was linearized there."""
+    """The fit relinearized at its posterior mean, or the fit itself if it is linearized there."""
     walk, angle_slope = DampedSteps(result.tangent.at), result.tangent.scatter_slope[..., -1]
     if not walk.advance(result, near=True):
         return result

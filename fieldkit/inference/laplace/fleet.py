@@ -1,8 +1,9 @@
-"""What one rocket's flights say of the terms that all rockets of a flyer share, and what many say together.
+"""Information from each rocket's flights about the terms that a flyer's rockets share, and its combination.
 
-Given the shared terms (those of the fleet, and of motor types) rockets are independent. Each one's fit, by itself, is
-a normal posterior of the shared terms; divided by their prior it is the rocket's message, a likelihood. The prior times
-the messages of other rockets is what a rocket starts from: exact for a linear model, belief propagation otherwise.
+Given the shared terms (for the fleet and for motor types), rockets are independent. The fit of one rocket gives a
+normal posterior of the shared terms; divided by their prior it is the rocket's message, a likelihood. The prior of a
+rocket is the common prior times the messages of the other rockets. This is exact for a linear model and belief
+propagation otherwise.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ FlownFlights = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RocketFit:
-    """A rocket's fit by itself: its log evidence [nat], and its message to the rest of the fleet."""
+    """The separate fit of one rocket: its log evidence [nat] and its message to the rest of the fleet."""
 
     log_evidence: float
     message: Message
@@ -33,7 +34,7 @@ class RocketFit:
 
 
 def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
-    """Fit the clean flights of one rocket with nothing known of others."""
+    """Fit the clean flights of one rocket without information from others."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     model = replace(base_model(flights, found, hyperprior), coarse=True)
     result = fit_robustly(model, observe(flights, [flight.clean for flight in flights], hyperprior))
@@ -41,10 +42,10 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
 
 
 def message_of(result: Fit) -> Message:
-    """The posterior of the shared terms over their prior.
+    """The posterior of the shared terms divided by their prior.
 
-    The mixture over scales is taken as the normal distribution of its moments. If scales disagree that may be wider
-    in some direction than the prior; there the message says nothing.
+    The mixture over scales is approximated by a normal distribution with its moments. If scales disagree, this may be
+    wider than the prior in some direction; the message then has no information in that direction.
     """
     names = shared_names(result.model)
     rows = [result.model.names.index(name) for name in names]
@@ -54,7 +55,7 @@ def message_of(result: Fit) -> Message:
     covariance += np.einsum("s,si,sj->ij", weights, mean - middle, mean - middle)
     prior_mean = np.array([result.model.terms[row].mean for row in rows])
     prior_sd = np.array([result.model.terms[row].sd for row in rows])
-    # in units of the prior, where the message's precision is that of the posterior less one
+    # in units of the prior, in which the message's precision is the posterior's minus one
     values, vectors = np.linalg.eigh(covariance / np.outer(prior_sd, prior_sd))
     gained = np.maximum(1 / np.maximum(values, 1e-9) - 1, 0.0)
     moved = vectors.T @ ((middle - prior_mean) / prior_sd)
@@ -68,14 +69,14 @@ def _symmetric(matrix: Array) -> Array:
 
 
 def independent_prior(models: Sequence[Model]) -> SharedPrior:
-    """The prior of every shared term of some models, independent as the hyperprior has them."""
+    """The independent priors of all shared terms of some models, from the hyperprior."""
     terms = {term.name: term for model in models for term in model.terms if term.name in set(shared_names(model))}
     means, sds = (np.array([getattr(term, name) for term in terms.values()]) for name in ("mean", "sd"))
     return SharedPrior(tuple(terms), means, np.diag(sds**2))
 
 
 def merged(priors: Sequence[SharedPrior]) -> SharedPrior:
-    """Independent priors of terms that some have in common, as one."""
+    """Independent priors with some common terms, merged into one."""
     found: dict[str, tuple[float, float]] = {}
     for prior in priors:
         variances = np.diag(prior.covariance)
@@ -85,7 +86,7 @@ def merged(priors: Sequence[SharedPrior]) -> SharedPrior:
 
 
 def shared_prior(others: Sequence[RocketFit]) -> SharedPrior | None:
-    """What other rockets together show of the shared terms; None without any."""
+    """The combined information from other rockets about the shared terms; None if there are none."""
     if not others:
         return None
     return combined(merged([one.prior for one in others]), [one.message for one in others])
@@ -94,7 +95,7 @@ def shared_prior(others: Sequence[RocketFit]) -> SharedPrior | None:
 def joint_evidence(rockets: Sequence[RocketFit]) -> float:
     """Log marginal likelihood of all flights of a fleet, the shared terms integrated out. [nat]
 
-    That of every rocket by itself, and how much more likely their messages are together than one by one.
+    The sum over rockets, plus the log ratio of the joint likelihood of their messages to the product of separate ones.
     """
     prior = merged([one.prior for one in rockets])
     alone = sum(one.log_evidence - _log_mass(prior, [one.message]) for one in rockets)
@@ -102,7 +103,7 @@ def joint_evidence(rockets: Sequence[RocketFit]) -> float:
 
 
 def _log_mass(prior: SharedPrior, messages: Sequence[Message]) -> float:
-    """Logarithm of the integral of a normal prior times messages, each without its constant."""
+    """Logarithm of the integral of a normal prior times messages, without the constants of the messages."""
     place = {name: i for i, name in enumerate(prior.names)}
     inverse = np.linalg.inv(prior.covariance)
     precision, shift = inverse.copy(), np.zeros(len(prior.names))

@@ -1,11 +1,11 @@
-"""A fit against the simulator itself: evidence, and flights left out, by importance sampling.
+"""Check of a fit with the simulator: evidence and leave-one-out forecasts by importance sampling.
 
-Terms are drawn from the fit's normal posterior and flown. Their prior times their likelihood, the noise of each flight
-a multivariate Student t and both scales summed over, over the density that they were drawn from, are their weights
-(Robert and Casella, Monte Carlo Statistical Methods, 2004, chapter 3). The mean weight is the evidence. Divided by the
-likelihood of a flight the weights are those of the posterior without that flight. The largest weights are smoothed by a
-generalized Pareto distribution, whose shape k says whether they can be relied on (Vehtari, Simpson, Gelman, Yao and
-Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024).
+Terms are drawn from the fit's normal posterior and simulated. The weight of a draw is its prior times its likelihood,
+divided by the density it was drawn from (Robert and Casella, Monte Carlo Statistical Methods, 2004, chapter 3); the
+noise of each flight is a multivariate Student t, and both scales are summed over. The mean weight is the evidence.
+Divided by the likelihood of a flight, the weights represent the posterior without that flight. The largest weights are
+smoothed by a generalized Pareto distribution, whose shape k shows whether they are reliable (Vehtari, Simpson, Gelman,
+Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024).
 """
 
 from dataclasses import dataclass
@@ -25,27 +25,27 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 500
-"""Draws flown for each fit: with one in four of them effective, the log evidence has an error of a tenth. [1]"""
+"""Draws simulated for each fit; if one in four is effective, the log evidence has an error of 0.1 nat. [1]"""
 MORE_DRAWS = 3
-"""Draws over `DRAWS` if these are not enough. [1]"""
+"""Factor on `DRAWS` if they are not enough. [1]"""
 INFLATION = 1.15
-"""Variance of the draws over that of the fit, so that its tails hold those of the posterior. [1]"""
+"""Ratio of the variance of the draws to the fit's, so that their tails cover those of the posterior. [1]"""
 RELIABLE_PARETO_K = 0.7
-"""Shape of the tail of the weights up to which they can be relied on (Vehtari et al., 2024). [1]"""
+"""Weights are reliable up to this shape of their tail (Vehtari et al., 2024). [1]"""
 NEGLIGIBLE_SCALE_WEIGHT = 3e-4
-"""Posterior weight of a pair of scales below which it is left out. [1]"""
+"""Pairs of scales below this posterior weight are left out. [1]"""
 NO_FLIGHT_MISS = 20.0
-"""Miss of a readout that a draw does not have because it stays on the pad, by ratio as it is compared. [1]"""
+"""Residual of a readout for a draw that stays on the pad, as a log ratio. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Sampled:
-    """What importance sampling makes of a fit.
+    """A fit checked by importance sampling.
 
-    `log_evidence` has the standard error `error`; `pareto_k` is the shape of the tail of its weights. For every flight
-    left out: `log_without`, the log evidence of the others, `pareto_k_without`, and the forecast of its compared apogee
-    as a mixture over scales: mean, variance about it for what is not known of the rocket, and for the flight's own
-    scatter and reading, and the weight of each scale, for those of all `scales` that have any.
+    `log_evidence` has the standard error `error`; `pareto_k` is the shape of the tail of its weights. For every
+    left-out flight: `log_without`, the log evidence of the others, `pareto_k_without`, and the forecast of its compared
+    apogee as a mixture over scales: mean, variance due to the uncertain parameters of the rocket, variance due to the
+    flight's scatter and reading, and the weight of each of the `scales` with any weight.
     """
 
     log_evidence: float
@@ -61,8 +61,8 @@ class Sampled:
 
 
 def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
-    """A fit's evidence and its flights left out, by importance sampling with the simulator; with more draws if the
-    weights of the first cannot be relied on."""
+    """A fit's evidence and leave-one-out forecasts by importance sampling with the simulator; more draws are made if
+    the weights of the first are unreliable."""
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     flown = _flown(fit, scales, rng, draws)
     first = _weighed(fit, scales, flown)
@@ -73,7 +73,7 @@ def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
 
 
 class _Flown(NamedTuple):
-    """Draws of a fit, flown."""
+    """Simulated draws of a fit."""
 
     log_density: Float[Array, "draw"]
     likelihood: Float[Array, "draw scale flight"]
@@ -110,7 +110,7 @@ def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled
 def _drawn(
     fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
-    """Draws of the terms from the posterior, a little wider, and the log density that they were drawn from."""
+    """Draws of the terms from the slightly widened posterior, and their log density."""
     weights = fit.weights[scales] / fit.weights[scales].sum()
     roots = np.linalg.cholesky(fit.covariance[scales]) * sqrt(INFLATION)
     which = rng.choice(len(scales), size=draws, p=weights)
@@ -125,7 +125,7 @@ def _drawn(
 def log_prior(
     model: Model, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> Float[Array, "draw scale"]:
-    """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`."""
+    """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`. [nat]"""
     low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
     precision, log_det = (part[scales] for part in prior_precision(model))
     off = terms - mean
@@ -138,7 +138,7 @@ def log_prior(
 def _log_likelihood(
     fit: Fit, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> tuple[Float[Array, "draw scale flight"], Float[Array, "draw flight"]]:
-    """Log likelihood of every flight as in `log_likelihood`, and the apogee as it is compared."""
+    """Log likelihood of every flight as in `log_likelihood`, and the compared apogee."""
     model, near = fit.model, fit.tangent
     low, high = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high"))
     readings = shown(model, np.clip(terms, low, high), {})
@@ -150,8 +150,8 @@ def _log_likelihood(
 def log_likelihood(
     fit: Fit, scales: Int[Integers, "scale"], flown: Float[Array, "draw flight readout"]
 ) -> Float[Array, "draw scale flight"]:
-    """Log likelihood of every flight of a fit, its noise a multivariate Student t about what each draw shows as it is
-    compared, up to the constant of a normal."""
+    """Log likelihood of every flight of a fit, with multivariate Student t noise around the compared readouts of each
+    draw, up to the constant of a normal. [nat]"""
     from scipy.special import gammaln
 
     model, near = fit.model, fit.tangent
@@ -168,7 +168,7 @@ def log_likelihood(
 def _squares(
     miss: Float[Array, "draw flight readout"], sharpness: Float[Array, "scale flight readout readout"]
 ) -> Float[Array, "draw scale flight"]:
-    """Square of each flight's miss, in standard deviations (Mahalanobis)."""
+    """Squared Mahalanobis distance of each flight. [1]"""
     by_flight = np.swapaxes(miss, 0, 1)
     found = [((by_flight @ sharp) * by_flight).sum(axis=-1).T for sharp in sharpness]
     return np.stack(found, axis=1)
@@ -177,7 +177,7 @@ def _squares(
 def _without(
     target: Float[Array, "draw scale"], likelihood: Float[Array, "draw scale"], log_density: Float[Array, "draw"]
 ) -> tuple[float, float, Float[Array, "draw scale"]]:
-    """Log evidence without a flight, the Pareto k of its weights, and these by draw and scale."""
+    """Log evidence without a flight, the Pareto k of its weights, and the weights by draw and scale."""
     joint = target - likelihood
     total = np.logaddexp.reduce(joint, axis=1)
     smooth, pareto_k = smoothed(total - log_density)

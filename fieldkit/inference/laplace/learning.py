@@ -1,10 +1,10 @@
-"""Learn the hyperprior from real flights: the marginal likelihood's maximum by expectation-maximization.
+"""Learn the hyperprior from real flights by maximizing the marginal likelihood with expectation-maximization.
 
-The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
-flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the
-posterior mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few
-groups can determine is held near a stated start: each variance has a scaled inverse chi squared prior there, worth
-`PRIOR_GROUPS` groups. Readouts are linear about the last fits, which are made again in every round.
+The flights of several flyers are independent given the hyperprior. Each step computes every rocket's posterior given
+all flights of its flyer (its fit combined with the messages of the other rockets), and sets each variance to the
+posterior mean square of its random effects (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). Variances with few
+groups stay near a stated start: each has a scaled inverse chi-squared prior that counts as `PRIOR_GROUPS` groups.
+Readouts are linear around the last fits, which are repeated in every round.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,18 +29,19 @@ from fieldkit.shapes import Array, Float
 Fleet = Sequence[FlownFlights]
 """The flights of one flyer, rocket by rocket."""
 PRIOR_GROUPS = 4.0
-"""Number of groups that the initial variance counts for: with three flyers the estimate stays near it. [1]"""
+"""Number of groups that the prior of each variance counts as; with three flyers the estimate stays near its start.
+[1]"""
 MEAN_SD = 0.2
-"""How far the mean of a quantity over all flyers may lie from its start. [1]"""
+"""Prior standard deviation of each mean around its start. [1]"""
 ROUNDS = 3
-"""Times readouts are linearized."""
+"""Number of rounds, each with a new linearization."""
 STEPS = 25
-"""Steps of expectation-maximization in a round."""
+"""Expectation-maximization steps per round."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Linear:
-    """One rocket's flights, linear about its last fit."""
+    """One rocket's flights, linearized at its last fit."""
 
     flown: FlownFlights
     tangent: Tangent
@@ -49,14 +50,14 @@ class _Linear:
 
 
 class _Sums:
-    """Sums of squares and counts by name of a variance."""
+    """Sums of squares and counts by the name of the variance."""
 
     def __init__(self) -> None:
         self.square: dict[str, float] = {}
         self.count: dict[str, float] = {}
 
     def add(self, name: str, square: float, count: float) -> None:
-        """Count some groups."""
+        """Add the squares of some groups."""
         self.square[name] = self.square.get(name, 0.0) + square
         self.count[name] = self.count.get(name, 0.0) + count
 
@@ -75,10 +76,11 @@ def learn_hyperprior(
     begin: Hyperprior | None = None,
     on_progress: ReportProgress = no_op,
 ) -> Hyperprior:
-    """The hyperprior that makes the flights of some flyers most likely, near a start.
+    """The hyperprior with the highest marginal likelihood of some flyers' flights, near a start.
 
-    Effects that the start does not have stay out; so does the standard deviation of the reading scale, which one device
-    cannot show. `begin` is where to begin, by default at the start. With it comes how well each mean is known.
+    Random effects that the start lacks are not added. The standard deviation of the reading scale is not learned,
+    because one device does not determine it. `begin` is the initial value of the iteration, by default the start. The
+    result includes the uncertainty of each mean.
     """
     start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
@@ -93,9 +95,8 @@ def learn_hyperprior(
 def mean_sds(flyers: Sequence[SharedPrior], hyperprior: Hyperprior) -> dict[str, float]:
     """Standard deviation of each mean over flyers, given the posterior of every flyer's fleet. [1] or [s]
 
-    A flyer's fleet is normal about the means, with the variances T between flyers. If its flights turn that into the
-    covariance V, they are worth the precision T^-1 - T^-1 V T^-1 for the means (Woodbury); before any flyer each mean
-    is known to `MEAN_SD`.
+    Fleets are normal around the means with covariance T. If the posterior covariance of a fleet is V, its flights add
+    the precision T^-1 - T^-1 V T^-1 for the means (Woodbury). The prior standard deviation of each mean is `MEAN_SD`.
     """
     quantities = [quantity for quantity in hyperprior.means if hyperprior.sd(quantity, "fleet")]
     between = np.array([hyperprior.sd(quantity, "fleet") ** 2 for quantity in quantities])
@@ -141,7 +142,7 @@ def _linearized(flown: FlownFlights, hyperprior: Hyperprior) -> _Linear:
 def _step(
     fleets: Sequence[Sequence[_Linear]], hyperprior: Hyperprior, start: Hyperprior
 ) -> tuple[Hyperprior, list[list[_Linear]]]:
-    """One step of expectation-maximization, and the rockets with the weights of their outliers updated."""
+    """One expectation-maximization step, and the rockets with updated weights of their outliers."""
     sums, means = _Sums(), _Sums()
     updated = []
     for fleet in fleets:
@@ -174,7 +175,7 @@ def _solved(one: _Linear, hyperprior: Hyperprior, shared: SharedPrior | None) ->
 
 
 def _count_rocket(result: Fit, sums: _Sums) -> None:
-    """What one rocket shows of the variances that are its own: its terms, its scatter and its residuals."""
+    """One rocket's part of the sums for the variances of its terms, scatter and residuals."""
     model, weights = result.model, result.weights
     scatter, reading, _ = model.hyperprior.scales()
     by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
@@ -182,7 +183,7 @@ def _count_rocket(result: Fit, sums: _Sums) -> None:
     square = result.mean**2 + np.diagonal(result.covariance, axis1=1, axis2=2)
     for i, term in enumerate(model.terms):
         name = _variance_name(term.name)
-        if term.name == "drag":  # with the unknown area of rockets whose diameter nobody wrote down
+        if term.name == "drag":  # including the unknown area of rockets without a recorded diameter
             sums.add("drag", float(weights @ square[:, i]) / term.sd**2, 1.0)
         elif name and term.name not in shared:
             sums.add(name, float(weights @ (square[:, i] / by[term.scaled_by] ** 2)), 1.0)
@@ -197,7 +198,7 @@ def _count_rocket(result: Fit, sums: _Sums) -> None:
 
 
 def _variance_name(term: str) -> str:
-    """The variance that a term of a single rocket belongs to; empty for one that is not learned."""
+    """The name of the variance of a term of one rocket; empty for one that is not learned."""
     if term in QUANTITIES:
         return "" if term == "drag" else f"{term}.rocket"
     quantity, between, group = term.partition(" on ")
@@ -209,8 +210,8 @@ def _variance_name(term: str) -> str:
 def _scatter_squares(result: Fit) -> Mapping[str, float]:
     """Posterior mean squares of the standardized random effects of single flights, summed over the flights.
 
-    With S = U diag(s) their slopes and N the noise, z = S' N^-1 r for the miss r that terms leave, and what stays open
-    of z is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
+    With slopes S = U diag(s), noise N and residual r after the terms, the posterior mean is z = S' N^-1 r and the
+    covariance is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
     """
     model, told = result.model, result.told
     scale = model.hyperprior.scales()[0]
@@ -229,7 +230,7 @@ def _scatter_squares(result: Fit) -> Mapping[str, float]:
 
 
 def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, means: _Sums) -> None:
-    """What one flyer shows of the variances of shared terms, and of the means over flyers."""
+    """One flyer's part of the sums for the variances of shared terms and for the means over flyers."""
     variances = np.diag(together.covariance)
     for name, mean, variance in zip(together.names, together.mean, variances, strict=True):
         quantity = name.partition(" of ")[0]
@@ -241,7 +242,7 @@ def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, me
 
 
 def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) -> Hyperprior:
-    """The hyperprior that the sums ask for."""
+    """The hyperprior that follows from the sums."""
     sds = dict(now.sds)
     for name in now.sds:
         quantity, _, level = name.partition(".")
@@ -269,7 +270,7 @@ def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) ->
 
 
 def _factor(sums: _Sums, name: str, now: float, start: float) -> float:
-    """By what a standard deviation grows, given standardized squares about it."""
+    """Factor on a standard deviation, from sums of standardized squares. [1]"""
     count = sums.count.get(name, 0.0)
     return float(np.sqrt((sums.square.get(name, 0.0) + PRIOR_GROUPS * (start / now) ** 2) / (count + PRIOR_GROUPS)))
 

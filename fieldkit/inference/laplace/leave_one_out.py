@@ -1,4 +1,4 @@
-"""What a fit predicts for flights left out of it."""
+"""Leave-one-out predictions of a fit."""
 
 from dataclasses import dataclass, replace
 
@@ -14,12 +14,12 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class LeaveOneOut:
-    """What a fit says of each flight when that flight is left out of it.
+    """The leave-one-out prediction of each flight.
 
-    For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
-    (times the evidence of the other flights). The variance is scaled as the others' apogees ask (`spread`).
-    `distance` is how far the flight's readouts lie from what the others say of them, squared, in standard
-    deviations (Mahalanobis), `residual` each readout's own distance, flown less expected.
+    For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair (times the
+    evidence of the other flights). The variance is scaled by the scatter of the other flights' apogees (`spread`).
+    `distance` is the squared Mahalanobis distance of the flight's readouts from the prediction, and `residual` the
+    standardized residual of each readout, flown minus expected.
     """
 
     mean: Float[Array, "scale flight"]
@@ -31,12 +31,12 @@ class LeaveOneOut:
 
 
 def leave_one_out(result: Fit) -> LeaveOneOut:
-    """Predictions of every flight from all the others, exactly as far as the readouts are linear.
+    """Predictions of every flight from all the others, exact if the readouts are linear.
 
-    With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is what all flights, itself
-    included, leave open of its readouts. From r, the miss of the mean, and M = 1 / (N - G) follow without another
-    solution in the terms: the error of the others' forecast, e = N M r, its covariance N M N, and the mean and
-    covariance of anything else that the others say (Woodbury's identity).
+    With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is the covariance of its
+    predicted readouts given all flights, including this one. With the residual r of the mean and M = 1 / (N - G),
+    Woodbury's identity gives the error of the leave-one-out prediction, e = N M r, its covariance N M N, and the mean
+    and covariance of every other prediction, without solving for the terms again.
     """
     near, told, covariance = result.tangent, result.told, result.covariance
     prior_mean = np.array([term.mean for term in result.model.terms])
@@ -66,7 +66,7 @@ def _applied(matrix: Array, vector: Array) -> Array:
 
 
 def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weight: Array) -> ScatterWeights | None:
-    """The scatter of apogees beside what the scales make of it, by flights left out; none if the model has it."""
+    """The scatter of apogees relative to the scales, from leave-one-out errors; None if the model includes it."""
     if result.model.hyperprior.sd("apogee", "flight"):
         return None
     data = result.data
@@ -79,7 +79,7 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
-    """Variance of a flight's compared apogee about its expectation: scatter and reading."""
+    """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
     scatter = result.model.hyperprior.scales()[0]
     spread = result.tangent.scatter_slope[:, 0]
     expected = replace(result.data, sd=_expected_sd(result))
@@ -89,14 +89,14 @@ def own_variance(result: Fit) -> Float[Array, "scale flight"]:
 
 
 def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:
-    """Expected error of each readout, of an apogee as the model and not the flight has it."""
+    """Expected error of each readout; for the apogee, the model's value instead of the recorded one."""
     sd = result.data.sd.copy()
     sd[:, 0] = own_reading_sd(np.exp(result.tangent.values[:, 0]), result.model.hyperprior)
     return sd
 
 
 def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Float[Array, "*draw"]:
-    """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
+    """Expected relative error of an apogee [m] as read off the altimeter. [1]"""
     raw = np.full((*apogee.shape, len(OBSERVED_READOUTS)), 1.0)
     raw[..., 0] = apogee
     return reading_sd(raw, hyperprior)[..., 0]

@@ -1,4 +1,4 @@
-"""Readouts near a point: their values and how they change with each unknown, all from one batch of flights."""
+"""Readouts near a point: values and derivatives with respect to each term, from one batch of simulated flights."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from fieldkit.physics.effect import Effect
 from fieldkit.shapes import Array, Flags, Float
 
 STEP = 0.25
-"""Step of the difference for a strength, in standard deviations of its prior. [1]"""
+"""Finite-difference step of a strength, in prior standard deviations. [1]"""
 STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "mass": 0.005, "opening": 0.1}
-"""Step of the difference for everything else that terms bend, small beside what they may be."""
+"""Finite-difference step of every other property, small relative to its prior."""
 BOTH_WAYS = {"delay": 0.08}
-"""Steps taken to both sides, as far as single flights scatter: where ejection meets apogee readouts have a kink, of
-which a small step sees one side."""
+"""Central steps about as large as the scatter of single flights: readouts have a kink when ejection is at apogee, and a
+small step would see only one side of it."""
 _PERTURBATIONS = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
-"""What is bent in the rows after a lane's point, and by how much."""
+"""The property changed in each row after a lane's point, and the step."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tangent:
-    """The readouts near a point: values there, derivatives, and what a standard deviation of scatter does."""
+    """The readouts near a point: values, derivatives, and the effect of one standard deviation of scatter."""
 
     at: Float[Array, "term"]
     values: Float[Array, "flight readout"]
@@ -33,8 +33,8 @@ class Tangent:
 
 
 def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
-    """What a launch angle of one unit does to the readouts, zero if the model has none; it needs the planar flight
-    and is flown separately."""
+    """The effect of one unit of launch angle on the readouts, zero if the model has none. It needs planar flight and is
+    simulated separately."""
     if all(kind.bends != "tilt" for kind in model.scatter):
         return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
     upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
@@ -47,17 +47,17 @@ def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"
 
 
 def _lean(model: Model) -> Float[Array, "2 flight"]:
-    """None, and one unit of it."""
+    """The model without a launch angle, and with one unit of it."""
     return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
 
 
 def tangents(
     model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], angle_slope: Float[Array, "flight readout"]
 ) -> list[Tangent]:
-    """Values and derivatives of several lanes, each at its own point, from one batch of flights.
+    """Values and derivatives of several lanes, each at its own point, from one batch of simulated flights.
 
-    Terms that bend the same thing share a column, which their weights on each flight scale: drag of a rocket and drag
-    of one configuration of it differ in which flights they act on. A reading that is biased by a ratio needs no flight.
+    Terms that act on the same property share a column, scaled by their weights on each flight: drag of a rocket and
+    drag of one of its configurations differ only in the flights they act on. The bias of a reading needs no simulation.
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
@@ -75,11 +75,10 @@ def tangents(
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Rows to fly for a lane: its point, a step in each of what is `_PERTURBATIONS`, a step in the strengths of each
-    slot.
+    """Rows to simulate for a lane: its point, a step in each of `_PERTURBATIONS`, a step in the strengths of each slot.
 
-    `slots` holds the row of every term that is the strength of an effect, and its step; flights know nothing of each
-    other, so that strengths which act on different flights share a row.
+    `slots` has the row of every strength of an effect, and its step. Flights are independent, so strengths that act on
+    different flights share a row.
     """
 
     terms: tuple[int, ...]
@@ -121,12 +120,12 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: 
 
 
 def _finite(moved: Array) -> Array:
-    """Changes of readouts, 0 if either end has none: a step that keeps a flight on the pad has no slope."""
+    """Changes of readouts, 0 if either end is missing: a step that keeps a flight on the pad has no slope."""
     return np.nan_to_num(moved, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:
-    """What a unit of one term does to the readouts. [flight readout]"""
+    """The effect of one unit of a term on the readouts. [flight readout]"""
     if slot is not None:
         row, step = slot
         return np.asarray(np.where(term.weight[:, None] != 0, moved[row] / step, 0.0))

@@ -1,8 +1,9 @@
-"""Flights that lie further off than others: the noise of a flight's readouts together follows a Student t.
+"""Outlier flights: the joint noise of a flight's readouts follows a Student t.
 
-A multivariate Student t is a normal whose precision is multiplied by a factor that is Gamma distributed, one factor a
-flight, with mean one. The factors are integrated by variational Bayes (Lange, Little and Taylor, 1989; Bishop, Pattern
-Recognition and Machine Learning, 2006, section 10.1), so that one outlier says little for or against an effect.
+A multivariate Student t is a normal whose precision is multiplied by a Gamma distributed factor with mean one, one
+factor per flight. The factors are integrated by variational Bayes (Lange, Little and Taylor, 1989; Bishop, Pattern
+Recognition and Machine Learning, 2006, section 10.1), so that one outlier has little influence on the evidence for an
+effect.
 """
 
 import numpy as np
@@ -13,12 +14,13 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 
 def readouts_used(data: Data, tangent: Tangent) -> Int[Integers, "flight"]:
-    """Number of readouts of each flight that a fit about a point compares. [1]"""
+    """Number of readouts of each flight that are compared at a point. [1]"""
     return np.asarray((data.seen & np.isfinite(tangent.values)).sum(axis=1))
 
 
 def log_tail(weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float) -> Float[Array, "flight"]:
-    """What the lower bound of the log evidence has for each flight beside that of a normal one of this weight. [nat]"""
+    """The term of each flight in the lower bound of the log evidence, in addition to a normal one of this weight.
+    [nat]"""
     from scipy.special import digamma, gammaln
 
     a, a0 = (nu + count) / 2, nu / 2

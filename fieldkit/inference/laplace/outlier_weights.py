@@ -1,4 +1,4 @@
-"""How much flights and readouts count in a fit whose noise follows a Student t: less, the farther off they are."""
+"""Weights of flights and readouts in a fit with Student t noise: smaller for outliers."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from fieldkit.inference.laplace.posterior import Fit, residual_variance
 from fieldkit.shapes import Array, Float
 
 NEGLIGIBLE_SCALE_WEIGHT = 0.01
-"""Posterior weight of a pair of scales below which it has no part in the weights of flights. [1]"""
+"""Pairs of scales below this posterior weight are ignored in the weights of flights. [1]"""
 
 
 def flight_weights(result: Fit) -> Float[Array, "flight"]:
-    """Expected precision of each flight over that of an ordinary one, as a fit has it. [1]"""
+    """Expected precision of each flight relative to an ordinary one, from a fit. [1]"""
     weight = np.ones(len(result.data.seen)) if result.flight_weight is None else result.flight_weight
     scales = np.flatnonzero(result.weights > NEGLIGIBLE_SCALE_WEIGHT)
     nu, told, sharpness = result.model.hyperprior.tail, result.told, result.told.sharpness[scales]
@@ -26,7 +26,7 @@ def flight_weights(result: Fit) -> Float[Array, "flight"]:
 
 
 def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
-    """Expected precision of every residual over that of an ordinary one, as the fit has it. [1]"""
+    """Expected precision of every residual relative to an ordinary one, from a fit. [1]"""
     nu = result.model.hyperprior.tail
     square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
     return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
@@ -35,8 +35,8 @@ def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
 def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     """Posterior mean square of every residual, over its variance before outliers count for less. [1]
 
-    With N = S S' + D the noise of a flight's readouts, D the part of the residuals, and r the miss of the terms: a
-    residual is D N^-1 r, and what scatter and terms leave open of it is D - D N^-1 D + D N^-1 A C A' N^-1 D.
+    With the noise N = S S' + D of a flight's readouts, D the part of the residuals, and the difference r that the terms
+    leave, the residual has the mean D N^-1 r and the covariance D - D N^-1 D + D N^-1 A C A' N^-1 D.
     """
     told, data, variance = result.told, result.data, residual_variance(result.model, result.data)
     own = np.where(data.seen, variance / data.trust, 0.0)

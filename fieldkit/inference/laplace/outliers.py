@@ -1,7 +1,7 @@
-"""Outliers by name: the readouts of a fit that hardly count, because they lie far from what the model expects.
+"""Warnings of outliers: readouts with a low weight in a fit because they are far from their expectation.
 
-Nothing is removed from a fit: each residual follows a Student t, and counts with the weight that it leaves it
-(`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is warned of those that are nearly always a typing error.
+Nothing is removed from a fit: each residual follows a Student t and has the corresponding weight
+(`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is warned of readouts that are nearly always typing errors.
 """
 
 from typing import Any
@@ -14,14 +14,14 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.shapes import Array, Float, Int
 
 FALSE_ALARMS = 0.01
-"""Fraction of good flights with an outlier that is reported. [1]"""
+"""Fraction of good flights with a false warning. [1]"""
 
 MAX_OUTLIER_WEIGHT = 0.25
-"""Weight that every outlier is below: of a lone readout with 4 degrees of freedom the bound is 0.20. [1]"""
+"""Upper bound of the weight of any outlier; for a single readout with 4 degrees of freedom the bound is 0.20. [1]"""
 
 
 def outlier_lines(result: Fit) -> tuple[str, ...]:
-    """A line for each outlier of a flight that is not tagged `checked`, in the order flown."""
+    """One line for each outlier of a flight that is not tagged `checked`, in the order flown."""
     data = result.data
     if not (data.seen & (data.trust < MAX_OUTLIER_WEIGHT)).any():
         return ()
@@ -34,12 +34,13 @@ def outlier_lines(result: Fit) -> tuple[str, ...]:
 
 
 def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Array, "flight"]:
-    """The weight below which one of so many good readouts of a flight falls with probability `FALSE_ALARMS`. [1]
+    """The threshold below which the weight of any of this number of good readouts falls with probability
+    `FALSE_ALARMS`. [1]
 
-    A residual of t standard deviations has the weight (nu + 1) / (nu + t^2), nu being the degrees of freedom of the
-    Student t it follows, `tail`; the readouts of a flight count as independent (Bonferroni).
+    A residual of t standard deviations has the weight (nu + 1) / (nu + t^2), with the degrees of freedom nu of its
+    Student t, `tail`. The readouts of a flight are treated as independent (Bonferroni).
     """
-    from scipy.special import stdtrit  # a tenth of a second, which most forecasts need not pay
+    from scipy.special import stdtrit  # takes 0.1 s to import, and most forecasts do not need it
 
     bound = stdtrit(tail, 1 - FALSE_ALARMS / (2 * np.maximum(readouts, 1)))
     return np.asarray((tail + 1) / (tail + bound**2))
@@ -51,5 +52,5 @@ def _line(flight: Flight, readout: str, weight: float) -> str:
     found = "" if value is None else f" of {float(column.render(value)):.4g} {column.unit}"
     return (
         f"flight {name}: {column.title.lower()}{found} is far from what the model expects and counts for "
-        f"{100 * weight:.0f} % of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+        f"{100 * weight:.0f}% of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )

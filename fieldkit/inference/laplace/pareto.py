@@ -1,8 +1,8 @@
-"""Importance weights whose largest are smoothed by a generalized Pareto distribution.
+"""Importance weights with the largest smoothed by a generalized Pareto distribution.
 
 Source: Vehtari, Simpson, Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning
-Research 25, 2024; the distribution is fitted as by Zhang and Stephens, Technometrics 51, 2009, with the prior of the
-former.
+Research 25, 2024; the distribution is fitted as in Zhang and Stephens, Technometrics 51, 2009, with the prior of
+Vehtari et al.
 """
 
 import numpy as np
@@ -10,12 +10,12 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 MIN_TAIL = 5
-"""Weights in the tail below which nothing can be fitted. [1]"""
+"""Minimum number of weights in the tail for a fit. [1]"""
 
 
 def smoothed(log_weight: Float[Array, "draw"]) -> tuple[Float[Array, "draw"], float]:
-    """Log weights, the tail replaced by the expected order statistics of the Pareto distribution fitted to it, and the
-    shape k of that; infinite if too few draws have any weight."""
+    """Log weights with the tail replaced by the expected order statistics of the fitted Pareto distribution, and its
+    shape k; infinite if too few draws have any weight."""
     count = len(log_weight)
     tail = int(min(0.2 * count, 3 * np.sqrt(count)))
     order = np.argsort(log_weight)
@@ -35,7 +35,7 @@ def smoothed(log_weight: Float[Array, "draw"]) -> tuple[Float[Array, "draw"], fl
 
 
 def _fitted(excess: Float[Array, "tail"]) -> tuple[float, float]:
-    """Shape and scale of the generalized Pareto distribution of values in ascending order."""
+    """Shape and scale of the generalized Pareto distribution fitted to values in ascending order."""
     count = len(excess)
     grid = 30 + int(np.sqrt(count))
     quarter = excess[int(count / 4 + 0.5) - 1]

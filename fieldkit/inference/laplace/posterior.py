@@ -1,8 +1,8 @@
-"""The posterior of a model's terms and its evidence, the readouts linear about a point.
+"""The posterior of a model's terms and its evidence, with the readouts linear around a point.
 
-Scatter of single flights integrates out exactly, and the posterior is normal (Laplace; Bishop, Pattern Recognition
-and Machine Learning, 2006, chapters 3 and 4). How large scatter and reading errors are is not known beforehand: both
-are scaled by factors on a grid, weighted by the evidence for each.
+Scatter of single flights integrates out exactly, and the posterior is normal (Laplace; Bishop, Pattern Recognition and
+Machine Learning, 2006, chapters 3 and 4). The sizes of scatter and of reading errors are unknown: both are scaled by
+factors on a grid, weighted by their evidence.
 """
 
 from dataclasses import dataclass, replace
@@ -19,15 +19,15 @@ from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 UNOBSERVED_SD = 1e3
-"""Standard deviation given to what was not observed."""
+"""Standard deviation of readouts that were not observed."""
 
 
 NEGLIGIBLE_TAIL_SDS = 7.0
-"""Standard deviations inside a bound from which on the probability beyond it is numerically zero. [1]"""
+"""At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
 
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
-    """Prior standard deviation of every term by itself, for every pair of scales."""
+    """Marginal prior standard deviation of every term for every pair of scales, in the unit of the term."""
     scatter, reading, _ = model.hyperprior.scales()
     by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
     sds = [term.sd * by[term.scaled_by] for term in model.terms]
@@ -53,7 +53,7 @@ def prior_precision(
 
 
 def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight readout"]:
-    """Variance of each readout beside what terms and scatter make of it, before any is taken for an outlier."""
+    """Residual variance of each readout after terms and scatter, before outliers are weighted. [1] or [s^2]"""
     scatter, reading, _ = model.hyperprior.scales()
     variance = reading[:, None, None] ** 2 * data.sd**2
     variance[..., 0] = data.sd[:, 0] ** 2 + (scatter[:, None] * apogee_scatter(model)) ** 2
@@ -64,9 +64,9 @@ def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight re
 class FlightEvidence:
     """The information in each flight's readouts, linearized at a point.
 
-    `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
-    `noise` is the covariance of each flight's readouts about what the terms say, `sharpness` its inverse, `log_det`
-    the logarithm of its determinant, with the 2 pi of a normal density and without what was not observed.
+    `slope` and `miss` are zero for readouts that cannot be compared; `miss` is the difference from the expectation at
+    the prior means. `noise` is the covariance of each flight's readouts given the terms, `sharpness` its inverse, and
+    `log_det` the logarithm of its determinant, with the 2 pi of a normal density and without unobserved readouts.
     """
 
     slope: Float[Array, "flight readout term"]
@@ -78,13 +78,12 @@ class FlightEvidence:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A normal posterior of the terms for every pair of scales, at the last point of linearization.
+    """The normal posterior of the terms for every pair of scales, at the last point of linearization.
 
-    Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
-    posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
-    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None if flights are taken to be normal; the
-    log evidence is a lower bound then. `scales` are the pairs of scales of a fit that is
-    still on its way, None for all.
+    Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of prior weight times
+    evidence of each pair (not normalized; its log-sum is the log evidence of the model). `covariance` is the covariance
+    of the terms, `precision` its inverse. `flight_weight` is as in `solve`, with which the log evidence is a lower
+    bound; None for normal flights. `scales` are the pairs of scales of an unfinished fit, None for all.
     """
 
     model: Model
@@ -105,7 +104,7 @@ class Fit:
 
     @property
     def weights(self) -> Float[Array, "scale"]:
-        """Posterior weight of each pair of scales."""
+        """Posterior weight of each pair of scales. [1]"""
         return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
 
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
@@ -122,11 +121,11 @@ def solve(
     flight_weight: Float[Array, "flight"] | None = None,
     which: Int[Integers, "scale"] | None = None,
 ) -> Fit:
-    """The normal posterior for every pair of scales, the readouts linear about a point.
+    """The normal posterior for every pair of scales, with the readouts linear around a point.
 
-    `flight_weight` is the expected precision of each flight as a whole over that of an ordinary one (see
-    `fieldkit.inference.laplace.outlier_flights`). With `which` the result has those pairs of scales
-    alone, for a fit that is still on its way.
+    `flight_weight` is the expected precision of each whole flight relative to an ordinary one (see
+    `fieldkit.inference.laplace.outlier_flights`). With `which`, the result has only those pairs of scales, for an
+    unfinished fit.
     """
     told = flight_evidence(model, data, near, flight_weight, which)
     scales, terms = len(told.noise), len(model.terms)
@@ -150,8 +149,8 @@ def _concluded(
     sums: tuple[Float[Array, "scale term term"], Float[Array, "scale term"], Float[Array, "scale"]],
     which: Int[Integers, "scale"] | None,
 ) -> Fit:
-    """The posterior from what all flights together say of the terms: `sums` are their information, its pull from the
-    prior means, and how far the flights lie from those."""
+    """The posterior from the sums over flights: the information matrix, the score at the prior means, and the squared
+    distance of the flights from them."""
     information, gain, misfit = sums
     prior_mean = np.array([term.mean for term in model.terms])
     prior, log_det_prior = prior_precision(model, which)
@@ -175,7 +174,7 @@ def flight_evidence(
     flight_weight: Float[Array, "flight"] | None = None,
     which: Int[Integers, "scale"] | None = None,
 ) -> FlightEvidence:
-    """The information in each flight's readouts, linear about a point; `flight_weight` and `which` as in `solve`."""
+    """The information in each flight's readouts, linear around a point; `flight_weight` and `which` as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
@@ -190,7 +189,8 @@ def flight_evidence(
 
 
 def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags) -> tuple[Array, Array]:
-    """As `inverses`, quicker if no flight has the last readouts, those of logs: they are independent of the rest."""
+    """As `inverses`, but faster if no flight has the last readouts, those of logs, which are independent of the
+    rest."""
     last, width = int(np.flatnonzero(usable.any(axis=0)).max(initial=-1)) + 1, noise.shape[-1]
     if last == width:
         return inverses(noise)
@@ -218,7 +218,7 @@ def _noise(
 
 
 def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "scale"]:
-    """Log of posterior over prior mass inside the bounds of terms that have any, one term at a time."""
+    """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time."""
     total = np.zeros(len(mean))
     for i, term in enumerate(model.terms):
         if np.isfinite(term.low) or np.isfinite(term.high):
@@ -231,7 +231,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
 
 
 def bounds_log_mass(model: Model) -> float:
-    """Log prior mass inside the bounds of all terms together."""
+    """Log prior mass inside the bounds of all terms together. [nat]"""
     return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
 
 
@@ -243,8 +243,8 @@ def _mass(low: float, high: float, mean: float, sd: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Growing:
-    """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every
-    number of earlier flights. Weights of outlier flights are those of the fit to all."""
+    """Sequential fits before each flight, at the point of the fit to all flights: as in `Fit`, for every number of
+    earlier flights. The weights of outlier flights come from the fit to all."""
 
     mean: Float[Array, "scale flight term"]
     covariance: Float[Array, "scale flight term term"]
@@ -252,8 +252,8 @@ class Growing:
 
 
 def growing(whole: Fit) -> Growing:
-    """The posteriors before each flight. What flights say of the terms adds up flight by flight, so that all of them
-    cost little more than one."""
+    """The posteriors before each flight. Their sums accumulate flight by flight, so all posteriors cost little more
+    than one."""
     model, told = whole.model, whole.told
     weighed = told.sharpness @ told.slope
     missed = (told.sharpness @ told.miss[..., None])[..., 0]
@@ -276,7 +276,7 @@ def growing(whole: Fit) -> Growing:
 def _log_inside_each(
     model: Model, mean: Float[Array, "*batch term"], variance: Float[Array, "*batch term"]
 ) -> Float[Array, "*batch"]:
-    """As `_log_inside`, for many posteriors at once."""
+    """As `_log_inside`, for a batch of posteriors."""
     from scipy.special import ndtr
 
     rows = [i for i, term in enumerate(model.terms) if np.isfinite(term.low) or np.isfinite(term.high)]

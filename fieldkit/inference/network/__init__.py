@@ -1,1 +1,1 @@
-"""The trained networks at work: readouts in, a posterior of Cd and thrust out, on onnxruntime."""
+"""Inference with the trained networks on onnxruntime: readouts in, a posterior of Cd and thrust out."""

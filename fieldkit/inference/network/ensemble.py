@@ -1,6 +1,6 @@
-"""Running a trained ensemble: one ONNX graph and the card that vouches for it.
+"""Running a trained ensemble: one ONNX graph and its card.
 
-The only file that imports onnxruntime, and only once an ensemble is loaded.
+Only this file imports onnxruntime, and only when an ensemble is loaded.
 """
 
 import hashlib
@@ -19,10 +19,10 @@ from fieldkit.shapes import Array, Float
 CARD = "card.json"
 GRAPH = "ensemble.onnx"
 ENDS = ("mean", "spread")
-"""What comes out of a graph, unless its card names the shape of `parts`: all that each member says."""
+"""Outputs of a graph, unless its card names the shape of `parts`, the outputs of every member."""
 LARGEST_CARD = 1 << 20
 LARGEST_GRAPH = 32 << 20
-"""What is read at most. [byte]"""
+"""Maximum file size. [byte]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,23 +38,23 @@ class Ensemble:
     def __call__(
         self, features: Float[Array, "flight feature"]
     ) -> tuple[Float[Array, "flight output"], Float[Array, "flight output"]]:
-        """Mean over the members, and their spread (the standard deviation over members)."""
+        """Mean and standard deviation over the members."""
         mean, spread = self.session.run(("mean", "spread"), {"features": np.asarray(features, np.float64)})
         return mean, spread
 
     def members(self, features: Float[Array, "flight feature"]) -> Float[Array, "flight member part"]:
-        """Everything that each member of a density ensemble says."""
+        """All outputs of each member of a density ensemble. [1]"""
         parts: Array = self.session.run(("parts",), {"features": np.asarray(features, np.float64)})[0]
         return parts
 
 
 def load(name: str) -> Ensemble:
-    """A shipped ensemble by its name. Raises DamagedModel."""
+    """A shipped ensemble by its name. Raises DamagedModel if it cannot be loaded."""
     return load_folder(trained_folder(name))
 
 
 def load_folder(folder: Path) -> Ensemble:
-    """The ensemble of a folder. Raises DamagedModel if it is not what its card says."""
+    """The ensemble in a folder. Raises DamagedModel if it does not match its card."""
     card = read_card(folder)
     graph = _read(folder / GRAPH, LARGEST_GRAPH)
     digest = hashlib.sha256(graph).hexdigest()
@@ -67,7 +67,7 @@ def load_folder(folder: Path) -> Ensemble:
 
 
 def from_parts(graph: bytes, card: Mapping[str, Any], folder: Path) -> Ensemble:
-    """An ensemble from its graph and card; `folder` is for messages. Raises DamagedModel."""
+    """An ensemble from its graph and card; `folder` is named in messages. Raises DamagedModel if they do not match."""
     session = _session(graph, folder)
     features, outputs = tuple(card["features"]), tuple(card["outputs"])
     found = [(one.name, one.shape[1:]) for one in (*session.get_inputs(), *session.get_outputs())]
@@ -78,7 +78,7 @@ def from_parts(graph: bytes, card: Mapping[str, Any], folder: Path) -> Ensemble:
 
 
 def read_card(folder: Path) -> Mapping[str, Any]:
-    """The card of a folder, without running anything. Raises DamagedModel."""
+    """The card of a folder, without running the graph. Raises DamagedModel if the card cannot be read."""
     path = folder / CARD
     try:
         card = json.loads(_read(path, LARGEST_CARD))
@@ -112,7 +112,7 @@ def _read(path: Path, largest: int) -> bytes:
 
 
 def _session(graph: bytes, folder: Path) -> Any:
-    """A session on one thread: a flight takes a tenth of a millisecond, waking a second thread more."""
+    """A session on one thread: a flight takes a tenth of a millisecond, less than starting a second thread."""
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
@@ -121,6 +121,6 @@ def _session(graph: bytes, folder: Path) -> Any:
     options.log_severity_level = 3
     try:
         return onnxruntime.InferenceSession(graph, options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime's own errors share no other base
+    except Exception as error:  # the errors of onnxruntime share no other base class
         reason = str(error).splitlines()[0]
         raise DamagedModel(f"{folder / GRAPH}: onnxruntime cannot run it ({reason})") from error

@@ -1,4 +1,4 @@
-"""What any flight says about drag and thrust, from whatever its altimeter showed."""
+"""Drag and thrust of any flight from whichever readouts it has."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 UNINFORMATIVE_SD_RATIO = 0.8
-"""Posterior over prior standard deviation above which a flight says hardly anything about a parameter. [1]"""
+"""If posterior over prior standard deviation is above this, the flight barely constrains the parameter. [1]"""
 INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
-"""Between what Cd and alpha lie, as a card has it. [1]"""
+"""Bounds of Cd and alpha, as in a card. [1]"""
 STRATA = 1024
-"""Draws of the diameter if it is not known."""
+"""Number of draws of an unknown diameter."""
 GOLDEN = 0.6180339887498949
-"""Steps of this, modulo 1, fill an interval evenly."""
+"""Multiples of this, modulo 1, fill an interval evenly."""
 _WORDS = {
     "log_thrust_to_weight": "thrust to weight of {:.3g}",
     "log_impulse": "total impulse of {:.3g} N s",
@@ -50,12 +50,11 @@ _WORDS = {
 
 @dataclass(frozen=True, slots=True)
 class FieldPosterior:
-    """Drag and thrust of flights, one entry a flight; drag area in m^2, Cd and alpha in 1.
+    """Drag and thrust of flights, one entry per flight; drag area [m^2], Cd and alpha [1].
 
-    Without a diameter Cd spreads over every body that the motor and the mass
-    allow; the drag area does not. `fits` is false if a readout did not fit and was left out: such a
-    flight should not be used in a fit before its flyer has looked at it. `density` is over the logarithm of
-    the drag area, and alpha.
+    Without a diameter, Cd covers every body that the motor and the mass allow; the drag area is not affected. `fits` is
+    false if a readout was an outlier and was left out: such a flight should be checked before it is used in a fit.
+    `density` is over the logarithm of the drag area and alpha.
     """
 
     drag_area: Float[Array, "flight"]
@@ -80,7 +79,7 @@ class FieldPosterior:
 def infer_field(
     flights: Sequence[Flight], found: Sequence[Found], ensemble: "Ensemble | None" = None
 ) -> FieldPosterior:
-    """Drag and thrust of flights on their motors, from any of their readouts; by default the shipped ensemble.
+    """Drag and thrust of flights from any of their readouts, by default with the shipped ensemble.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -129,9 +128,9 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
 
 
 def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
-    """The density of the logarithm of drag area, and alpha; nothing is checked.
+    """The density of the logarithm of drag area and alpha, without checks.
 
-    Of a flight with a readout that is vaguer than usual it is the average over what that may have been.
+    For a flight with an unusually uncertain readout it is averaged over the possible values of that readout.
     """
     outputs = ensemble.members(features(observed))
     vague = (excess_sd(observed) > 0).any(axis=1)
@@ -145,7 +144,7 @@ def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
 
 
 def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:
-    """Between what the logarithm of drag area [log m^2] and alpha [1] lie, by the prior."""
+    """Bounds of the prior of the logarithm of drag area [log m^2] and of alpha [1]."""
     low, high = drag_area_range(observed)
     return tuple(
         np.stack([bound, np.full(len(observed), end)], axis=-1)
@@ -156,8 +155,8 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
 def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
     """Means and standard deviations of Cd if only the drag area is known.
 
-    Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
-    uniform where both are possible.
+    The priors of Cd and diameter are uniform in their logarithms, so given a drag area the logarithm of Cd is uniform
+    over the possible range of both.
     """
     slim, wide = diameter_range(observed.figure("diameter"), observed.given("dry_mass"))
     number = np.arange(STRATA)
@@ -169,7 +168,7 @@ def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
 
 
 def _prior_sd(observed: Observed) -> tuple[Array, float]:
-    """Standard deviation before the flight of the logarithm of drag area, and of alpha."""
+    """Prior standard deviation of the logarithm of drag area and of alpha."""
     low, high = drag_area_range(observed)
     cd_span = np.log(CD_RANGE[1] / CD_RANGE[0])
     return np.sqrt((cd_span**2 + (high - low - cd_span) ** 2) / 12), ALPHA_SD
@@ -178,7 +177,7 @@ def _prior_sd(observed: Observed) -> tuple[Array, float]:
 def _warnings(
     ensemble: "Ensemble", observed: Observed, misfits: Sequence[str], area_sd: Array, alpha_sd: Array
 ) -> tuple[tuple[str, ...], ...]:
-    """What the flyer of each flight should know about its posterior."""
+    """Warnings about the posterior of each flight."""
     area_before, alpha_before = _prior_sd(observed)
     columns = features(observed)
     lines: list[tuple[str, ...]] = []
@@ -193,7 +192,7 @@ def _warnings(
 
 
 def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]:
-    """Circumstances outside of what the ensemble was trained on."""
+    """Conditions outside the ensemble's training range."""
     lines = []
     for name, (low, high) in ensemble.card["reach"].items():
         value = columns[FEATURES.index(name)]
@@ -204,7 +203,7 @@ def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]
 
 
 def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
-    """Whether the flight left drag or thrust as unknown as it was."""
+    """Whether the flight does not constrain drag or thrust."""
     seen = [name for name in there if name in INDEPENDENT_READOUTS]
     if not seen:
         return "no readout: Cd and alpha are no better known than before the flight"

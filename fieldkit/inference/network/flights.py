@@ -1,4 +1,4 @@
-"""What each of any flights says about drag and thrust, and why some say nothing."""
+"""Drag and thrust of each flight, and why some flights have none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from fieldkit.flight.plausibility import implausible
 from fieldkit.motors import Catalogue, Found
 
 Model = Literal["field", "paper"]
-"""The ensembles that flights can be shown to."""
+"""The ensembles to choose from."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble they are from.
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble they come from.
 
-    `warnings` is what the flyer should know before trusting it.
+    `warnings` are the reasons to doubt them.
     """
 
     flight: Flight
@@ -37,19 +37,19 @@ class Inferred:
 
 @dataclass(frozen=True, slots=True)
 class Inferences:
-    """What was inferred, in the order of the flights, and a line for each flight that was left out."""
+    """The results in the order of the flights, and a line for each flight that was left out."""
 
     inferred: tuple[Inferred, ...]
     left_out: tuple[str, ...]
 
 
 def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") -> Inferences:
-    """Cd and alpha of every flight that an ensemble can judge. Raises DamagedModel."""
+    """Cd and alpha of every flight that an ensemble can process. Raises DamagedModel."""
     return _paper(flights, motors) if model == "paper" else _field(flights, motors)
 
 
 def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Flight, Found]], list[str]]:
-    """Flights that can be judged with their motors, and a line for each other."""
+    """Flights that the ensemble can process, with their motors, and a line for each other flight."""
     known, left_out = [], []
     for flight in flights:
         try:
@@ -60,7 +60,7 @@ def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Fli
 
 
 def known_flights(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
-    """The flights that the field ensemble can judge, each with its motor."""
+    """The flights that the field ensemble can process, each with its motor."""
     return _known(flights, motors)[0]
 
 
@@ -87,7 +87,7 @@ def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
 
 
 def _flyable(flight: Flight, motors: Catalogue) -> Found:
-    """The motor of a flight that has all that inference needs; each error begins with the column."""
+    """The motor of a flight with everything that inference needs; each error message starts with the column."""
     if flight.dry_mass is None:
         raise ImpossibleFlight("dry_mass_g: found nothing, expected the rocket's mass without its motor")
     if not flight.readouts():
@@ -99,7 +99,7 @@ def _flyable(flight: Flight, motors: Catalogue) -> Found:
 
 
 def _doubted(flight: Flight, motors: Catalogue) -> str | None:
-    """Why no rocket can have flown so, if its motor is known."""
+    """Why no rocket can have made this flight; empty if it is possible or the motor is unknown."""
     try:
         return implausible(flight, motors.resolve(flight.motor).motor)
     except FieldkitError:

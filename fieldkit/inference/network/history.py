@@ -1,4 +1,4 @@
-"""A whole history answered at once: which effects are there, what the plan will reach, what it flies with."""
+"""The network's answer for a whole history: probabilities of effects, the forecast of a plan, its drag and thrust."""
 
 import json
 from collections.abc import Mapping
@@ -31,19 +31,19 @@ if TYPE_CHECKING:
 
 NAME = "history"
 NORMAL_95 = STANDARD[LEVELS.index(0.95)]
-"""The 95 % quantile of a standard normal distribution. [1]"""
+"""The 95% quantile of a standard normal distribution. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class QuickAnswer:
-    """What the network makes of a history and its plan.
+    """The network's answer for a history and its plan.
 
-    `inclusion` is the probability of each effect that the network knows, `none` that nothing is missing, `unexplained`
-    that something is that no effect stands for; no effect excludes another. `log_apogee` are quantiles of the plan's
-    log apogee [log m] at `levels`; `log_cd` and `log_alpha` mean and standard deviation, `correlation` theirs. [1]
-    `readouts` are the 5, 50 and 95 % quantiles of what the plan will show beside the apogee but for the error of the
-    reading, in SI: the linear fit's, with the network's Cd and alpha. `plan` is the number of the plan among those of
-    the history.
+    `inclusion` is the probability of each effect the network knows, `none` the probability that nothing is missing, and
+    `unexplained` the probability of something that no effect represents. Effects do not exclude each other.
+    `log_apogee` are quantiles of the plan's log apogee [log m] at `levels`; `log_cd` and `log_alpha` are mean and
+    standard deviation, and `correlation` is the correlation of the two. [1] `readouts` are the 5, 50 and 95% quantiles
+    of the plan's other readouts, without reading errors, in SI, from the linear fit with the network's Cd and alpha.
+    `plan` is the number of the plan in the history.
     """
 
     inclusion: Mapping[str, float]
@@ -60,25 +60,25 @@ class QuickAnswer:
     plan: int = 0
 
     def apogee_at(self, level: float) -> float:
-        """The plan's apogee at one of `levels`. [m]"""
+        """The quantile of the plan's apogee at one of `levels`. [m]"""
         return float(np.exp(self.log_apogee[self.levels.index(level)]))
 
     def apogee_draws(self, count: int) -> Float[Array, "draw"]:
-        """Equally likely apogees of the plan, in order. [m]"""
+        """Equally likely apogees of the plan, in ascending order. [m]"""
         return np.exp(quantile_draws(self.log_apogee, count))
 
 
 @cache
 def load_history() -> "Ensemble":
-    """The shipped network. Raises DamagedModel if it was trained on other features."""
+    """The shipped network. Raises DamagedModel if its features differ from those of this version."""
     from fieldkit.inference.network.ensemble import load
 
     return checked(load(NAME))
 
 
 def trained_prior(ensemble: "Ensemble | None" = None) -> Hyperprior:
-    """The learned hyperprior of the histories that a history network was trained on, by default the shipped one: the
-    fit that it corrects is by that one, whichever forecasts are made with since. Raises DamagedModel."""
+    """The learned hyperprior with which a history network was trained, by default the shipped network. The linear fit
+    that the network corrects uses it, even if forecasts have used another one since. Raises DamagedModel."""
     return _prior_of(json.dumps((ensemble or load_history()).card.get("forecast_prior")))
 
 
@@ -99,15 +99,15 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
 
 
 def response_of(history: History) -> FlightResponse:
-    """What the flights of a history and its plan would show; one batch of simulated flights."""
+    """The response of a history's flights and plan, from one batch of simulated flights."""
     return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
 
 
 def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensemble | None" = None) -> QuickAnswer:
     """The network's answer for one history, by default the shipped network's.
 
-    Effects on file that it was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
-    dry mass, DamagedModel.
+    Effects that the network was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
+    dry mass, DamagedModel if the network cannot be loaded.
     """
     network = ensemble or load_history()
     summary = summarize(history, response_of(history), candidates_of, tuple(network.card["effects"]))
@@ -148,7 +148,8 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
 
 
 def _readouts(mean: Float[Array, "readout"], sd: Float[Array, "readout"]) -> dict[str, tuple[float, float, float]]:
-    """Quantiles in SI of readouts that are normal as they are compared; none of one that the plan does not show."""
+    """Quantiles in SI of readouts that are normal in the form that is compared; a readout that the plan lacks is left
+    out."""
     found = {}
     for name, middle, spread in zip(FORECAST_READOUTS, mean, sd, strict=True):
         ends = [middle + standard * spread for standard in (-NORMAL_95, 0.0, NORMAL_95)]
@@ -159,5 +160,5 @@ def _readouts(mean: Float[Array, "readout"], sd: Float[Array, "readout"]) -> dic
 
 
 def untrained_effects(ensemble: "Ensemble") -> tuple[str, ...]:
-    """Effects on file that a network was not trained with."""
+    """Installed effects that a network was not trained with."""
     return tuple(name for name in effect_names() if name not in ensemble.card["effects"])

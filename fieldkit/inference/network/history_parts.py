@@ -1,4 +1,4 @@
-"""What each member of the history network says, read as numbers: inclusion, a forecast, drag and thrust."""
+"""The outputs of each member of the history network: inclusion, a forecast, drag and thrust."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,34 +9,35 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 LEVELS = (0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.975)
-"""Of the quantiles of the forecast."""
+"""Levels of the quantiles of the forecast. [1]"""
 STANDARD = tuple(NormalDist().inv_cdf(level) for level in LEVELS)
-"""The same quantiles of a standard normal distribution, from which the network departs. [1]"""
+"""The same quantiles of a standard normal distribution, which the network adjusts. [1]"""
 MEDIAN = LEVELS.index(0.5)
 PARAMETERS = ("cd", "alpha", "log_sd_cd", "log_sd_alpha", "coupling")
-"""The posterior of log Cd and log alpha: how it departs from the linear fit's."""
+"""Outputs for the posterior of log Cd and log alpha relative to the linear fit's."""
 OVERALL_OUTPUTS = 2
-"""Outputs between those of effects and of the forecast: nothing is missing, and something unexplained is there."""
+"""Outputs between effects and forecast: nothing is missing, and something unexplained is present."""
 LOG_SD_RANGE = (-2.5, 2.5)
 
 
 def width(effects: int) -> int:
-    """Number of outputs of a member for so many effects."""
+    """Number of outputs of a member for this number of effects."""
     return effects + OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
 
 
 def quantile_steps() -> Float[Array, "step"]:
-    """What is added to raw outputs so that zeros are the steps between standard normal quantiles."""
+    """The offset of raw outputs that makes zeros the steps between standard normal quantiles. [1]"""
     return np.asarray(np.log(np.expm1(np.diff(STANDARD))))
 
 
 @dataclass(frozen=True, slots=True)
 class HistoryAnswer:
-    """What the members say together, a row a history.
+    """The combined outputs of the members, one row per history.
 
-    `inclusion` is the probability of each effect, `none` that nothing is missing, `unexplained` that something is that
-    no effect stands for. `quantiles` are of (log apogee - mean) / sd, the mean and sd being the linear fit's. `shift`
-    and `scale` do the same for log Cd and log alpha, `coupling` is added to Fisher's z of their correlation. [1]
+    `inclusion` is the probability of each effect, `none` the probability that nothing is missing, and `unexplained` the
+    probability of something that no effect represents. `quantiles` are of (log apogee - mean) / sd, with mean and sd
+    from the linear fit. `shift` and `scale` do the same for log Cd and log alpha, and `coupling` is added to Fisher's z
+    of their correlation. [1]
     """
 
     inclusion: Float[Array, "history effect"]
@@ -49,7 +50,7 @@ class HistoryAnswer:
 
 
 def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryAnswer:
-    """Probabilities and quantiles averaged over members, drag and thrust as the moments of their mixture."""
+    """Probabilities and quantiles averaged over members; drag and thrust as the moments of their mixture."""
     chances = 1 / (1 + np.exp(-parts[..., : effects + OVERALL_OUTPUTS]))
     mean = chances.mean(axis=1)
     first = effects + OVERALL_OUTPUTS
@@ -70,7 +71,7 @@ def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryA
 
 
 def monotone(raw: Float[Array, "*many level"]) -> Float[Array, "*many level"]:
-    """Quantiles in order, from the median and the steps to both sides."""
+    """Quantiles in ascending order, from the median and the steps to both sides. [1]"""
     inner = np.delete(raw, MEDIAN, axis=-1) + quantile_steps()
     steps = np.logaddexp(0.0, inner)
     middle = raw[..., MEDIAN : MEDIAN + 1]
@@ -80,7 +81,8 @@ def monotone(raw: Float[Array, "*many level"]) -> Float[Array, "*many level"]:
 
 
 def quantile_draws(quantiles: Sequence[float] | Array, count: int) -> Float[Array, "draw"]:
-    """Equally likely values of a distribution by its quantiles at `LEVELS`, its tails those of a normal one."""
+    """Equally likely values of a distribution with these quantiles at `LEVELS` and normal tails, in the unit of the
+    quantiles."""
     levels = (np.arange(count) + 0.5) / count
     normal = np.array([NormalDist().inv_cdf(float(level)) for level in levels])
     known, standard = np.asarray(quantiles, float), np.array(STANDARD)

@@ -1,7 +1,7 @@
-"""Mixtures of Gaussians over two bounded parameters: density, draws and quantiles by numpy.
+"""Mixtures of Gaussians over two bounded parameters: density, draws and quantiles in numpy.
 
-A parameter that lies in an interval is carried to the whole line by the logit of its place in it, so no
-draw can ever leave the interval. The mixture lives there.
+A parameter in an interval is mapped to the real line by the logit of its relative position, so no draw can leave the
+interval. The mixture is defined on that scale.
 """
 
 from collections.abc import Sequence
@@ -13,9 +13,9 @@ import numpy as np
 from fieldkit.shapes import Array, Flags, Float
 
 COMPONENTS = 8
-"""Gaussians of each member."""
+"""Number of Gaussians of each member."""
 WIDTH = 6 * COMPONENTS
-"""Outputs of a member: a weight, two means, two log precisions and a slope for each Gaussian."""
+"""Number of outputs of a member: a weight, two means, two log precisions and a slope for each Gaussian."""
 LOG_PRECISION_RANGE = (-4.0, 7.0)
 """Bounds of the log of a precision: standard deviations of 55 to 0.0009 on the logit scale."""
 GUARD_SHARPEST = (-4.0, 6.0)
@@ -26,10 +26,10 @@ _REACH = 7.0
 
 @dataclass(frozen=True, slots=True)
 class Mixture:
-    """Gaussians over the logits (x, y) of two places in their intervals, one row a flight.
+    """Gaussians over the logits (x, y) of two parameters in their intervals, one row per flight.
 
-    With z of unit normals, x = mean_x + z1 / exp(sharp_x) and y = mean_y + (z2 + slope z1) / exp(sharp_y).
-    `low` and `high` are the intervals.
+    With unit normals z, x = mean_x + z1 / exp(sharp_x) and y = mean_y + (z2 + slope z1) / exp(sharp_y). `low` and
+    `high` are the intervals.
     """
 
     weight: Float[Array, "flight part"]
@@ -47,7 +47,7 @@ class Mixture:
         return Mixture(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     def log_density(self, values: Float[Array, "*draw #flight 2"]) -> Float[Array, "*draw #flight"]:
-        """Log of the density in the two parameters themselves; -inf outside of their intervals."""
+        """Log density of the two parameters; -inf outside their intervals. [nat]"""
         place = (values - self.low) / (self.high - self.low)
         inside: Flags = np.all((place > 0) & (place < 1), axis=-1)
         place = np.where(inside[..., None], place, 0.5)
@@ -61,7 +61,7 @@ class Mixture:
         return np.asarray(np.where(inside, total - stretch, -np.inf))
 
     def draws(self, rng: np.random.Generator, count: int) -> Float[Array, "draw flight 2"]:
-        """Draws of the two parameters."""
+        """Draws of the two parameters, in the unit of their intervals."""
         ladder = np.cumsum(self.weight, axis=-1)
         part = (rng.uniform(size=(count, len(self), 1)) * ladder[:, -1:] > ladder).sum(axis=-1)
         flight = np.arange(len(self))
@@ -71,7 +71,7 @@ class Mixture:
         return np.asarray(self.low + (self.high - self.low) / (1 + np.exp(-logit)))
 
     def margin(self, axis: int) -> "Margin":
-        """The distribution of one parameter by itself."""
+        """The marginal distribution of one parameter."""
         sd = np.exp(-self.sharp[..., axis])
         if axis == 1:
             sd = sd * np.sqrt(1 + self.slope**2)
@@ -91,7 +91,7 @@ class Mixture:
 
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """The distribution of one parameter, one row a flight: its values, and the probability below each."""
+    """The distribution of one parameter, one row per flight: values, and the cumulative probability at each."""
 
     values: Float[Array, "flight node"]
     below: Float[Array, "flight node"]
@@ -101,7 +101,7 @@ class Margin:
         return Margin(self.values[which], self.below[which])
 
     def quantiles(self, levels: Float[Array, "level"]) -> Float[Array, "flight level"]:
-        """The values below which lie these probabilities."""
+        """The quantiles at these probabilities, in the unit of the parameter."""
         return np.stack([np.interp(levels, row, at) for row, at in zip(self.below, self.values, strict=True)])
 
     def moments(self) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
@@ -109,14 +109,14 @@ class Margin:
         return self.moments_of(self.values)
 
     def moments_of(self, values: Float[Array, "flight node"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-        """Mean and standard deviation of a function of the parameter, given at its nodes."""
+        """Mean and standard deviation of a function of the parameter, given by its values at the nodes."""
         share = np.diff(self.below, axis=1)
         middle = 0.5 * (values[:, 1:] + values[:, :-1])
         mean = (share * middle).sum(axis=1)
         return mean, np.sqrt((share * (middle - mean[:, None]) ** 2).sum(axis=1))
 
     def rank(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
-        """The probability below one value of each flight."""
+        """The cumulative probability at one value per flight. [1]"""
         rows = zip(values, self.values, self.below, strict=True)
         return np.array([np.interp(value, at, row) for value, at, row in rows])
 
@@ -124,7 +124,7 @@ class Margin:
 def mixture(
     outputs: Float[Array, "flight member output"], low: Float[Array, "flight 2"], high: Float[Array, "flight 2"]
 ) -> Mixture:
-    """The members' outputs as one mixture in which each member weighs the same."""
+    """The members' outputs as one mixture with equal weights."""
     flights, members, _ = outputs.shape
     parts = outputs[..., :WIDTH].reshape(flights, members, 6, COMPONENTS).swapaxes(1, 2)
     weight = np.exp(parts[:, 0] - parts[:, 0].max(axis=-1, keepdims=True))
@@ -141,13 +141,13 @@ def mixture(
 
 
 def joined(parts: Sequence[Mixture]) -> Mixture:
-    """Flights of several mixtures as one."""
+    """The flights of several mixtures in one mixture."""
     return Mixture(*(np.concatenate([getattr(part, name) for part in parts]) for name in Mixture.__dataclass_fields__))
 
 
 def logits(
     values: Float[Array, "flight 2"], low: Float[Array, "flight 2"], high: Float[Array, "flight 2"]
 ) -> Float[Array, "flight 2"]:
-    """Parameters on the whole line, where the mixture lives; the ends of an interval come to 14."""
+    """Parameters on the logit scale of the mixture; the ends of an interval are limited to 14. [1]"""
     place = np.clip((values - low) / (high - low), 1e-6, 1 - 1e-6)
     return np.asarray(np.log(place / (1 - place)))

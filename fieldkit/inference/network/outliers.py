@@ -1,5 +1,4 @@
-"""Outlier readouts, outside anything simulated: each is predicted from the others, and the one that does not fit is
-named."""
+"""Outlier readouts: each readout is predicted from the others, and the one that disagrees is named."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -17,14 +16,14 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 BLOCK = 500
-"""Flights predicted together: few enough for the processor's cache."""
+"""Number of flights predicted together, few enough for the processor's cache."""
 FALSE_ALARMS = 0.01
-"""Fraction of good flights that are warned about. [1]"""
+"""Fraction of good flights with a false warning. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class PredictedReadouts:
-    """Each readout as predicted from the others, on the scale of `shown`; nan if there is no readout."""
+    """Each readout predicted from the others, on the scale of `shown`; nan if it is missing."""
 
     shown: Float[Array, "flight seen"]
     mean: Float[Array, "flight seen"]
@@ -32,7 +31,7 @@ class PredictedReadouts:
 
     @property
     def distance(self) -> Float[Array, "flight seen"]:
-        """Distance from the prediction, in standard deviations; 0 if there is no readout."""
+        """Distance from the prediction, in standard deviations; 0 if the readout is missing. [1]"""
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 
@@ -61,12 +60,12 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
 
 
 def derived_from(name: str) -> tuple[str, ...]:
-    """The readouts that determine one: average acceleration is speed over burn time."""
+    """The readouts that determine one readout: average acceleration is speed over burn time."""
     return (name, "avg_accel") if name in ("top_speed", "burn_time") else (name,)
 
 
 def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
-    """The distance of each readout beyond which it does not fit, so that `FALSE_ALARMS` of these are warned."""
+    """The threshold of each readout's distance with which a fraction `FALSE_ALARMS` of these flights gets a warning."""
     foretold = predict_readouts(ensemble, observed)
     distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
@@ -79,10 +78,10 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
 
 
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
-    """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
+    """The outlier, as an index into `INDEPENDENT_READOUTS`, or -1.
 
-    Of those too far from what the others predict, it is the one without which the others agree best. One that is
-    vaguer than usual counts as what it likeliest was: it is no misfit if it is as vague as it is far out.
+    Of the readouts too far from their prediction, it is the one without which the others agree best. An unusually
+    uncertain readout counts as its most likely value, so it is no outlier if its uncertainty explains its distance.
     """
     if (excess_sd(observed) > 0).any():
         foretold = predict_readouts(ensemble, observed)
@@ -103,7 +102,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
 
 
 def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
-    """The flights without the readouts that do not fit."""
+    """The flights without their outliers."""
     readouts = observed.readouts.copy()
     for number, name in enumerate(INDEPENDENT_READOUTS):
         for one in derived_from(name):
@@ -112,7 +111,7 @@ def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
 
 
 def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]) -> list[str]:
-    """A line for each flight with a readout that does not fit, an empty text for the others."""
+    """A line for each flight with an outlier, an empty string for the others."""
     lines = [""] * len(observed)
     odd = np.flatnonzero(which >= 0)
     if len(odd):

@@ -1,4 +1,4 @@
-"""What flights say about drag and thrust."""
+"""Drag and thrust of the paper's rocket from its ensemble."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Posterior:
-    """Cd and thrust scale of flights, mean and standard deviation, one entry a flight; all [1]."""
+    """Cd and thrust scale of flights, mean and standard deviation, one entry per flight; all [1]."""
 
     cd: Float[Array, "flight"]
     cd_sd: Float[Array, "flight"]
@@ -28,11 +28,11 @@ class Posterior:
 
 
 def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -> Posterior:
-    """Cd and alpha of flights of the paper's rocket, from the apogee alone; by default the shipped ensemble.
+    """Cd and alpha of flights of the paper's rocket from the apogee alone, by default with the shipped ensemble.
 
-    The standard deviation is the spread of the members, as in the paper: it says how far they differ, not
-    how far the truth is. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for
-    another rocket and for a flight without an apogee.
+    The standard deviation is over the members, as in the paper: it measures their disagreement, not the distance from
+    the truth. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for another rocket and for a
+    flight without an apogee.
     """
     from fieldkit.inference.network.ensemble import load
 
@@ -54,7 +54,7 @@ def _motor_index(flight: Flight) -> int:
 def paper_dry_mass(flight: Flight) -> float:
     """Dry mass of a flight of the paper's rocket, as weighed or by its configuration. [kg]
 
-    Raises ImpossibleFlight for a mass that is neither of its two: the ensemble knows no other.
+    Raises ImpossibleFlight for a mass other than the two the ensemble was trained with.
     """
     masses = paper.DRY_MASS
     found = masses.get(flight.config.strip().upper()) if flight.dry_mass is None else flight.dry_mass

@@ -1,9 +1,9 @@
-"""Readouts that are known less well than an altimeter's usual noise, shown to a network that knows that noise alone.
+"""Unusually uncertain readouts for a network that was trained with the usual noise of an altimeter.
 
-The network's posterior is right for a readout as the usual altimeter would have shown it. Of a readout whose recorded
-standard deviation is larger, what that altimeter would have shown is not known: it is drawn from what was recorded and
-from what the other readouts predict, and the posteriors of the draws are averaged (multiple imputation: Rubin,
-Multiple Imputation for Nonresponse in Surveys, 1987). A smaller standard deviation than usual cannot be made use of.
+The network's posterior is right for readouts with the usual noise. If the recorded standard deviation of a readout is
+larger, the value that the usual altimeter would have shown is unknown: it is drawn from the recorded value and the
+prediction from the other readouts, and the posteriors of the draws are averaged (multiple imputation: Rubin, Multiple
+Imputation for Nonresponse in Surveys, 1987). A smaller standard deviation than usual is not used.
 """
 
 from dataclasses import replace
@@ -18,13 +18,12 @@ from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 DRAWS = 16
-"""How often a vague readout is drawn: evenly over its distribution, so that one flight always has one answer."""
+"""Number of draws of an uncertain readout, evenly over its distribution, so that the answer is deterministic."""
 
 
 def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
-    """What the recorded standard deviation of a readout has beyond the usual noise, on the scale of `shown`; else 0.
-
-    Beyond is meant as the root of the difference of squares.
+    """The root of the excess of a readout's recorded variance over the usual noise, on the scale of `shown`; 0 if there
+    is none. [1]
     """
     if observed.sd is None:
         return np.zeros((len(observed), len(INDEPENDENT_READOUTS)))
@@ -34,9 +33,9 @@ def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
 
 
 def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[Array, "flight seen"]) -> list[Observed]:
-    """The flights as the usual altimeter may have shown them, `DRAWS` times.
+    """`DRAWS` versions of the flights as the usual altimeter could have shown them.
 
-    `mean` and `sd` are what the other readouts predict for each, on the scale of `shown`.
+    `mean` and `sd` are the prediction of each readout from the others, on the scale of `shown`.
     """
     middle, spread = _combined(observed, mean, sd)
     rng = np.random.default_rng(0)
@@ -46,13 +45,13 @@ def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[A
 
 
 def likeliest(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[Array, "flight seen"]) -> Observed:
-    """The flights as the usual altimeter is likeliest to have shown them; `mean` and `sd` as in `plausible`."""
+    """The flights as the usual altimeter most likely showed them; `mean` and `sd` as in `plausible`."""
     return _moved(observed, _combined(observed, mean, sd)[0])
 
 
 def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]:
-    """Mean and standard deviation of what the usual altimeter would have shown, on the scale of `shown`, by what was
-    recorded and what is predicted; nan for readouts that are no vaguer than usual."""
+    """Mean and standard deviation of the reading of the usual altimeter, on the scale of `shown`, from the recorded
+    value and the prediction; nan for readouts with no more than the usual noise."""
     beyond = excess_sd(observed)
     own = np.where(beyond > 0, beyond, np.nan)
     variance = 1 / (1 / own**2 + 1 / sd**2)
@@ -60,7 +59,7 @@ def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]
 
 
 def _slope(observed: Observed) -> Float[Array, "flight seen"]:
-    """The derivative of `shown` by each readout; 0 if there is none."""
+    """The derivative of `shown` with respect to each readout; 0 if it is missing."""
     with np.errstate(invalid="ignore", divide="ignore"):
         slopes = {name: 1 / observed.readout(name) for name in INDEPENDENT_READOUTS}
         slopes["peak_accel"] = 1 / (observed.readout("peak_accel") + GRAVITY)
@@ -70,7 +69,7 @@ def _slope(observed: Observed) -> Float[Array, "flight seen"]:
 
 
 def _moved(observed: Observed, to: Float[Array, "flight seen"]) -> Observed:
-    """The flights with the readouts that `to` has on the scale of `shown` in place of theirs."""
+    """The flights with their readouts replaced by `to`, which is on the scale of `shown`."""
     readouts = observed.readouts.copy()
     change = to - shown(observed)
     for number, name in enumerate(INDEPENDENT_READOUTS):
@@ -80,6 +79,6 @@ def _moved(observed: Observed, to: Float[Array, "flight seen"]) -> Observed:
         offset = GRAVITY if name == "peak_accel" else 0.0
         ratio = (column[moved] + offset) * factor - offset
         column[moved] = np.sinh(to[moved, number]) / 2 if name == "apogee_to_eject" else ratio
-        if name in ("top_speed", "burn_time"):  # whose ratio average acceleration would still say
+        if name in ("top_speed", "burn_time"):  # average acceleration would still give their ratio
             readouts[moved, READOUT_NAMES.index("avg_accel")] = np.nan
     return replace(observed, readouts=readouts, sd=None)

@@ -1,4 +1,4 @@
-"""Making the ensembles that the field runs. The only home of torch; the extra `fieldkit[train]`."""
+"""Training of the ensembles. Only this package imports torch, from the extra `fieldkit[train]`."""
 
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -9,14 +9,15 @@ from fieldkit.errors import FieldkitError
 from fieldkit.inference.training.shipping import claim
 
 EXTRA = ("torch", "onnx")
-"""What only training needs."""
+"""Packages that only training needs."""
 RECIPES = ("paper", "field", "history")
 
 
 def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
-    """The function that trains by a recipe into a folder, which is looked at before torch is imported for seconds.
+    """The function that trains by a recipe into a folder.
 
-    Raises FieldkitError if the extra is not installed or the folder cannot be had.
+    The folder is checked first, because importing torch takes seconds. Raises FieldkitError if the extra is not
+    installed or the folder cannot be used.
     """
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:

@@ -20,13 +20,13 @@ MEMBERS = 5
 HIDDEN_UNITS = 128
 LAYERS = 3
 GUARD_SHARE = 0.1
-"""Weight of the guard's loss against the posterior's. [1]"""
+"""Weight of the guard's loss relative to the posterior's. [1]"""
 MAX_FEATURE_SDS = 8.0
-"""Standard deviations from its mean to which a feature is clipped. [1]"""
+"""Features are clipped to this many standard deviations from their mean. [1]"""
 MAX_GRADIENT_NORM = 5.0
-"""Largest norm of a step's gradient."""
+"""Maximum norm of the gradient in a step."""
 Scale = np.ndarray[Any, np.dtype[np.float64]]
-"""One number a feature."""
+"""One number per feature."""
 
 
 class Members(nn.Module):  # type: ignore[misc]
@@ -69,7 +69,7 @@ def log_density(outputs: Tensor, target: Tensor) -> Tensor:
 
 
 def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
-    """How badly the recorded readouts were predicted, in nats per readout."""
+    """Loss of the predictions of the recorded readouts, in nats per readout."""
     mean, sharp = outputs[..., WIDTH:].chunk(2, -1)
     sharp = sharp.clamp(*GUARD_SHARPEST)
     there = shown.isfinite()
@@ -79,7 +79,7 @@ def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What members learn from: features, logits of the truth, readouts as the guard sees them; float32."""
+    """Training data of the members: features, logits of the truth, readouts for the guard; float32."""
 
     features: np.ndarray[Any, np.dtype[np.float32]]
     target: np.ndarray[Any, np.dtype[np.float32]]
@@ -88,7 +88,7 @@ class Batch:
 
 @dataclass(frozen=True, slots=True)
 class TrainingPlan:
-    """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
+    """Schedule: passes over new observations of the same flights, batch size, peak learning rate."""
 
     epochs: int
     batch: int = 2048
@@ -100,7 +100,7 @@ def fit(
 ) -> tuple[Members, Scale, Scale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
-    `observe()` gives the same flights as observed again. Each member sees them in another order.
+    `observe()` returns new observations of the same flights. Each member sees them in a different order.
     """
     batch = observe()
     count = len(batch.features)
@@ -129,7 +129,7 @@ def fit(
 
 
 def _orders(count: int, batch: int) -> Iterator[Tensor]:
-    """Rows of each batch [member row]: one shuffle, which every member enters at another place."""
+    """Rows of each batch [member row]: one shuffle, with a different starting point for every member."""
     order = torch.randperm(count)
     starts = [member * (count // MEMBERS) for member in range(MEMBERS)]
     for first in range(0, count - batch + 1, batch):

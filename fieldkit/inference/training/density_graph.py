@@ -1,4 +1,4 @@
-"""Members as one ONNX graph: features in, all that each member says out."""
+"""Members as one ONNX graph: features in, all outputs of each member out."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 def density_graph(members: Members, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:
     """The graph: `features` [flight feature] in float64 in, `parts` [flight member part] out.
 
-    Scaling happens inside of it, in float64; the members run in float32.
+    Features are scaled in the graph in float64; the members run in float32.
     """
     constants: list[Any] = []
     nodes: list[Any] = []

@@ -31,11 +31,11 @@ from fieldkit.parallel import workers
 from fieldkit.shapes import Array, Float
 
 PLANS = {"quick": TrainingPlan(epochs=2), "published": TrainingPlan(epochs=20)}
-"""A first look, and what is shipped."""
+"""Schedules: a quick trial, and the shipped ensemble's."""
 EVALUATION_FLIGHTS = 20_000
-"""Fresh flights the ensemble is judged on, and as many of the maker held out."""
+"""Number of new flights for evaluation, and the same number on the held-out manufacturer's motors."""
 REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
-"""Features whose bounds in training are kept: beyond them a flyer is warned."""
+"""Features with stored training bounds; a flyer is warned outside them."""
 
 
 def train_field(
@@ -48,14 +48,14 @@ def train_field(
     cluster: str = "",
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Simulate, train, export into a new folder, judge, and say how good it came out.
+    """Simulate, train, export into a new folder, evaluate, and return the results.
 
-    On a `cluster`, as `fieldkit.parallel.workers` has it, flights are simulated in parts that are kept until the end in
-    the new folder, where a run that was cut short finds them; they are other flights than one machine draws in one go.
+    On a `cluster`, as in `fieldkit.parallel.workers`, flights are simulated in parts that are stored in the new folder
+    until the end, so that an interrupted run can resume. They differ from the flights that one machine draws in one go.
 
-    Effects that are named act in every simulated flight, in training and in judging, at strengths drawn from their
-    priors: a posterior that is honest about them. Raises BadValue for an unknown schedule or effect, too few flights
-    or a folder that holds an ensemble already.
+    Named effects act in every simulated flight of training and evaluation, with strengths drawn from their priors, so
+    that the posterior allows for them. Raises BadValue for an unknown schedule or effect, too few flights, or a folder
+    that already contains an ensemble.
     """
     known_effects(effects)
     if schedule not in PLANS:
@@ -104,13 +104,13 @@ def train_field(
 
 
 def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
-    """Motors in the training set, of the classes of those that were held out."""
+    """Motors in the training set of the same classes as the held-out ones."""
     classes = {motor.impulse_class for motor in others}
     return [motor for motor in known if motor.impulse_class in classes]
 
 
 def batch(rng: np.random.Generator, truth: Truth) -> Batch:
-    """The flights as observed once, with fresh noise and fresh gaps."""
+    """One observation of the flights, with new noise and new gaps."""
     whole = measure(rng, truth)
     observed = forget(rng, whole)
     target = logits(truth.parameters, *intervals(observed))
@@ -124,7 +124,7 @@ def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
-    """Between which bounds nearly all simulated flights lie."""
+    """Bounds that contain nearly all simulated flights."""
     bounds = np.percentile(columns, [0.02, 99.98], axis=0)
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 
@@ -132,7 +132,7 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
 def _card(
     seed: int, n_train: int, schedule: str, plan: TrainingPlan, effects: Sequence[str], on_cluster: bool
 ) -> dict[str, Any]:
-    """What is known before training."""
+    """The card's content that is known before training."""
     named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if on_cluster else "")
     options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"
     return {

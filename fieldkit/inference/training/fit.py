@@ -1,4 +1,4 @@
-"""Fitting a batched network to simulated flights, on one thread and the same for the same seed."""
+"""Fitting a batched network to simulated flights on one thread, reproducible for a seed."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ from torch.optim.lr_scheduler import OneCycleLR, ReduceLROnPlateau
 from fieldkit.inference.training.network import Network
 
 Progress = Callable[[int, int, float], None]
-"""Callback after each epoch: its number from 1, how many there are, the loss on validation flights."""
+"""Callback after each epoch: its number from 1, the number of epochs, the loss on validation flights."""
 
 BATCH = 256
 WEIGHT_DECAY = 1e-4
@@ -19,7 +19,7 @@ WEIGHT_DECAY = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """How long to train and how fast; one cycle up and down, or constant and halved on each plateau."""
+    """A schedule: epochs and learning rate, in one cycle up and down, or constant and halved on each plateau."""
 
     name: str
     epochs: int
@@ -32,12 +32,12 @@ SCHEDULES = {
     "quick": Schedule("quick", epochs=10, rate=1e-2, one_cycle=True),
     "published": Schedule("published", epochs=100, rate=1e-3, one_cycle=False),
 }
-"""The paper's schedule, and one that reaches the same errors in a tenth of the time."""
+"""The paper's schedule, and one that reaches the same errors in 10% of the time."""
 
 
 @contextmanager
 def one_thread(seed: int) -> Iterator[None]:
-    """Torch on one thread and seeded, and as it was afterwards; on a busy machine a second thread slows it."""
+    """Runs torch seeded on one thread and restores its state afterward; on a busy machine a second thread slows it."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -58,7 +58,7 @@ def fit(
 ) -> None:
     """Train every member on its own bootstrap sample of whitened features [flight feature] and truths.
 
-    AdamW on squared errors. The rate follows the mean validation loss of all members: they share it.
+    AdamW on squared errors. All members share the rate, which follows their mean validation loss.
     """
     members, count = network.linears[0].weight.shape[0], len(x)
     bootstrap = torch.randint(count, (members, count))
@@ -84,7 +84,7 @@ def fit(
 
 
 def outputs(network: Network, x: Tensor) -> Tensor:
-    """What every member makes of whitened features [flight feature]: [member flight output]."""
+    """Outputs of every member [member flight output] for whitened features [flight feature]."""
     with torch.no_grad():
         members = network.linears[0].weight.shape[0]
         return network(x.T.expand(members, -1, -1), training=False).transpose(1, 2)

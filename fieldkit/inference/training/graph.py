@@ -1,7 +1,7 @@
 """An ensemble as one ONNX graph: whitening, all members, mean and spread.
 
-Features come in as float64 and are whitened in float64; the members compute in float32; mean and spread
-leave as float64. Batch normalisation, being linear once trained, is folded into the linear layers.
+Features are float64 and are whitened in float64; the members compute in float32; mean and spread are float64. Batch
+normalization, which is linear after training, is folded into the linear layers.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from fieldkit.inference.training.network import EPSILON, Network
 from fieldkit.shapes import Array, Float
 
 OPSET = 17
-"""Old enough for every onnxruntime that fieldkit allows."""
+"""The operator set that every supported version of onnxruntime has."""
 IR_VERSION = 9
 
 
@@ -71,7 +71,7 @@ def graph(network: Network, mean: Float[Array, "feature"], scale: Float[Array, "
 def _folded(network: Network) -> list[tuple[np.ndarray, np.ndarray]]:
     """Weights [member in out] and biases [member 1 out] in float32.
 
-    A batch norm follows its linear layer at once, so it folds into that layer's own weights.
+    Each batch norm directly follows a linear layer and is folded into its weights.
     """
     layers = []
     for number, linear in enumerate(network.linears):

@@ -1,4 +1,4 @@
-"""The history network: trained on simulated histories, features by linear fits, in one resumable command."""
+"""Training of the history network on simulated histories with features from linear fits, in one resumable command."""
 
 import hashlib
 import json
@@ -38,18 +38,18 @@ from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
 TEST_SHARE = 0.1
-"""Of the histories, on which the network is judged and never trained. [1]"""
+"""Fraction of the histories for evaluation, never used in training. [1]"""
 VALIDATION_SHARE = 0.05
-"""Of the histories, by which the number of epochs is chosen. [1]"""
+"""Fraction of the histories for choosing the number of epochs. [1]"""
 HELD_OUT_ROCKETS = 150
-"""Rockets on motors of a maker that the network never saw."""
+"""Number of rockets on the held-out manufacturer's motors."""
 SAVE_EPOCHS = 5
-"""Epochs between saved states, from which an interrupted run resumes."""
+"""Number of epochs between saved states, from which an interrupted run resumes."""
 
 
 @dataclass(frozen=True, slots=True)
 class HistoryPlan:
-    """How long and how fast: epochs, batch, peak rate, weight decay."""
+    """Schedule: epochs, batch size, peak learning rate, weight decay."""
 
     epochs: int
     batch: int = 256
@@ -72,11 +72,11 @@ def train_history(
     cluster: str = "",
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Simulate the histories of `n_train` rockets, train, export into a new folder, judge, and say how good it is.
+    """Simulate the histories of `n_train` rockets, train, export into a new folder, evaluate, and return the results.
 
-    Shards and the state of training are saved in the folder until the end: an interrupted run resumes from there.
-    `candidates_of` is what a history's effects are weighed by, `inclusion` their prior probabilities. Raises BadValue
-    for an unknown schedule or a folder that holds an ensemble already.
+    Shards and the state of training are saved in the folder until the end, so that an interrupted run can resume.
+    `candidates_of` returns the candidates for a history, and `inclusion` has the prior probabilities of the effects.
+    Raises BadValue for an unknown schedule or a folder that already contains an ensemble.
     """
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
@@ -122,7 +122,7 @@ def train_history(
 
 
 def split(whole: HistoryTable) -> tuple[HistoryTable, HistoryTable, HistoryTable]:
-    """Histories to train on, to choose the epoch by and to judge by; those of one rocket stay together."""
+    """Histories for training, validation and evaluation; those of one rocket stay together."""
     count = len(whole.features)
     test, validation = (max(int(count * share), 1) for share in (TEST_SHARE, VALIDATION_SHARE))
     ends = (count - test - validation, count - test)
@@ -136,8 +136,8 @@ def fit_history(
     state: Path,
     progress: Callable[[int, int, float], None],
 ) -> tuple[HistoryMembers, Float[Array, "feature"], Float[Array, "feature"], list[float]]:
-    """Members trained by one cycle of AdamW, each on the histories in another order, those of the epoch with the least
-    loss on validation histories; the mean and standard deviation that scale their features; the losses there.
+    """Members trained by one cycle of AdamW, each with a different order of the histories, at the epoch with the lowest
+    validation loss; the mean and standard deviation that scale their features; and the validation losses.
 
     `state` is the file of an unfinished run. Runs on a GPU if there is one.
     """
@@ -185,18 +185,19 @@ def _every(count: int, device: str) -> torch.Tensor:
 
 
 def _acts(table: HistoryTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
-    """Whether each effect can act on a history at all."""
+    """Whether each effect can act on a history."""
     names = feature_names(effect_names())
     return table.features[:, [names.index(f"{name}.acts") for name in effect_names()]] > 0.5
 
 
 def _digest(document: object) -> str:
-    """Of the hyperpriors that histories were drawn from: forecasts with another card rest on the features alone."""
+    """Digest of the hyperpriors of the simulated histories; with another card, only the features of a forecast
+    change."""
     return hashlib.sha256(json.dumps(document, sort_keys=True, default=dict).encode()).hexdigest()
 
 
 def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan, inclusion: Mapping[str, float]) -> dict[str, Any]:
-    """What is known before training."""
+    """The card's content that is known before training."""
     names = effect_names()
     return {
         "name": "history",

@@ -10,11 +10,11 @@ from fieldkit.inference.training.history_members import HistoryMembers
 from fieldkit.shapes import Array, Float
 
 MAX_FEATURE_SDS = 8.0
-"""Standard deviations from its mean to which a feature is limited. [1]"""
+"""Features are limited to this many standard deviations from their mean. [1]"""
 
 
 class _Graph:
-    """Nodes and constants as they are added."""
+    """The nodes and constants of a graph under construction."""
 
     def __init__(self) -> None:
         self.constants: list[Any] = []

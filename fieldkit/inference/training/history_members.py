@@ -1,7 +1,7 @@
 """All members of the history network as one: every layer is one batched product.
 
-A part that sees one effect beside the history, the same for every effect but for a bias, gives its inclusion; a part
-that sees everything gives the rest.
+One part sees the history and one effect, with the same weights for every effect except a bias, and outputs its
+inclusion. Another part sees everything and gives the other outputs.
 """
 
 from itertools import pairwise
@@ -26,13 +26,13 @@ UNITS = 96
 FIRST_LOGIT = -2.5
 """Log odds of an effect before training, near those of the prior. [1]"""
 FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
-"""Weights of the losses of the forecast (pinball) and of drag and thrust beside that of inclusion. [1]"""
+"""Weights of the losses of the forecast (pinball) and of drag and thrust relative to that of inclusion. [1]"""
 CERTIFIED_FORECASTS = 0.25
-"""Weight of the forecast, drag and thrust of a rocket from the hyperprior that effects are judged with, over that of
-one from the learned hyperprior, which forecasts are made with; not zero, because a rocket may differ from those that
-the latter was learned from. [1]"""
+"""Relative weight of forecast, drag and thrust for rockets from the hyperprior for effects; those from the learned
+hyperprior, which is used in forecasts, have weight 1. It is not zero because a rocket may differ from the rockets that
+the hyperprior was learned from. [1]"""
 MAX_TARGET_SDS = 8.0
-"""Standard deviations of the linear fit to which a target is limited. [1]"""
+"""Targets are limited to this many standard deviations of the linear fit. [1]"""
 
 
 class HistoryMembers(nn.Module):  # type: ignore[misc]
@@ -78,7 +78,7 @@ class HistoryMembers(nn.Module):  # type: ignore[misc]
 
 
 class HistoryTargets:
-    """What members are trained on: presence, and where the truth lies by the linear fit; all as tensors."""
+    """Training targets as tensors: presence, and the truth relative to the linear fit."""
 
     def __init__(self, table: HistoryTable, acts: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> None:
         nothing = (table.effects.sum(axis=1) + table.truth("unexplained") == 0).astype(float)
@@ -96,21 +96,21 @@ class HistoryTargets:
         self.coupling = _tensor(np.arctanh(np.clip(table.truth("correlation"), -0.99, 0.99)))
 
     def rows(self, which: Tensor) -> "HistoryTargets":
-        """Some of the histories, of any shape."""
+        """The selected histories, by an index of any shape."""
         part = object.__new__(HistoryTargets)
         for name, values in vars(self).items():
             setattr(part, name, values[which])
         return part
 
     def to(self, device: str) -> "HistoryTargets":
-        """The same on a device."""
+        """A copy on a device."""
         for name, values in list(vars(self).items()):
             setattr(self, name, values.to(device))
         return self
 
 
 def standardized(table: HistoryTable, truth: str, mean: str, sd: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Where a truth lies in the linear fit's answer, in its standard deviations, limited."""
+    """The truth relative to the linear fit, in its standard deviations, limited."""
     z = (table.truth(truth) - table.truth(mean)) / table.truth(sd)
     return np.asarray(np.clip(z, -MAX_TARGET_SDS, MAX_TARGET_SDS))
 

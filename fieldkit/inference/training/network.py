@@ -1,7 +1,7 @@
 """Networks side by side: the members of an ensemble as one batched model.
 
-Activations are [member, channel, flight], so that one batched product serves all members and batch
-normalisation, over flights, runs on members times channels at once.
+Activations are [member, channel, flight], so that one batched product serves all members, and batch normalization over
+flights runs on members times channels at once.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ class Linear:
 
 @dataclass(frozen=True, slots=True)
 class Norm:
-    """Batch normalisation of every member; all four are [member*channel]."""
+    """Batch normalization of every member; all four arrays are [member*channel]."""
 
     scale: Tensor
     shift: Tensor
@@ -33,7 +33,7 @@ class Norm:
 
 
 EPSILON = 1e-5
-"""Added to the variance in batch normalisation. [1]"""
+"""Added to the variance in batch normalization. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Network:
     high: Tensor
 
     def parameters(self) -> Iterator[Tensor]:
-        """What training moves."""
+        """The parameters to train."""
         for linear in self.linears:
             yield from (linear.weight, linear.bias)
         for norm in self.norms:
@@ -68,9 +68,9 @@ class Network:
 
 
 def network(members: int, widths: tuple[int, ...], ranges: Float[Array, "output 2"], drop: float) -> Network:
-    """A fresh network; `widths` runs from the number of features to the last hidden layer.
+    """An untrained network; `widths` runs from the number of features to the last hidden layer.
 
-    Weights and biases start uniform within one over the root of the inputs, as torch's own layers do.
+    Weights and biases start uniform within one over the root of the number of inputs, as in torch's layers.
     """
 
     def uniform(*shape: int, inputs: int) -> Tensor:

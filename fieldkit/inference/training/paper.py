@@ -1,7 +1,7 @@
 """The reference paper's ensemble: five networks on bootstrap samples of simulated flights.
 
-The recipe is the paper's but for one thing: validation and test flights are drawn separately from the training
-flights (in the published code both are the first 2,000 training rows).
+The recipe is the paper's with one exception: validation and test flights are drawn separately from the training flights
+(in the published code both are the first 2,000 training rows).
 """
 
 import time
@@ -27,18 +27,18 @@ MEMBERS = 5
 HIDDEN_UNITS = (128, 256, 128)
 DROPOUT = 0.1
 OUTPUTS = {"cd": (0.2, 1.5), "alpha": (0.5, 1.5)}
-"""What comes out, and the range it is squashed into. [1]"""
+"""Outputs and their ranges. [1]"""
 HELD_OUT = 2000
-"""Validation flights, and test flights."""
+"""Number of validation flights and of test flights."""
 
 
 def train_paper(
     out: Path, *, seed: int = 1, n_train: int = 10_000, schedule: str = "quick", progress: Progress | None = None
 ) -> dict[str, Any]:
-    """Simulate, train, export into a new folder, and say how good it came out, as `fieldkit train --json`.
+    """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`.
 
-    The same seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too
-    few flights or a folder that holds an ensemble already.
+    The same seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or
+    a folder that already contains an ensemble.
     """
     plan = _checked(schedule, n_train)
     claim(out)
@@ -76,7 +76,7 @@ def _checked(schedule: str, n_train: int) -> Schedule:
 
 
 def _flights(seed: int, n_train: int) -> list[PaperDraws]:
-    """Flights to train on, to validate and to test with, each from a stream of its own."""
+    """Flights for training, validation and testing, each from a separate random stream."""
     streams = np.random.SeedSequence(seed).spawn(3)
     counts = (n_train, HELD_OUT, HELD_OUT)
     return [paper_draws(np.random.default_rng(s), count) for s, count in zip(streams, counts, strict=True)]
@@ -89,7 +89,7 @@ def _ranges(features: Float[Array, "flight feature"]) -> dict[str, list[float]]:
 
 
 def _card(plan: Schedule, seed: int, n_train: int) -> dict[str, Any]:
-    """What is known before training."""
+    """The card's content that is known before training."""
     return {
         "name": "paper",
         "recipe": "paper",

@@ -1,4 +1,4 @@
-"""Simulated flights made in parts, on any machines in any order, with the same result."""
+"""Flights simulated in parts, on any machines in any order, with the same result."""
 
 import hashlib
 import io
@@ -18,18 +18,18 @@ from fieldkit.model.prior_predictive import Truth, simulate, split_motors
 from fieldkit.shapes import Array, Float
 
 SIZE = 50_000
-"""Flights of a part: seconds of work, and 20 MB. [1]"""
+"""Flights per part: seconds of work and 20 MB. [1]"""
 FOLDER = "parts"
-"""Where parts are kept beside the ensemble that is going to be made of them."""
+"""Folder of the parts, next to the ensemble to be trained."""
 WIDTHS = (len(FIGURES), len(DECLARED_FIELDS), len(READOUT_NAMES), 1, 1)
-"""Columns of each of a truth's arrays. [1]"""
+"""Number of columns of each array of a truth. [1]"""
 ReportPart = Callable[[int, int], None]
-"""Callback with the number of parts done, and of how many."""
+"""Callback with the number of parts done and their total."""
 
 
 @dataclass(frozen=True, slots=True)
 class SimulationPart:
-    """What decides a part's flights: the seed of the whole, its number, how many flights, which effects act."""
+    """What determines a part's flights: the seed, its number, the number of flights, the active effects."""
 
     seed: int
     number: int
@@ -40,7 +40,7 @@ class SimulationPart:
 def simulate_parts(
     out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, on_part: ReportPart | None = None
 ) -> Truth:
-    """About as many flights as asked for, with the parts that an earlier run left beside `out`'s ensemble."""
+    """About the requested number of flights; parts from an earlier run in `out` are reused."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
     items = {f"{n:05d}.npy": SimulationPart(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}
@@ -53,19 +53,19 @@ def simulate_parts(
 
 
 def drop_parts(out: Path) -> None:
-    """Let the parts of a finished ensemble go."""
+    """Delete the parts of a finished ensemble."""
     shutil.rmtree(out / FOLDER, ignore_errors=True)
 
 
 def fly_part(part: SimulationPart) -> bytes:
-    """The flights of a part, as bytes; its random numbers are its own, on whichever machine."""
+    """The flights of a part as bytes. Its random numbers depend only on the part, not on the machine."""
     stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
     known, _ = split_motors()
     return packed(simulate(np.random.default_rng(stream), known, part.count, part.effects))
 
 
 def packed(truth: Truth) -> bytes:
-    """Flights as a table in numpy's own format, in which nothing but numbers fits."""
+    """Flights as a table in numpy's format, which can contain only numbers."""
     columns = (getattr(truth, name).reshape(len(truth), -1) for name in Truth.__dataclass_fields__)
     file = io.BytesIO()
     np.lib.format.write_array(file, np.hstack(list(columns)), allow_pickle=False)
@@ -73,7 +73,7 @@ def packed(truth: Truth) -> bytes:
 
 
 def unpacked(content: bytes) -> Truth:
-    """The flights of such a table."""
+    """The flights in such a table."""
     table: Float[Array, "flight column"] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
     ends = np.cumsum([0, *WIDTHS])
     motor, declared, readouts, area, alpha = (table[:, a:b] for a, b in pairwise(ends))
@@ -81,7 +81,7 @@ def unpacked(content: bytes) -> Truth:
 
 
 def _digest(items: dict[str, SimulationPart]) -> str:
-    """Of what the parts are made from: those of another seed, recipe or fieldkit are never taken for them."""
+    """A digest of everything that parts depend on, so that parts of another seed, recipe or version are not reused."""
     motors = [motor.name for motor in split_motors()[0]]
     said = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
     return hashlib.sha256(said.encode()).hexdigest()[:16]

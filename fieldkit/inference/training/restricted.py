@@ -22,7 +22,7 @@ from fieldkit.shapes import Array, Float
 
 PLAN = TrainingPlan(epochs=20)
 CELLS_UNCERTAIN = 150
-"""Along each axis of the grid where the burn time is integrated over."""
+"""Points along each axis of the grid if the burn time is integrated over."""
 
 
 def train_restricted(
@@ -34,9 +34,9 @@ def train_restricted(
     burn_sd: float = 0.0,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Train on the restricted problem, and say how far the ensemble is from the exact posterior.
+    """Train on the restricted problem, and return the distance of the ensemble from the exact posterior.
 
-    `burn_sd` is by how much the logarithm of the burn time scatters. [1]
+    `burn_sd` is the standard deviation of the log burn time. [1]
     """
     rng = np.random.default_rng(seed)
     flights, clean = restricted_draws(rng, n_train, burn_sd)
@@ -52,7 +52,7 @@ def train_restricted(
 
 
 def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "flight readout"]) -> Batch:
-    """The flights as measured again, each with one of the subsets of readouts."""
+    """A new measurement of the flights, each with one of the subsets of readouts."""
     whole = measured(rng, clean, flights.motor, flights.config)
     kept = np.array([[name in names for name in READOUT_NAMES] for names in SUBSETS.values()])
     which = rng.integers(len(kept), size=len(clean))

@@ -1,4 +1,4 @@
-"""Putting a trained ensemble into a folder of its own."""
+"""Writing a trained ensemble into a new folder."""
 
 import hashlib
 import json
@@ -12,7 +12,7 @@ from fieldkit.inference.network.ensemble import CARD, GRAPH
 
 
 def claim(out: Path) -> None:
-    """Make the folder. Raises BadValue if it holds an ensemble already: one is never overwritten."""
+    """Make the folder. Raises BadValue if it already contains an ensemble, which is never overwritten."""
     if any((out / name).exists() for name in (CARD, GRAPH)):
         raise BadValue(f"{out}: found an existing ensemble, expected a new or empty folder")
     check_target(out / GRAPH)
@@ -23,7 +23,7 @@ def claim(out: Path) -> None:
 
 
 def ship(out: Path, graph: bytes, card: Mapping[str, Any]) -> list[str]:
-    """Write graph and card, the card last because it vouches for the rest; the paths written."""
+    """Write graph and card, the card last because it has the digests of the rest. Returns the paths."""
     digests = {GRAPH: hashlib.sha256(graph).hexdigest()}
     text = json.dumps({**card, "digests": digests}, indent=2, allow_nan=False)
     write_all({out / GRAPH: graph, out / CARD: f"{text}\n".encode()})

@@ -1,6 +1,6 @@
-"""The state of an unfinished training as arrays one after the other, so that reading it runs nothing.
+"""The state of an unfinished training as a sequence of arrays, so that reading it runs no code.
 
-The first holds the bytes of a JSON document: everything but tensors, and the names of those.
+The first contains the bytes of a JSON document with everything except tensors, and the names of the tensors.
 """
 
 import io
@@ -25,7 +25,7 @@ def save_state(
     losses: list[float],
     best: Mapping[str, torch.Tensor],
 ) -> None:
-    """Keep members, optimizer, rate and losses, and the members of the best epoch."""
+    """Save members, optimizer, rate and losses, and the members of the best epoch."""
     own = optimizer.state_dict()
     arrays = {f"members/{name}": value for name, value in members.state_dict().items()}
     arrays |= {f"best/{name}": value for name, value in best.items()}
@@ -41,7 +41,7 @@ def save_state(
 def load_state(
     file: Path, members: nn.Module, optimizer: torch.optim.Optimizer, rate: OneCycleLR
 ) -> tuple[list[float], dict[str, torch.Tensor]]:
-    """Put members, optimizer and rate in the state of a file; the losses so far and the members of the best epoch."""
+    """Restore members, optimizer and rate from a file. Returns the losses so far and the members of the best epoch."""
     content = io.BytesIO(file.read_bytes())
 
     def following() -> Any:

@@ -1,1 +1,1 @@
-"""Posteriors checked: against integrated ones, for calibration, and by scores."""
+"""Validation of posteriors: comparison with exact ones, calibration, scores."""

@@ -1,4 +1,4 @@
-"""How good the field ensemble is: on fresh simulations, readout by readout, against the known truth."""
+"""Evaluation of the field ensemble on new simulations with known truth, for each set of readouts."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 COVERAGES = (0.5, 0.8, 0.9, 0.95)
-"""Of the central intervals that are counted. [1]"""
+"""Levels of the central intervals. [1]"""
 BINS = 20
-"""Of the histograms of ranks."""
+"""Number of bins of the histograms of ranks."""
 DRAWS = 100
-"""From each posterior, for the curve of expected coverage."""
+"""Number of draws from each posterior for the curve of expected coverage."""
 BLOCK = 1000
-"""Flights judged together: few enough for the processor's cache."""
+"""Number of flights evaluated together, few enough for the processor's cache."""
 
 
 def judge(
     ensemble: "Ensemble", rng: np.random.Generator, motors: Sequence[Motor], count: int, effects: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """The verdict by subset of the readouts, on fresh flights of these motors, circumstances all declared."""
+    """The evaluation by subset of the readouts, on new flights with these motors and all conditions declared."""
     truth = simulate(rng, motors, count, effects)
     whole = measure(rng, truth)
     verdict = {name: _verdict(rng, ensemble, truth, whole.only(*kept)) for name, kept in SUBSETS.items()}
@@ -51,9 +51,9 @@ def _verdict(rng: np.random.Generator, ensemble: "Ensemble", truth: Truth, obser
 def score(
     rng: np.random.Generator, density: Mixture, truth: Float[Array, "flight 2"]
 ) -> tuple[dict[str, Any], Float[Array, "flight"]]:
-    """Log density, errors of the median, coverage, ranks and expected coverage of posteriors of known truths.
+    """Log density, errors of the median, coverage, ranks and expected coverage of posteriors with known truths.
 
-    The first parameter is the logarithm of a drag area, the second is alpha. Its median comes back as well.
+    The first parameter is the logarithm of a drag area, the second is alpha, whose median is returned too.
     """
     blocks = [slice(first, first + BLOCK) for first in range(0, len(truth), BLOCK)]
     figures = np.concatenate([_figures(density.rows(block), truth[block]) for block in blocks])
@@ -86,7 +86,7 @@ def _coverage(rank: Float[Array, "flight"]) -> dict[str, float]:
 def _histogram(rank: Float[Array, "flight"]) -> dict[str, Any]:
     """Ranks of the truth in its posterior, uniform if the posterior is right (Talts et al., 2018).
 
-    `excess` is the largest bin's share over an even one's, less 1; `lack` the smallest's.
+    `excess` is the count of the largest bin relative to a uniform one, minus 1; `lack` is the same for the smallest.
     """
     counts = np.histogram(rank, BINS, (0.0, 1.0))[0]
     share = counts * BINS / len(rank) - 1
@@ -96,7 +96,7 @@ def _histogram(rank: Float[Array, "flight"]) -> dict[str, Any]:
 def expected_coverage(
     rng: np.random.Generator, density: Mixture, truth: Float[Array, "flight 2"]
 ) -> Float[Array, "flight"]:
-    """Fraction of each posterior that is nearer to a random point than the truth is; uniform if it is right.
+    """Fraction of each posterior nearer to a random point than the truth; uniform if the posterior is right. [1]
 
     Source: Lemos, Coogan, Hezaveh and Perreault-Levasseur, "Sampling-based accuracy testing of posterior
     estimators for general inference", 2023 (TARP).
@@ -115,7 +115,7 @@ def _curve(share: Float[Array, "flight"]) -> dict[str, Any]:
 
 
 def table(card: Mapping[str, Any]) -> list[str]:
-    """The verdict of a card as lines of text."""
+    """The evaluation in a card as lines of text."""
     lines = []
     titles = {
         "test": "fresh flights",
@@ -125,15 +125,15 @@ def table(card: Mapping[str, Any]) -> list[str]:
     for key, title in titles.items():
         lines.append(title)
         lines.append(
-            f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95 %: drag area, alpha"
+            f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95%: drag area, alpha"
         )
         for name, one in card[key].items():
             cover = ["/".join(f"{100 * c:.1f}" for c in one["coverage"][p].values()) for p in ("drag_area", "alpha")]
             lines.append(
                 f"{name:22s} {one['log_density']:7.3f} {one['cd_mae']:7.4f} {one['alpha_mae']:7.4f}  "
-                f"{cover[0]}  {cover[1]}  alarms {100 * one['false_alarms']:.2f} %"
+                f"{cover[0]}  {cover[1]}  alarms {100 * one['false_alarms']:.2f}%"
             )
-    restricted = {"restricted": "the paper's prior", "restricted_burn_uncertain": "the same, burn time 5 % uncertain"}
+    restricted = {"restricted": "the paper's prior", "restricted_burn_uncertain": "the same, burn time 5% uncertain"}
     for key, title in restricted.items():
         for name, one in card.get(key, {}).items():
             lines.append(

@@ -1,4 +1,4 @@
-"""The history network on simulated histories it never saw: coverage, ranks, inclusion, and the linear fit beside it."""
+"""The history network and the linear fit on held-out simulated histories: coverage, ranks, inclusion."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,18 +12,18 @@ from fieldkit.inference.network.history_parts import LEVELS, STANDARD, HistoryAn
 from fieldkit.shapes import Array, Flags, Float
 
 FLIGHT_BINS = ((1, 2), (3, 5), (6, 12), (13, 25), (26, 60))
-"""Numbers of flights that are judged together."""
+"""Groups by the number of flights."""
 READOUT_BINS = ((1, 1), (2, 3), (4, 6))
-"""Numbers of kinds of readouts that are judged together."""
+"""Groups by the number of kinds of readouts."""
 INTERVALS = {0.4: (0.3, 0.7), 0.8: (0.1, 0.9), 0.9: (0.05, 0.95)}
 RANK_BINS = 10
 MIN_FLIGHTS_FOR_EFFECTS = 8
-"""Flights from which on inclusion is judged effect by effect. [1]"""
+"""Minimum number of flights for evaluating inclusion effect by effect. [1]"""
 DEEP_TAIL = 1e-4
 
 
 def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
-    """What the network is worth on these histories, and the linear fit that it starts from."""
+    """The evaluation of the network and of its linear fit on these histories."""
     names = effect_names()
     said = answer(ensemble.members(table.features), len(names))
     z = (table.truth("log_apogee") - table.truth("mean")) / table.truth("sd")
@@ -47,7 +47,7 @@ def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
 def _forecast(
     said: HistoryAnswer, z: Array, sd: Array, rows: Flags | None = None
 ) -> dict[str, float | list[float] | int]:
-    """Coverage, CRPS over the apogee and ranks, of the network and of the linear fit as a normal distribution."""
+    """Coverage, relative CRPS and ranks of the network, and of the linear fit as a normal distribution."""
     some = np.ones(len(z), bool) if rows is None else rows
     if not some.any():
         return {"histories": 0}
@@ -75,7 +75,7 @@ def _coverage(quantiles: Array, truth: Array, low: float, high: float) -> float:
 
 
 def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach."""
+    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach. [1]"""
     levels = np.array(LEVELS)
     ends = np.r_[0.0, 0.5 * (levels[1:] + levels[:-1]), 1.0]
     miss = truth[:, None] - quantiles
@@ -83,7 +83,7 @@ def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "histo
 
 
 def ranks(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Where each truth lies in its forecast, from 0 to 1, between levels by interpolation."""
+    """The rank of each truth in its forecast, from 0 to 1, interpolated between levels. [1]"""
     known = np.r_[DEEP_TAIL, LEVELS, 1 - DEEP_TAIL]
     found = []
     for row, value in zip(quantiles, truth, strict=True):
@@ -108,8 +108,7 @@ def _parameters(said: HistoryAnswer, table: HistoryTable) -> dict[str, float]:
 
 
 def _inclusion(said: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[str, float]]:
-    """How well presence is distinguished from absence, by the network and by the linear evidence, and how honest it
-    is."""
+    """How well the network and the linear evidence distinguish presence from absence, and the calibration."""
     names, columns = effect_names(), feature_names(effect_names())
     judged = (table.truth("selects") > 0.5) & (table.truth("flights") >= MIN_FLIGHTS_FOR_EFFECTS)
     found: dict[str, Mapping[str, float]] = {}
@@ -126,7 +125,7 @@ def _inclusion(said: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[st
 
 
 def _presence(chance: Array, there: Array, evidence: Array) -> dict[str, float]:
-    """AUC of network and evidence, log score beside that of the base rate [nat], and the honesty of probabilities."""
+    """AUC of network and evidence, log score relative to the base rate [nat], and calibration of probabilities."""
     if not len(there) or not 0 < there.sum() < len(there):
         return {"histories": len(there), "present": float(there.sum())}
     limited, rate = np.clip(chance, 1e-4, 1 - 1e-4), float(there.mean())
@@ -146,7 +145,7 @@ def _presence(chance: Array, there: Array, evidence: Array) -> dict[str, float]:
 
 
 def auc(score: Float[Array, "history"], there: Float[Array, "history"]) -> float:
-    """Probability that a history with the effect scores above one without, ties by half."""
+    """Probability that a history with the effect scores above one without, ties by half. [1]"""
     from scipy.stats import rankdata
 
     present = there > 0.5

@@ -1,8 +1,7 @@
-"""The one problem whose exact answer is known: the paper's rocket, prior and simulator, with more readouts.
+"""A problem with a known exact answer: the paper's rocket, prior and simulator, with more readouts.
 
-There is nothing at random in its flights but Cd and alpha, and optionally the burn time, so the
-exact posterior follows from the simulator on a grid. An ensemble of the field's kind trained on it is measured
-against that.
+Only Cd, alpha and optionally the burn time are random, so the exact posterior follows from the simulator on a grid. An
+ensemble of the field's kind, trained on this problem, is compared with it.
 """
 
 from collections.abc import Mapping
@@ -28,21 +27,21 @@ NOISE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "coast_to_apogee": (0.1, 0.0),
     }
 )
-"""The readouts there are, and their noise: a standard deviation in SI, or a fraction of the true value."""
+"""The readouts and their noise: a standard deviation in SI, or a fraction of the true value."""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
 )
 BURN_SD = 0.05
-"""Of the logarithm of the burn time, at the same impulse, if it is uncertain. [1]"""
+"""Standard deviation of the log burn time at constant impulse, if it is uncertain. [1]"""
 NODES = 7
-"""Of the quadrature over the burn time."""
+"""Number of nodes of the quadrature over the burn time."""
 _MASSES = np.array(list(paper.DRY_MASS.values()))
 _BURNS = paper.paper_burns()
 
 
 @dataclass(frozen=True, slots=True)
 class Restricted:
-    """Flights of the restricted problem: what is seen of them, log drag area and alpha, and which rocket flew."""
+    """Flights of the restricted problem: observed readouts, log drag area and alpha, and the rocket of each."""
 
     observed: Observed
     truth: Float[Array, "flight 2"]
@@ -51,7 +50,7 @@ class Restricted:
 
 
 def intervals(count: int) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:
-    """Ends of the prior in log drag area and alpha."""
+    """Bounds of the prior of log drag area and alpha."""
     area = np.log(disc(np.asarray(paper.DIAMETER)))
     ends = np.array([[np.log(cd) + area, alpha] for cd, alpha in zip(CD_RANGE, ALPHA_RANGE, strict=True)])
     low, high = (np.broadcast_to(end, (count, 2)) for end in ends)
@@ -61,9 +60,9 @@ def intervals(count: int) -> tuple[Float[Array, "flight 2"], Float[Array, "fligh
 def restricted_draws(
     rng: np.random.Generator, count: int, burn_sd: float = 0.0
 ) -> tuple[Restricted, Float[Array, "flight readout"]]:
-    """Flights drawn from the paper's priors as measured once, and their readouts without noise.
+    """Flights drawn from the paper's priors with one measurement, and their readouts without noise.
 
-    `burn_sd` is by how much the logarithm of the burn time scatters. [1]
+    `burn_sd` is the standard deviation of the log burn time. [1]
     """
     motor, config = rng.integers(len(paper.MOTORS), size=count), rng.integers(len(_MASSES), size=count)
     cd, alpha = rng.uniform(*CD_RANGE, size=count), rng.uniform(*ALPHA_RANGE, size=count)
@@ -97,7 +96,7 @@ def _clean(motor: Int[Any, "*#draw"], config: Int[Any, "*#draw"], cd: Array, alp
 
 
 def _figures(motor: paper.DeclaredMotor) -> Float[Array, "figure"]:
-    """The figures of a declared motor, by the impulse that its profile delivers."""
+    """The figures of a declared motor, with the impulse of its profile."""
     time = np.linspace(0, motor.burn_time, 4001)
     thrust = np.interp(time, motor.time, motor.thrust)
     weight = thrust / thrust.sum()
@@ -111,7 +110,7 @@ def _figures(motor: paper.DeclaredMotor) -> Float[Array, "figure"]:
 class Exact:
     """Readouts without noise on a grid of Cd and alpha, for each motor and configuration.
 
-    A node is one of the burn times that are integrated over, `log_weight` the log of its weight.
+    A node is one of the burn times of the quadrature, and `log_weight` the log of its weight.
     """
 
     cd: Float[Array, "cell"]
@@ -120,7 +119,7 @@ class Exact:
     log_weight: Float[Array, "node"]
 
     def log_posterior(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "cell"]:
-        """Log probability of each cell after some of the readouts of one flight."""
+        """Log posterior probability of each cell given some readouts of one flight. [nat]"""
         grid = self.readouts[flights.motor[row], flights.config[row]]
         each = np.zeros(grid.shape[:-1]) + self.log_weight[:, None]
         for name in names:
@@ -133,13 +132,14 @@ class Exact:
         return np.asarray(log - top - np.log(np.exp(log - top).sum()))
 
     def medians(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "2"]:
-        """Medians of Cd and alpha after some of the readouts of one flight: the least mean absolute error."""
+        """Posterior medians of Cd and alpha given some readouts of one flight, which minimize the mean absolute error.
+        [1]"""
         share = np.exp(self.log_posterior(flights, row, names))
         return np.array([_median(values, share) for values in (self.cd, self.alpha)])
 
 
 def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
-    """The grid, `cells` along each of the two; Gauss and Hermite's nodes of the burn time if it is uncertain."""
+    """The grid with `cells` per axis, and Gauss-Hermite nodes of the burn time if it is uncertain."""
     centres = (np.arange(cells) + 0.5) / cells
     cd, alpha = np.meshgrid(CD_RANGE[0] + np.ptp(CD_RANGE) * centres, ALPHA_RANGE[0] + np.ptp(ALPHA_RANGE) * centres)
     cd, alpha = cd.ravel(), alpha.ravel()
@@ -152,7 +152,7 @@ def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
 def against_exact(
     flights: Restricted, densities: Mapping[str, Mixture], grid: Exact, count: int = 500
 ) -> dict[str, dict[str, float]]:
-    """Mean absolute errors of an ensemble's median and of the exact one, and the divergence between them.
+    """Mean absolute errors of an ensemble's median and of the exact one, and their divergence.
 
     `kl` is the mean Kullback-Leibler divergence of the ensemble from the exact posterior. [nat]
     """

@@ -1,4 +1,4 @@
-"""How good an ensemble is on simulated flights that it has not seen."""
+"""Evaluation of an ensemble on held-out simulated flights."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 LEVELS = {"one_sd": 1.0, "50": 0.67449, "90": 1.64485}
-"""Intervals by name: how many spreads to either side, as for a normal distribution."""
+"""Intervals by name: half widths in standard deviations, as for a normal distribution."""
 
 
 def score(

@@ -1,4 +1,4 @@
-"""What a report is of: one flight, every flight of a rocket, or those of a day, with the loop's findings."""
+"""The subject of a report: one flight, every flight of a rocket, or the flights of a day, with the loop's findings."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -20,13 +20,13 @@ from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
 MAX_FITS = 20
-"""Longest report in which each flight without a saved prediction is forecast by a fit to the others; longer ones show
-the loop's forecasts of flights left out, which it computes anyway. [1]"""
+"""Maximum number of flights in a report that forecasts each flight without a saved prediction by a separate fit to the
+others; longer reports use the loop's leave-one-out forecasts. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightReport:
-    """A report: the cards in the order flown, and the loop's findings by rocket if it is of more than a flight."""
+    """A report: the cards in the order flown, and the loop's findings by rocket if it has more than one flight."""
 
     title: str
     subtitle: str
@@ -46,17 +46,17 @@ class FlightReport:
             rows.append((shown.length(max(apogees)), "highest apogee"))
         rows.append((str(predicted), "predicted"))
         if predicted:
-            rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
+            rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90%")]
         return tuple(rows)
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What the loop found of each rocket, a sentence or two."""
+        """The loop's findings for each rocket, in one or two sentences."""
         return tuple(line for found in self.loops for line in loop_words(found, self.system))
 
 
 def loop_words(found: Findings, system: str = "SI") -> list[str]:
-    """The verdict on a rocket, and the errors of held-out flights, in the units of a system."""
+    """The verdict on a rocket, and the leave-one-out errors, in the units of a system."""
     diagnosis, left, shown = found.diagnosis, found.left_out, ShownUnits(system)
     lines = [f"{found.rocket}: {diagnosis.effect}: {diagnosis.why}."]
     before, after = left.before.score, left.after.score
@@ -70,7 +70,7 @@ def loop_words(found: Findings, system: str = "SI") -> list[str]:
 def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgress, system: str = "SI") -> FlightReport:
     """The report on a day such as 2026-05-01, a flight id, or a rocket, tried in that order, in the units of a system.
 
-    Raises LedgerError for one that means nothing, with near names.
+    Raises LedgerError with similar names if nothing matches.
     """
     if re.fullmatch(r"\d{4}-\d{2}-\d{2}", what) and (flights := _of_day(ledger, what)):
         rockets = list(dict.fromkeys(one.rocket for one in flights))
@@ -101,7 +101,7 @@ def _of_several(
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(on_progress, 0.0, 0.6), place / len(rockets), 1 / len(rockets))
-        with suppress(NoFlights):  # too few flights to close it
+        with suppress(NoFlights):  # too few flights for the loop
             loops.append(look(ledger, motors, rocket, own))
     known = {}
     if len(flights) > MAX_FITS:
@@ -124,7 +124,7 @@ def _span(flights: Sequence[Flight]) -> str:
 
 
 def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The flights of a report as a table: headers, and a row for each."""
+    """The flights of a report as a table: headers, and one row per flight."""
     shown = ShownUnits(found.system)
     mass, height = shown.mass(0.0).split()[1], shown.length_unit
     heights = (f"predicted {height}", f"flown {height}", f"miss {height}")

@@ -19,14 +19,15 @@ from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
 
 CARD_DRAWS = 2000
-"""Draws of a forecast that is known as a mixture. [1]"""
+"""Number of draws from a forecast given as a mixture. [1]"""
 Rows = tuple[tuple[str, str], ...]
 """Title and value."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CardForecast:
-    """An apogee as draws and at 5, 50 and 95 % [m]: whether said before the flight, by what, and what had changed."""
+    """A forecast apogee as draws and 5, 50 and 95% quantiles [m]: whether it was made before the flight, its source,
+    and what had changed."""
 
     draws: Float[Array, "draw"]
     interval: tuple[float, float, float]
@@ -48,7 +49,7 @@ class HeightTrace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Card:
-    """One flight with everything that is shown of it; `record` are the apogees of its rocket, in order flown."""
+    """One flight with all its figures; `record` are the apogees of its rocket in the order flown."""
 
     id: str
     flight: Flight
@@ -97,8 +98,7 @@ def cards(
 
 
 def left_out(found: Findings, system: str) -> dict[tuple[str, str], CardForecast]:
-    """The loop's forecast of each flight of a rocket from its other flights, by rocket and flight_id, in the units of a
-    system."""
+    """The loop's leave-one-out forecasts of a rocket's flights, by rocket and flight_id, in the units of a system."""
     diagnosis = found.diagnosis
     forecasts, rng = diagnosis.forecasts_after, np.random.default_rng(0)
     by = "no saved prediction; from its other flights the loop forecasts "
@@ -152,7 +152,7 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
 
 
 def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
-    """Drag and thrust by this flight alone."""
+    """Drag and thrust from this flight alone."""
     from fieldkit.services.inferred import FlightInference
 
     try:
@@ -167,7 +167,7 @@ def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
 
 
 def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
-    """The log of a flight, None if there are no samples of height or they cannot be read again."""
+    """The log of a flight; None if it has no samples of height or cannot be read."""
     try:
         found = recording_of(ledger, id)
     except FieldkitError:
@@ -183,7 +183,8 @@ def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
 
 
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
-    """Of the cards with a saved prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
+    """For the cards with a saved prediction and an apogee: their number, the mean absolute error [m], and the number
+    inside the interval."""
     told = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
     inside = sum(
         one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2] for one in told if one.forecast

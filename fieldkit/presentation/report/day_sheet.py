@@ -1,6 +1,6 @@
-"""The day sheet: the plans of a day on paper, a row each, with what they come to and room for what they do.
+"""The day sheet: the plans of a day on paper, one row each, with their forecasts and room for their results.
 
-Below the table stand the safety lines that are not well, by flight, for the one who checks rockets in.
+Below the table are the safety checks that did not pass, by flight, for the check-in.
 """
 
 from collections.abc import Iterator, Sequence
@@ -31,7 +31,7 @@ HEADERS = (
     "motor",
     "lift-off",
     "rail exit",
-    "apogee (90 %)",
+    "apogee (90%)",
     "charge",
     "duration",
     "lands",
@@ -39,21 +39,22 @@ HEADERS = (
     "flown: apogee, time",
 )
 WIDTHS = (0.06, 0.11, 0.12, 0.065, 0.07, 0.115, 0.065, 0.085, 0.085, 0.065, 0.16)
-"""Of the columns, of the page's width. [1]"""
+"""Column widths as fractions of the page's width. [1]"""
 LANDSCAPE = (11.69, 8.27)
 """Width and height of a page. [inch]"""
 ROWS = 12
-"""Flights on a page. [1]"""
+"""Maximum number of flights on a page. [1]"""
 LINE, LINES = 165, 54
-"""Length of the lines below the table [letters], and how many a page without a table has room for."""
+"""Length of the lines below the table [character], and the number of lines on a page without a table."""
 TABLE_TOP, ROW_HEIGHT, LINE_HEIGHT, FOOT_OF_PAGE = 0.85, 0.034, 0.0155, 0.065
-"""Where the table begins, heights of its rows and of the lines below, and what stays free, of the page's height. [1]"""
+"""Top of the table, heights of its rows and of the lines below, and the bottom margin, as fractions of the page's
+height. [1]"""
 
 
 def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: str, system: str = "SI") -> bytes:
-    """The sheet as a picture, or as a PDF of as many pages as the plans need; in the units of a system.
+    """The sheet as a picture, or as a PDF with as many pages as the plans need, in the units of a system.
 
-    Raises BadValue for a picture of more flights than a page holds.
+    Raises BadValue for a picture with more flights than fit on a page.
     """
     kind, shown = suffix.lstrip("."), ShownUnits(system)
     if kind != "pdf" and len(planned) > ROWS:
@@ -72,12 +73,12 @@ def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: 
 
 
 def _room(flights: int) -> int:
-    """How many lines there is room for below a table of so many flights."""
+    """The number of lines that fit below a table of this number of flights."""
     return int((TABLE_TOP - _height(flights) - FOOT_OF_PAGE) / LINE_HEIGHT)
 
 
 def _height(flights: int) -> float:
-    """Of the table, of the page's height. [1]"""
+    """Height of the table as a fraction of the page's height. [1]"""
     return ROW_HEIGHT * (flights + 1)
 
 
@@ -93,7 +94,7 @@ def _page(title: str, site: Site, planned: Sequence[PlannedFlight], rows: Sequen
 
 
 def _more(title: str, rows: Sequence[str]) -> Figure:
-    """A page of the lines that the page of the table has no room for."""
+    """A page with the lines that do not fit below the table."""
     figure = Figure(figsize=LANDSCAPE)
     figure.text(0.03, 0.965, f"{printable(title)}, continued", fontsize=15, fontweight="bold", va="top")
     _lines(figure, 0.92, rows)
@@ -159,14 +160,15 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
 
 
 def _verdicts(lines: Sequence[SafetyCheck]) -> str:
-    """How many checks failed, are to be watched, and are unknown: `2⊘ 1! 4?`."""
+    """The numbers of checks that failed, have warnings, and are unknown: `2⊘ 1! 4?`."""
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown")
     counts = {verdict: sum(line.verdict == verdict for line in lines) for verdict in worst_first}
     return " ".join(f"{count}{MARKS[verdict]}" for verdict, count in counts.items() if count) or MARKS["ok"]
 
 
 def _told(planned: Sequence[PlannedFlight], shown: ShownUnits) -> list[str]:
-    """The rail that is recommended for each flight, and its safety lines that are not well; what is unknown by name."""
+    """The recommended rail angle for each flight, its safety checks that did not pass, and the names of the unknown
+    ones."""
     told: list[str] = []
     for one in planned:
         rail = [rail_in_words(choice, shown) for choice in one.rail[:1]]

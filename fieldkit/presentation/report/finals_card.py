@@ -1,4 +1,4 @@
-"""The table of finals as one card on paper: a picture or a page, large enough to read in the sun."""
+"""The table of finals as one printed card, a picture or a page, large enough to read in bright sun."""
 
 from collections.abc import Sequence
 from io import BytesIO
@@ -11,12 +11,12 @@ from fieldkit.errors import BadValue
 from fieldkit.presentation.finals_text import FINALS_NOTES, finals_headers
 
 LINE = 110
-"""Of the notes. [letters]"""
+"""Length of the lines of notes. [character]"""
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def check_card(file: Path) -> None:
-    """Raise BadValue for a name that is no picture."""
+    """Raise BadValue for a file name without a picture suffix."""
     if file.suffix.lower() not in SUFFIXES:
         raise BadValue(f"{file.name}: found {file.suffix or 'no suffix'!r}, expected one of {', '.join(SUFFIXES)}")
 
@@ -28,7 +28,7 @@ def finals_card(
     notes: Sequence[str] = (),
     system: str = "SI",
 ) -> bytes:
-    """The card as a picture, masses in the units of a system; `notes` come last."""
+    """The card as a picture, with masses in the units of a system and `notes` at the end."""
     below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
     height = 0.8 + 0.32 * len(rows) + 0.15 * len(below.splitlines())
     figure = Figure(figsize=(7.5, height), layout="constrained")

@@ -1,4 +1,4 @@
-"""Pages of HTML from templates: what files said is escaped, and no script would run."""
+"""HTML pages from templates: text from files is escaped, and scripts cannot run."""
 
 from base64 import b64encode
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Reports as pages of A4: a card a page, a summary before them; what color says, form says too."""
+"""Reports as A4 pages: one card per page, after a summary; color is never the only distinction."""
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
 MARGIN = 0.085
-"""On either side of a page, of the width between. [1]"""
+"""Margin on each side of a page, as a fraction of its width. [1]"""
 LEFT_EDGE, RIGHT_EDGE = 0.0, 1.0
-"""Of what is written, in the width between the margins. [1]"""
+"""Maximum number of characters between the margins. [1]"""
 PER_PAGE = 34
-"""Flights in the table of a page."""
+"""Maximum number of flights in the table on one page. [1]"""
 FOOT_LINE = f"fieldkit {__version__}. Forecasts are advice: at the field the range safety officer decides."
 ON_THE_LOOPS_PAGE = ("residuals", "forward", "ladder")
 """Pictures of the loop that fit on a page of paper."""
@@ -39,7 +39,7 @@ def pages(book: FlightReport) -> Iterator["Figure"]:
 
 
 def _page(title: str, subtitle: str, ratios: Sequence[float]) -> tuple["Figure", list["SubFigure"]]:
-    """A page with a heading and a foot, and its parts below each other."""
+    """A page with a heading and a footer, and its parts below each other."""
     from matplotlib.figure import Figure
     from matplotlib.gridspec import GridSpec
 
@@ -75,7 +75,7 @@ def _card(card: Card) -> "Figure":
 
 
 def heading(card: Card) -> tuple[str, str]:
-    """What a card is of, and when and where that was."""
+    """The flight of a card, and its time and place."""
     flight = card.flight
     when = f"{flight.date_time:%A %d %B %Y, %H:%M}" if flight.date_time else "no date"
     title = " ".join(part for part in (flight.rocket, flight.config) if part) or "Flight"
@@ -85,7 +85,7 @@ def heading(card: Card) -> tuple[str, str]:
 
 
 def headline(card: Card) -> tuple[tuple[str, str], ...]:
-    """The figures that a card leads with: value and what it is."""
+    """The main figures of a card: value and title."""
     shown = ShownUnits(card.system)
     rows = [(shortened(card.flight.motor, 16) or "?", "motor")]
     if card.flight.apogee is not None:
@@ -96,12 +96,12 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
         rows.append((shown.length(middle), f"{what}, {shown.lengths(low, high)}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high
-            rows.append((shown.difference(card.miss), f"miss, {'inside' if inside else 'outside'} 90 %"))
+            rows.append((shown.difference(card.miss), f"miss, {'inside' if inside else 'outside'} 90%"))
     return tuple(rows)
 
 
 def remarks(card: Card) -> list[str]:
-    """What is to be said of a flight in words."""
+    """The remarks on a flight."""
     lines = []
     if card.forecast is not None:
         lines.append(card.forecast.by[:1].upper() + card.forecast.by[1:] + ".")
@@ -117,7 +117,7 @@ def remarks(card: Card) -> list[str]:
 
 
 def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
-    """Figures in large type beside each other, what they are below."""
+    """Figures in large type next to each other, with their titles below."""
     step = (RIGHT_EDGE - LEFT_EDGE) / max(len(rows), 4)
     for place, (value, what) in enumerate(rows):
         part.text(LEFT_EDGE + step * place, 0.62, value, fontsize=17, weight="bold", va="center")
@@ -125,7 +125,7 @@ def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
 
 
 def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
-    """Two lists of figures beside each other."""
+    """Two lists of figures next to each other."""
     most = max((len(rows) for _, rows in columns), default=1)
     step = min(0.085, 0.86 / max(most + 1, 1))
     half = (RIGHT_EDGE - LEFT_EDGE) / 2
@@ -140,7 +140,7 @@ def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
 
 
 def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
-    """Sentences, as many as there is room for."""
+    """As many sentences as fit."""
     _rule(part, 0.98, GRID_COLOR)
     fitted = [piece for line in lines for piece in wrap(line, 116)]
     if len(fitted) > 6:

@@ -1,4 +1,4 @@
-"""The pictures of flight cards and of a day, each drawn into the figure that it is given."""
+"""The pictures of flight cards and of a day, each drawn into a given figure."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -25,7 +25,7 @@ Draw = Callable[["Figure | SubFigure"], None]
 
 
 def forecast(figure: "Figure | SubFigure", card: Card) -> None:
-    """The density of the forecast apogee with its 90 % interval, and the flown apogee."""
+    """The density of the forecast apogee with its 90% interval, and the flown apogee."""
     panel = figure.subplots()
     panel.set_title("Predicted and flown")
     shown = ShownUnits(card.system)
@@ -47,7 +47,7 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def _hill(panel: "Axes", said: CardForecast, shown: ShownUnits) -> None:
-    """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
+    """The density of the draws, from a normal kernel in the logarithm; hatched between 5 and 95%."""
     draws = said.draws[said.draws > 0] / shown.length_factor
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
@@ -104,7 +104,7 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def record(figure: "Figure | SubFigure", card: Card) -> None:
-    """Every apogee of the rocket in the order flown, this flight filled in."""
+    """Every apogee of the rocket in the order flown, with this flight filled in."""
     panel = figure.subplots()
     shown = ShownUnits(card.system)
     place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
@@ -139,7 +139,7 @@ def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -
     panel.set_yticks(range(len(cards)), names)
     panel.set_ylim(len(cards) - 0.4, -0.6)
     unit = shown.length_unit
-    panel.set_xlabel(f"apogee [{unit}]: bars are 90 % intervals (dashed: computed afterwards), dots are flown apogees")
+    panel.set_xlabel(f"apogee [{unit}]: bars are 90% intervals (dashed: computed afterwards), dots are flown apogees")
     panel.grid(axis="y", visible=False)
     panel.margins(x=0.06)
 

@@ -1,4 +1,4 @@
-"""The range card: a plan on one page for who checks it in, with its safety lines and a map of where it lands."""
+"""The range card: a plan on one page for the check-in, with its safety checks and a map of its landing."""
 
 from collections.abc import Sequence
 from io import BytesIO
@@ -15,9 +15,9 @@ from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
 
 LINE = 108
-"""Of the safety lines. [letters]"""
+"""Length of the lines of safety checks. [character]"""
 SHOWN_LANDINGS = 200
-"""Points on the map. [1]"""
+"""Number of points on the map. [1]"""
 
 
 def range_card(
@@ -44,12 +44,12 @@ def _wrapped(text: str, width: int) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text that matplotlib takes for nothing but text."""
+    """Text with matplotlib's markup escaped."""
     return printable(text).replace("$", r"\$")
 
 
 def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
-    """Pad, landings, ellipse and field, the wind blowing up the page; nothing if the wind is not known."""
+    """Pad, landings, ellipse and field, with the wind blowing up the page; empty if the wind is unknown."""
     if found.wind is None:
         figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")
         return

@@ -1,4 +1,4 @@
-"""How good forecasts were, as a picture: where flights lay in them, how often intervals held, and the rivals."""
+"""The quality of forecasts as a picture: PITs, coverage, and rivals."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".png", ".svg", ".pdf")
 CURVE = tuple(float(level) for level in np.linspace(0.1, 0.95, 18))
-"""Levels of the reliability curve. [1]"""
+"""Number of levels of the reliability curve. [1]"""
 
 
 def check_picture(path: Path) -> None:
-    """Raise BadValue for a name that is of no kind of picture."""
+    """Raise BadValue for a file name without a picture suffix."""
     if path.suffix.lower() not in SUFFIXES:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
 def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
-    """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
+    """Draw each available report as a row of three pictures, to a file of the type of its suffix.
 
-    Raises FieldkitError, also for an existing file unless with `force`.
+    Raises FieldkitError if the file cannot be written, or exists and `force` is False.
     """
     from matplotlib.figure import Figure
 

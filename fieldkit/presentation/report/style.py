@@ -1,6 +1,6 @@
-"""How every picture and page on paper looks, and how it becomes a file.
+"""The style of every picture and printed page, and writing them to files.
 
-Colors are those of Okabe and Ito, distinct with color blindness and in gray; names from files are never taken for
+Colors are those of Okabe and Ito, distinct with color blindness and in gray; names from files are never parsed as
 markup.
 """
 
@@ -45,7 +45,7 @@ METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": "fieldkit"},
     "pdf": {"Creator": "fieldkit", "Producer": "fieldkit", "CreationDate": None},
 }
-"""What files say of themselves: nothing that differs from one run to the next."""
+"""Metadata of files, the same in every run."""
 
 
 @contextmanager
@@ -54,7 +54,7 @@ def styled() -> Iterator[None]:
     from matplotlib import rc_context
 
     with rc_context({**STYLE}), catch_warnings():
-        filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font lacks
+        filterwarnings("ignore", message="Glyph .* missing")  # the font lacks some characters of a name
         yield
 
 
@@ -77,6 +77,6 @@ def bound(pages: Iterable["Figure"]) -> bytes:
 
 
 def shortened(text: str, most: int = 24) -> str:
-    """A name from a file as a picture has room for it."""
+    """A name from a file, shortened for a picture."""
     text = printable(text)
     return text if len(text) <= most else text[: most - 1] + "…"

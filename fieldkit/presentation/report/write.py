@@ -1,4 +1,4 @@
-"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures next to it."""
+"""Writing reports: HTML and PDF as one file, PNG as one file per page, Markdown with its pictures next to it."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -19,14 +19,14 @@ from fieldkit.safe_text import as_markdown
 
 SUFFIXES = (".html", ".htm", ".pdf", ".png", ".md")
 NUMBERS = (3, 4, 5, 6, 7)
-"""Columns of the table of flights that are numbers."""
+"""Numeric columns of the table of flights."""
 PICTURE_WIDTH = 7.2
 """Width of pictures on a page. [inch]"""
 T = TypeVar("T")
 
 
 def check_report(path: Path) -> None:
-    """Raise BadValue for a name that is of no kind of report."""
+    """Raise BadValue for a file name with an unsupported suffix."""
     if path.suffix.lower() not in SUFFIXES:
         raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
@@ -34,9 +34,9 @@ def check_report(path: Path) -> None:
 def write_report(
     book: FlightReport, path: Path, on_progress: ReportProgress = no_op, *, force: bool = False
 ) -> list[Path]:
-    """Write a report as the kind that its file's name says, all of it or nothing; the files written.
+    """Write a report in the format of its file name, completely or not at all; the paths of the files.
 
-    Raises FieldkitError, also for an existing file unless with `force`.
+    Raises FieldkitError if a file cannot be written, or exists and `force` is False.
     """
     check_report(path)
     files = dict(_files(book, path, on_progress))
@@ -61,7 +61,7 @@ def _files(book: FlightReport, path: Path, on_progress: ReportProgress) -> Itera
 
 
 def _told(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
-    """Pages one after the other, each reported before it is drawn."""
+    """The pages in order, each reported before it is drawn."""
     for number, page in enumerate(pages):
         on_progress(f"page {number + 1} of {len(pages)}", number / len(pages))
         yield page
@@ -109,7 +109,7 @@ def _overview(book: FlightReport, kind: str) -> bytes:
 
 
 def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> Iterator[tuple[Path, bytes]]:
-    """The report as Markdown, its pictures as PNG files that bear its name."""
+    """The report as Markdown, with its pictures as PNG files named after it."""
     lines: list[str] = []
 
     def beside(name: str, content: bytes, alt: str) -> tuple[Path, bytes]:

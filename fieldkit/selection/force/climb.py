@@ -1,7 +1,7 @@
-"""A measured climb beside the model: at every sample, the push that was felt less the model's thrust and drag there.
+"""A measured climb and the model: at every sample, the measured push minus the model's thrust and drag.
 
-Nothing is integrated: thrust and drag are computed from the measured speed and height, so that what is left belongs
-to that moment.
+Nothing is integrated: thrust and drag are computed from the measured speed and height, so the difference belongs to
+that moment.
 """
 
 from dataclasses import dataclass, replace
@@ -19,10 +19,10 @@ STEP = 0.001
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClimbTrack:
-    """A measured climb, straight up, on one clock in SI units.
+    """A measured vertical climb on one clock, in SI units.
 
-    `push` is thrust less drag over mass, as an axial accelerometer feels it, with its standard deviation; heights are
-    above the pad. `burning` is true up to burnout. `window` is how long each push was averaged [s].
+    `push` is thrust minus drag over mass, as an axial accelerometer measures it, with its standard deviation; heights
+    are above the pad. `burning` is true up to burnout. `window` is the averaging time of each push [s].
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -43,7 +43,7 @@ SAMPLED_FIELDS = tuple(name for name in ClimbTrack.__dataclass_fields__ if name 
 
 
 def track_of(measured: Forces) -> ClimbTrack:
-    """The climb whose forces were measured."""
+    """The measured climb."""
     return ClimbTrack(**{name: getattr(measured, name) for name in SAMPLED_FIELDS}, window=measured.window or 0.0)
 
 
@@ -77,7 +77,7 @@ class Missing:
 
 
 def beside_model(track: ClimbTrack, rocket: RocketInputs) -> Missing:
-    """Missing force and modeled thrust and drag at every sample."""
+    """The missing force and the modeled thrust and drag at every sample."""
     thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
     density = rocket.air.density * rocket.air.density_ratio(track.height)
     drag = 0.5 * density * rocket.drag_area * track.speed * np.abs(track.speed) / mass
@@ -87,9 +87,10 @@ def beside_model(track: ClimbTrack, rocket: RocketInputs) -> Missing:
 def _thrust(
     time: Float[Array, "time"], rocket: RocketInputs, window: float
 ) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"], Flags]:
-    """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether it burns, at times from lift-off.
+    """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether the motor burns, at times from
+    lift-off.
 
-    Thrust is averaged over a window [s], as what is compared with it was.
+    Thrust is averaged over the same window [s] as the measurement.
     """
     motor, factor = rocket.motor, rocket.thrust_factor
     full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass

@@ -16,20 +16,20 @@ from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Flags
 
 FELT_GUARD, SMOOTHED_GUARD = 0.1, 0.5
-"""Left out on either side of burnout: with an accelerometer, and if heights were smoothed. [s]"""
+"""Time left out on either side of burnout, with an accelerometer and with smoothed heights. [s]"""
 FREE_TERMS = ("drag",)
-"""Terms that every flight has for itself: how much drag there is on the whole is the plain model's own unknown, which
-readouts that lack something have pulled from its place."""
+"""Terms that are free in every flight: the level of drag is a parameter of the plain model, and missing effects bias
+its fit."""
 FEWEST_SAMPLES = 30
 """Duration of a climb below which its missing force is not computed. [s]"""
 BOOST_POINTS, COAST_POINTS = 4, 8
-"""Points that summarize a climb in either phase. [1]"""
+"""Number of points that summarize each phase of a climb. [1]"""
 TOO_SHORT = "too few samples between lift-off and apogee to separate thrust from drag"
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """The missing force over a stretch of a climb: its mean and the standard deviation of that, per mass. SI."""
+    """The mean missing force per mass over a stretch of a climb, and its standard deviation. SI."""
 
     burning: bool
     time_from_liftoff: float
@@ -40,9 +40,9 @@ class Point:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightForce:
-    """What one flight's log says: the missing force, what that flight alone makes of it, and a few points of it.
+    """The missing force in one flight's log, its explanation by that flight alone, and a few points of it.
 
-    `source` are the channels that the push was made from.
+    `source` are the channels from which the push was computed.
     """
 
     flight_id: str
@@ -54,7 +54,7 @@ class FlightForce:
 
 
 def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
-    """A flight in the model: certified motor, weighed mass, the air of the day; area in m^2."""
+    """The model of a flight: certified motor, weighed mass, the air of the day; area [m^2]."""
     conditions = ("site_elevation", "temperature", "pressure", "humidity")
     air = pad_air(*(np.asarray(recorded([flight], name)[0]) for name in conditions))
     assert flight.dry_mass is not None
@@ -63,7 +63,7 @@ def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
 
 
 def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> FlightForce | str:
-    """The missing force of one flight, or the reason why its log does not show it."""
+    """The missing force of one flight, or the reason its log does not show it."""
     if said.forces is None:
         return "; ".join(said.notes) or TOO_SHORT
     track = _told(said.forces)
@@ -84,7 +84,7 @@ def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> Flight
 
 
 def _told(forces: Forces) -> ClimbTrack:
-    """The informative part of a climb: all of it if an accelerometer recorded it, only the coast by smooth heights."""
+    """The informative part of a climb: all of it with an accelerometer, only the coast with smoothed heights."""
     track = track_of(forces)
     if forces.window is not None:
         return track
@@ -93,7 +93,7 @@ def _told(forces: Forces) -> ClimbTrack:
 
 
 def _points(missing: Missing, worth: float) -> tuple[Point, ...]:
-    """A climb summarized by means over equal numbers of samples in either phase."""
+    """A climb summarized by means over equal numbers of samples in each phase."""
     track, share = missing.track, worth / len(missing.force)
 
     def phase(which: Flags, most: int) -> list[Point]:

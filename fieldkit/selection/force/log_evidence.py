@@ -15,12 +15,12 @@ from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common, common_
 from fieldkit.selection.force.terms import library
 
 LogVerdict = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
-"""How the law of the climbs compares with the verdict, `more` if that names no effect; empty without a law."""
+"""How the law of the climbs compares with the verdict; `more` if the verdict names no effect, empty without a law."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogEvidence:
-    """The missing force of the flights whose logs show it, the law that they share, and what it says of the verdict.
+    """The missing force of the flights whose logs show it, their common law, and its comparison with the verdict.
 
     `silent` are the flights whose logs do not show it, each with the reason.
     """
@@ -37,9 +37,10 @@ class LogEvidence:
 
 
 def compare_with_logs(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> LogEvidence:
-    """What the logs of clean flights say, by flight id; in place of a log there may be why it cannot be read.
+    """The evidence of the logs of clean flights, by flight id; instead of a log there may be the reason it cannot be
+    read.
 
-    The model beside which they are put is the plain one, its drag as fitted to the readouts of all flights.
+    They are compared with the plain model, with its drag fitted to the readouts of all flights.
     """
     model, fit = diagnosis.base.fit.model, diagnosis.base.fit
     mean, _ = fit.moments()

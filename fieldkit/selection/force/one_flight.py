@@ -10,15 +10,15 @@ from fieldkit.selection.force.regression import forward, price, regression
 from fieldkit.selection.force.terms import ForceTerm, library
 
 SHIFTS = tuple(sorted(np.linspace(-0.15, 0.15, 13).tolist(), key=abs))
-"""Clock shifts that are tried, the smallest first. [s]"""
+"""Clock shifts to try, the smallest first. [s]"""
 MIN_SPEED = 5.0
-"""Speed below which a climb is over and its direction unknown. [m/s]"""
+"""A climb ends below this speed, because its direction is then unknown. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class FoundTerm:
-    """A term that is there, with its coefficient; `gain` is what it takes off the criterion. `also` are terms that
-    would have done nearly as well in its place."""
+    """A selected term with its coefficient; `gain` is its reduction of the criterion. `also` are terms that would do
+    nearly as well in its place."""
 
     term: ForceTerm
     value: float
@@ -31,8 +31,8 @@ class FoundTerm:
 class Law:
     """The terms of the missing force, the most informative first; empty if nothing is missing.
 
-    `explained` is the fraction of its variance [1], `left` what remains [m/s^2], `worth` the effective number of
-    independent samples of the record.
+    `explained` is the explained fraction of its variance [1], `left` the standard deviation of the rest [m/s^2], and
+    `worth` the effective number of independent samples in the record.
     """
 
     terms: tuple[FoundTerm, ...]
@@ -42,15 +42,15 @@ class Law:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the effects that it points to."""
+        """Names of the effects it indicates."""
         return tuple(found.term.effect for found in self.terms if found.term.effect)
 
 
 def missing_force(track: ClimbTrack, rocket: RocketInputs, guard: float = 0.0) -> Missing:
-    """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve.
+    """Measured minus modeled push at every sample of the climb, with the clock aligned to the thrust curve.
 
-    Samples within `guard` [s] of burnout are left out: if acceleration was made from heights, smoothing has
-    mixed thrust and drag there.
+    Samples within `guard` [s] of burnout are left out: if acceleration was computed from heights, smoothing has mixed
+    thrust and drag there.
     """
     time = track.time_from_liftoff
     burnout = float(time[track.burning].max(initial=-np.inf))
@@ -59,7 +59,8 @@ def missing_force(track: ClimbTrack, rocket: RocketInputs, guard: float = 0.0) -
 
 
 def _on_time(track: ClimbTrack, rocket: RocketInputs) -> ClimbTrack:
-    """The same with its clock shifted to where thrust rises and ends: a lift-off is detected late or early."""
+    """A copy with its clock shifted to match the start and end of thrust, because lift-off is detected late or
+    early."""
     if track.burning.sum() < 4:
         return track
     terms = library()

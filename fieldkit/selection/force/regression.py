@@ -1,8 +1,7 @@
-"""Sparse regression on one climb: what a choice of terms leaves, and what the extended criterion asks for it.
+"""Sparse regression on one climb: the residual of a choice of terms, and its extended information criterion.
 
-Terms are worth their place while the extended Bayesian information criterion falls (Chen and Chen, Biometrika 95,
-2008), which pays for every term that could have been chosen. Samples that a smoother has tied together count as what
-they are worth.
+Terms are added while the extended Bayesian information criterion falls (Chen and Chen, Biometrika 95, 2008), which has
+a penalty for the number of candidates. Samples that a smoother has correlated count by their effective number.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -18,18 +17,18 @@ from fieldkit.shapes import Array, Float
 CANDIDATE_COUNT_WEIGHT = 1.0
 """Weight of the number of candidates in the extended criterion. [1]"""
 MAX_TERMS = 4
-"""Largest number of terms. [1]"""
+"""Maximum number of terms. [1]"""
 MIN_RESIDUAL_FRACTION = 1e-3
-"""Fraction of a term that must remain after the free terms are projected out. [1]"""
+"""Minimum fraction of a term that remains after the free terms are projected out. [1]"""
 LEAST_DRAG = 0.1
-"""Of the model's drag: a climb that shows less shows nothing of it. [1]"""
+"""Minimum drag of a climb as a fraction of the model's; with less, it does not constrain drag. [1]"""
 CRITERION_TIE = 4.0
-"""Difference of the criterion within which another term is named beside the chosen one. [1]"""
+"""Another term is named with the chosen one if the criterion differs by no more than this. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class ChosenTerm:
-    """A term's name, what it takes off the criterion, and the terms that would have done nearly as well."""
+    """A term's name, its reduction of the criterion, and the terms that would do nearly as well."""
 
     name: str
     gain: float
@@ -40,9 +39,9 @@ class ChosenTerm:
 class Regression:
     """The missing force of a climb and the terms that it could show, in standard deviations of a sample.
 
-    What is free in every flight is taken out of all of them: a shift of the clock where the motor burns, and what
-    else was asked for. `worth` is the effective number of independent samples of the record, `spent` the unknowns
-    already taken out. `drag` describes the drag, if that is free.
+    Free terms are projected out of all of them: a shift of the clock during the burn, and those given. `worth` is the
+    effective number of independent samples in the record, and `spent` the number of free parameters. `drag` describes
+    the drag if it is free.
     """
 
     wanted: Float[Array, "time"]
@@ -52,16 +51,16 @@ class Regression:
     drag: "FreeDrag | None" = None
 
     def left(self, names: Sequence[str]) -> Float[Array, "time"]:
-        """What the terms of these names do not explain."""
+        """The residual after the terms with these names. [1]"""
         return _left(self.wanted, [self.columns[name] for name in names])
 
     def cost(self, names: Sequence[str]) -> float:
-        """The information criterion of these terms, without the price of choosing them; less is better."""
+        """The information criterion of these terms without the penalty for choosing them; lower is better. [1]"""
         left = self.left(names)
         return self.worth * log(left @ left) + len(names) * log(self.worth)
 
     def solve(self, names: Sequence[str]) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
-        """Coefficients and their standard deviations, shares of the drag being of what drag there was."""
+        """Coefficients and their standard deviations; fractions of the drag are relative to the actual drag."""
         if not len(names):
             return np.zeros(0), np.zeros(0)
         unit = self._unit(names)
@@ -72,7 +71,8 @@ class Regression:
         return unit * (inverse @ (basis.T @ self.wanted)), unit * np.sqrt(np.diag(inverse) * scatter)
 
     def random_draw_sd(self, names: Sequence[str], scatters: Mapping[str, float]) -> Float[Array, "term"]:
-        """Standard deviations of these terms' coefficients due to the random draws of a flight, given by name.
+        """Standard deviations of these terms' coefficients due to the scatter of single flights, given by name, in the
+        unit of the term.
 
         Coefficients are linear in the force: one standard deviation along a column moves them by that multiple of
         their fit to the column.
@@ -85,14 +85,14 @@ class Regression:
         return np.asarray(self._unit(names) * np.linalg.norm(moved, axis=-1))
 
     def _unit(self, names: Sequence[str]) -> Float[Array, "term"]:
-        """What one of each coefficient is worth, where all of them stand beside each other."""
+        """The scale of each of these coefficients when all are fitted together."""
         return self.drag.unit(names) if self.drag else np.ones(len(names))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeDrag:
-    """How much drag there is in a climb, if that is free: terms that are shares of the model's drag become shares
-    of it. Nothing is taken out of the columns here; `place` is that of the drag among those `given`."""
+    """The amount of drag in a climb, if it is free: terms that are fractions of the model's drag become fractions of
+    it. The columns have nothing projected out; `place` is the index of the drag among those `given`."""
 
     force: Float[Array, "time"]
     given: Sequence[Float[Array, "time"]]
@@ -101,16 +101,16 @@ class FreeDrag:
     shares: frozenset[str]
 
     def unit(self, names: Sequence[str]) -> Float[Array, "term"]:
-        """The model's drag over the climb's, for terms that are shares of it; 1 for the others."""
+        """The ratio of the model's drag to the climb's for terms that are fractions of it; 1 for the others. [1]"""
         value, *_ = np.linalg.lstsq(np.stack([*self.given, *(self.whole[n] for n in names)], axis=-1), self.force)
         factor = 1 / max(1 + float(value[self.place]), LEAST_DRAG)
         return np.array([factor if name in self.shares else 1.0 for name in names])
 
 
 def regression(missing: Missing, terms: Sequence[ForceTerm], free: Collection[str] = ()) -> Regression:
-    """The regression of a missing force on those terms that act somewhere along its climb.
+    """The regression of a missing force on the terms that act along its climb.
 
-    Terms named in `free` are taken out beforehand rather than put to the test.
+    Terms named in `free` are projected out first and not tested.
     """
     sd, burning = missing.track.push_sd, missing.track.burning.sum() > 3
     whole = {term.name: term.column(missing) / sd for term in terms}
@@ -133,7 +133,7 @@ def regression(missing: Missing, terms: Sequence[ForceTerm], free: Collection[st
 
 
 def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[ChosenTerm, ...]:
-    """Terms added one by one while the best of the others gains anything beside those chosen before."""
+    """Terms added one by one while the best of the others reduces the criterion."""
     chosen: list[ChosenTerm] = []
     while len(chosen) < min(MAX_TERMS, len(candidates)):
         before = [one.name for one in chosen]
@@ -148,7 +148,7 @@ def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]
 
 
 def price(terms: int, candidates: int) -> float:
-    """What the criterion asks for one more beside so many terms: by how much more ways there are to choose them."""
+    """The penalty for one more term, from the increase in the number of possible choices. [1]"""
     return 2 * CANDIDATE_COUNT_WEIGHT * log((candidates - terms) / (terms + 1))
 
 
@@ -161,7 +161,7 @@ def _left(wanted: Array, basis: Sequence[Array]) -> Array:
 
 
 def _worth(wanted: Array, basis: Sequence[Array]) -> float:
-    """Effective number of independent samples of the record, by the autocorrelation that no term explains.
+    """Effective number of independent samples in the record, from the autocorrelation that no term explains.
 
     Sum of the autocorrelation of the full library's residual up to its first zero (Sokal's integrated time).
     """

@@ -1,9 +1,9 @@
-"""The law of several climbs: the terms of the missing force that come back from flight to flight.
+"""The law of several climbs: the terms of the missing force that recur from flight to flight.
 
-Each flight has coefficients of its own, for motors and rockets scatter. A term is taken while the information
-criterion of all flights together falls without the flight that says most for it, and while its mean over the flights
-is significant given how it differs between them: so one flight alone decides nothing. The flights differ at least by
-the random draws of thrust and burn time of single flights, or by their effect on a term.
+Each flight has separate coefficients, because motors and rockets scatter. A term is added if the joint information
+criterion of the flights falls even without the flight that supports it most, and if its mean over the flights is
+significant given their variation, so no single flight decides. The variation between flights is at least the effect of
+the scatter in thrust and burn time.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,17 +17,17 @@ from fieldkit.selection.force.terms import ForceTerm
 from fieldkit.shapes import Array, Float
 
 MIN_CLIMBS = 2
-"""Climbs from which on a law is fitted. [1]"""
+"""Minimum number of climbs for a law. [1]"""
 INTERVAL_LEVEL = 0.98
-"""Level of the interval of a term's mean over the flights, which must exclude zero. [1]"""
+"""Level of the interval for a term's mean over the flights, which must exclude zero. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Common:
-    """A term that comes back: its mean over the flights with the standard deviation of that mean.
+    """A recurring term: its mean over the flights and the standard deviation of the mean.
 
-    `gain` is what it takes off the criterion without the flight that says most for it; it does so in `flights` of
-    those `seen` that could show it. `also` are terms that would have done nearly as well in its place.
+    `gain` is its reduction of the criterion without the flight that supports it most; it reduces the criterion in
+    `flights` of the `seen` flights that could show it. `also` are terms that would do nearly as well in its place.
     """
 
     term: ForceTerm
@@ -41,8 +41,8 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A coefficient's mean over so many flights, and its standard deviation: `shown` as their spread has it, and
-    `lucky` its lower bound, from the random draws of single flights."""
+    """A coefficient's mean over the flights and its standard deviation: `shown` from their variation, and `lucky` its
+    lower bound, from the scatter of single flights."""
 
     value: float
     shown: float
@@ -51,12 +51,12 @@ class Mean:
 
     @property
     def sd(self) -> float:
-        """The larger of both."""
+        """The larger of both, in the unit of the term."""
         return max(self.shown, self.lucky)
 
     def stands_clear(self, candidates: int) -> bool:
-        """Whether it excludes zero: by Student's distribution as shown, by the normal one for what random draws do to
-        the best of so many candidates (Bonferroni)."""
+        """Whether it excludes zero: by Student's t for the shown standard deviation, and by the normal distribution for
+        the scatter, corrected for the number of candidates (Bonferroni)."""
         from scipy.special import ndtri, stdtrit
 
         unsure = (1 - INTERVAL_LEVEL) / 2
@@ -88,7 +88,7 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
 def _steady_gain(
     climbs: Sequence[Regression], scatters: Mapping[str, float], candidates: int, chosen: list[str], name: str
 ) -> float:
-    """What a term takes off the criterion without the flight that says most for it; none if flights disagree."""
+    """A term's reduction of the criterion without the flight that supports it most; zero if flights disagree."""
     if not _mean(climbs, scatters, name, [*chosen, name]).stands_clear(candidates):
         return -np.inf
     gains = _gains(climbs, chosen, name)
@@ -96,16 +96,17 @@ def _steady_gain(
 
 
 def _gains(climbs: Sequence[Regression], chosen: Sequence[str], name: str) -> Float[Array, "seen"]:
-    """What a term takes off the criterion of each flight that could show it."""
+    """A term's reduction of the criterion of each flight that could show it."""
     able = [(climb, _shown(climb, chosen)) for climb in climbs if name in climb.columns]
     return np.array([climb.cost(before) - climb.cost([*before, name]) for climb, before in able])
 
 
 def _mean(climbs: Sequence[Regression], scatters: Mapping[str, float], name: str, names: Sequence[str]) -> Mean:
-    """A coefficient over the flights that could show it, in a law of these names.
+    """A coefficient over the flights that could show it, in a law with these terms.
 
-    Flights differ by more than their errors: the spread between them is estimated as in DerSimonian and Laird
-    (Controlled Clinical Trials 7, 1986), and is never less than that of random draws: a few may agree by chance.
+    Flights vary by more than their errors: the variation between them is estimated as in DerSimonian and Laird
+    (Controlled Clinical Trials 7, 1986) and is at least the scatter of single flights, because a few may agree by
+    chance.
     """
     each = []
     for climb in climbs:

@@ -1,4 +1,4 @@
-"""The library of physical terms that a missing force may be made of."""
+"""The library of physical terms for a missing force."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from fieldkit.selection.force.climb import Missing
 from fieldkit.shapes import Array, Float
 
 Column = Callable[[Missing], Float[Array, "time"]]
-"""What a term adds to the missing force along a climb, at a strength of one in the term's unit. [m/s^2]"""
+"""The missing force along a climb for a strength of one in the term's unit. [m/s^2]"""
 
 
 @dataclass(frozen=True, slots=True)
 class ForceTerm:
-    """One physical term of the library: what it is, the effect it stands for (empty for none), and its unit.
+    """One physical term of the library: its description, its effect (empty for none), and its unit.
 
-    `random_draw_sd` is the standard deviation by which single flights differ in it anyway, in its unit.
+    `random_draw_sd` is the standard deviation of the scatter of single flights in it, in its unit.
     """
 
     name: str
@@ -30,7 +30,7 @@ class ForceTerm:
 
 
 def library() -> list[ForceTerm]:
-    """Terms that a climb could show: those below, and the effects that act as a force or show as one in a log."""
+    """Terms that a climb could show: those below, and the effects that act as a force or appear as one in a log."""
     random_draw_sd = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     return [
         ForceTerm("drag", "", "fraction of Cd", lambda m: -m.drag, random_draw_sd["drag"]),
@@ -57,7 +57,7 @@ def library() -> list[ForceTerm]:
 
 
 def _seen(logged: LoggedForce) -> Column:
-    """What an effect that bends the set-up adds along a climb, at a strength of one."""
+    """The missing force along a climb by an effect on the setup with a strength of one. [m/s^2]"""
 
     def column(at: Missing) -> Float[Array, "time"]:
         track = at.track
@@ -77,7 +77,7 @@ def _seen(logged: LoggedForce) -> Column:
 
 
 def _pushed(force: Force) -> Column:
-    """What an effect that bends the acceleration adds along a climb, at a strength of one."""
+    """The missing force along a climb by an effect on the acceleration with a strength of one. [m/s^2]"""
 
     def column(at: Missing) -> Float[Array, "time"]:
         track, one = at.track, np.ones(len(at.force))

@@ -16,7 +16,7 @@ COMPARISON_TEXTS = {
 
 
 def climbs_in_words(said: LogEvidence) -> Iterator[str]:
-    """Nothing if no flight has a log; otherwise the missing force, and how it compares with the verdict."""
+    """The missing force and its comparison with the verdict; empty if no flight has a log."""
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:

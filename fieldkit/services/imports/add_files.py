@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """What became of files: ids of the new flights, what the flyer should know, flights that files were added to.
+    """The result of an import: ids of the new flights, notes, and flights to which files were added.
 
-    `implausible` are those of the notes that name a new flight which no rocket can have flown; `unusable` counts the
-    files among those rejected of which nothing could be used.
+    `implausible` are the notes on new flights that are physically impossible; `unusable` counts the rejected files
+    without any usable content.
     """
 
     ids: tuple[str, ...]
@@ -62,9 +62,9 @@ def take_in(
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Put what was gathered into a ledger, as one change; `choices` are those that it was gathered with.
+    """Add gathered files to a ledger as one change; `choices` are those used in gathering.
 
-    With `motors` known, flights that come in and that no rocket can have flown on theirs are named in the notes.
+    With `motors`, new flights that are impossible on their motor are named in the notes.
     """
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
@@ -84,7 +84,7 @@ def take_in(
 
 
 def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
-    """A line for each implausible flight among some arrivals."""
+    """A line for each implausible flight among new ones."""
     for one in arrivals:
         for line in implausible_flights([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))

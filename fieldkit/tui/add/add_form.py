@@ -50,7 +50,7 @@ class FormStart:
 @dataclass(frozen=True, slots=True)
 class Saved:
     """The number a flight was added under, empty for a duplicate, and what it lacks to constrain Cd; or the question
-    at fault, and why; or why no fit uses it; or what must be `confirmed` before it is added."""
+    with the error and its reason; the reason no fit uses it; or what must be `confirmed` before it is added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -186,8 +186,8 @@ class Draft:
             return self._resources.ledger.drop_draft(DRAFT)
 
     def save(self, said: Answered, *, confirmed: bool = False) -> Saved:
-        """Put the flight in the ledger, if all of it can be read, its motor is known, and its apogee is not far from
-        all that was expected, or is `confirmed`."""
+        """Save the flight in the ledger if all answers can be read, its motor is known, and its apogee is plausible or
+        `confirmed`."""
         from fieldkit.services.manual_entry import DRAFT, enter
         from fieldkit.services.plausible_flights import implausible_flights
 

@@ -86,8 +86,8 @@ class Sheet:
         return {name: self.field(name).answer for name in BY_NAME}
 
     def fill(self, texts: Mapping[str, str], system: str = "") -> None:
-        """Fill lines in which nothing was typed, or was typed and its message is still on the way; numbers in the units
-        of a system, if one is named."""
+        """Fill lines in which nothing was typed, or whose message is still in the queue; numbers are in the units of a
+        system, if one is given."""
         with self._page.prevent(Input.Changed):
             for name in texts.keys() & BY_NAME.keys() - self.touched:
                 if not self.field(name).typed:

@@ -91,7 +91,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         """What to do next."""
         from fieldkit.tui.widgets.plots import Plot
 
-        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5 %, median and 95 %"
+        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5%, median and 95%"
         self.border_subtitle = "Enter types the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
@@ -124,7 +124,7 @@ class AfterCard(VerticalScroll, can_focus=True):
             Interval("forecast", *outcome.forecast, outcome.flight.apogee),
             Interval("next", *outcome.next_flight),
         ]
-        self._put(".bars", _drawn(rows, system, "90 % interval, ● median, ◆ flown"))
+        self._put(".bars", _drawn(rows, system, "90% interval, ● median, ◆ flown"))
         self._put(".next", hanging([f"Suggested  {advice}"]))
         marks = [(x, "") for x in (middle, low, high)]
         self._hill(draw_density(outcome.after.apogee, marks, partial(_height, system)))

@@ -128,12 +128,12 @@ class Form(ModalScreen[dict[str, object] | None]):
         yield self._picker
 
     def on_mount(self) -> None:
-        """What is offered as answers comes when it is read."""
+        """Offered answers appear when they have been read."""
         if self._find_names is not None:
             self.run_worker(self._have_names, group="names")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _have_names(self) -> None:
-        with suppress(FieldkitError):  # without a ledger answers are typed in full
+        with suppress(FieldkitError):  # without a ledger, no answers are offered
             self._names = await asyncio.to_thread(self._find_names) if self._find_names is not None else None
         if self._names is not None:
             self._picker.sources = self._names.sources()
@@ -150,17 +150,17 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.query_one("#help", Static).update(Content(about))
 
     def on_descendant_blur(self) -> None:
-        """A list belongs to the line that is typed in."""
+        """Close the list when another line gets the focus."""
         self._picker.close()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """The note follows what is typed, and so do the answers that are offered."""
+        """Update the note and the offered answers while typing."""
         self.on_descendant_focus()
         if isinstance(event.input.parent, Field) and event.input.parent.typed:
             self._picker.follow(event.input, event.input.parent.question.name)
 
     def _read(self, field: Field) -> tuple[object, str]:
-        """The value of a field, and a note on it that begins with a cross if it cannot be read."""
+        """The value of a field, and a note on it that starts with a cross if it cannot be read."""
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
@@ -180,7 +180,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.focus_next()
 
     def action_step(self, by: int) -> None:
-        """To the next line or the one before, or in the list that is open."""
+        """Move to the next or previous line, or in the open list."""
         if self._picker.open:
             self._picker.move(by)
         elif by > 0:
@@ -203,7 +203,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         for field in self.query(Field):
             value, note = self._read(field)
             if note.startswith("✗"):
-                self.set_focus(field.line)  # at once: the next key is for it
+                self.set_focus(field.line)  # immediately, because the next key is for it
                 return
             doubts |= {field: note.removeprefix("? ")} if note.startswith("? ") else {}
             values[field.question.name] = value

@@ -57,7 +57,7 @@ class Saving:
         if saved.id and saved.flight is not None:
             self._compare(saved.id, saved.flight)
         else:
-            self._page.set_focus(self._sheet.button)  # from it a digit is a page
+            self._page.set_focus(self._sheet.button)  # outside a field, a digit opens a page
         self._page.field_app.changed()
 
     def _confirmed(self, said: Answered, yes: bool | None) -> None:

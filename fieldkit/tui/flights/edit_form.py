@@ -18,11 +18,11 @@ EDIT_QUESTIONS = (
     *QUESTIONS[3:],
     *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED),
 )
-"""All that can be changed of a flight, in the order of the page Add."""
+"""The editable fields of a flight, in the order of the page Add."""
 
 
 def ask_changes(page: PageScreen, id: str, flight: Flight) -> None:
-    """A form over a flight; what is changed there is one change of the ledger."""
+    """A form over a flight; its changes are one change of the ledger."""
     system = page.resources.settings.units
     texts = {question.name: answer_of(flight, question, system) for question in EDIT_QUESTIONS}
     units = {

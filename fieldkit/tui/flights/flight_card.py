@@ -1,5 +1,5 @@
-"""The flight under the cursor of the page Flights: its figures, and if there is room its Cd among those of its build
-and its climb."""
+"""The flight under the cursor of the page Flights: its figures and, if there is room, its Cd among those of the same
+configuration, and its climb."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -18,12 +18,12 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
 MAX_DRAWN_FLIGHTS = 120
-"""Flights of a build that are drawn, the newest: more than the card has columns."""
+"""Number of latest flights of a configuration to draw, more than the card has columns."""
 
 
 class FlightCard(VerticalScroll):
-    """Beside the table. Plots are put in once there is something to draw: the first paint goes without their
-    library."""
+    """The card next to the table. Plots are added when there is something to draw, so that the first paint does not
+    need their library."""
 
     DEFAULT_CSS = """
     FlightCard Static { height: auto; margin-bottom: 1; }
@@ -34,7 +34,7 @@ class FlightCard(VerticalScroll):
     _shown: str | None = None
 
     def compose(self) -> Iterable[Widget]:
-        """The figures; plots come to stand between them."""
+        """The figures; plots are inserted between them."""
         yield Static(id="card")
         yield Static(id="setup")
 
@@ -50,7 +50,7 @@ class FlightCard(VerticalScroll):
             self._plot("course", "", None)
         before, self._shown = self._shown, row.id if row is not None else None
         if self._shown != before:
-            self.show_climb(None)  # until its own is read
+            self.show_climb(None)  # until its log is read
 
     def show_climb(self, log: Drawn | None) -> None:
         """The altitude of its log; None if it has none, or while it is being read."""

@@ -1,4 +1,4 @@
-"""The rows of the page Flights: a flight with what is known of it, its columns, and what a filter looks in."""
+"""The rows of the page Flights: a flight with its results, the columns, and the text that a filter searches."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, eq=False)
 class Row:
-    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later.
+    """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later.
 
-    `stale` says that what the forecast was made from had changed when the flight came in.
+    `stale` means that inputs of the forecast had changed when the flight was added.
     """
 
     id: str
@@ -32,7 +32,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A column of the table: heading, width, what it says of a row, and what it is sorted by."""
+    """A column of the table: heading, width, text of a row, and sort key."""
 
     title: str
     width: int
@@ -92,7 +92,7 @@ def columns(width: int) -> list[Shown]:
 
 
 def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
-    """Every flight in the order it was flown, with the miss of the forecast that was made for it."""
+    """Every flight in the order flown, with the error of its forecast."""
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
     flights = ledger.flights()

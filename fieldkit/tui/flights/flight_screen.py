@@ -36,7 +36,7 @@ PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
 
 
 class FlightScreen(PageScreen):
-    """A flight opened from the table; `turn_to` says which, any number of times."""
+    """A flight opened from the table; `turn_to` sets the flight and can be called again."""
 
     NAME = "flights"
     TITLE = "Flight"
@@ -47,7 +47,7 @@ class FlightScreen(PageScreen):
         (
             ("Cd", "Drag of the rocket in this flight. A wide curve means these readouts constrain it poorly."),
             ("alpha", "Thrust of this motor relative to the certified thrust; 1 is as certified."),
-            ("├──●──┤", "The forecast: 5 %, median and 95 %. ◆ is the flown apogee."),
+            ("├──●──┤", "The forecast: 5%, median and 95%. ◆ is the flown apogee."),
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
@@ -102,7 +102,7 @@ class FlightScreen(PageScreen):
         self._text: list[str] = []
 
     def turn_to(self, id: str) -> None:
-        """Show another flight: the old contents are cleared, the new ones come as they are read."""
+        """Show another flight: the old contents are cleared, and the new ones appear as they are read."""
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
@@ -218,7 +218,7 @@ class FlightScreen(PageScreen):
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
         parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
-        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
+        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90% in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"
             off = measure(cards.APOGEE, abs(flown - said.middle), system)
@@ -266,14 +266,14 @@ class FlightScreen(PageScreen):
 
 @dataclass(frozen=True, slots=True)
 class Hills:
-    """Drag and thrust as they are drawn: their places, what stands above them, the densities; and doubts about them."""
+    """The plots of drag and thrust: positions, headings and densities, with warnings."""
 
     drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
     warnings: tuple[str, ...]
 
 
 def hills(flight: Flight, resources: "Resources") -> Hills:
-    """The posterior of a flight as it is drawn. Raises FieldkitError if it can have none."""
+    """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
     from fieldkit.tui.widgets.plots import draw_density
 
     said = drag_facts(flight, resources.ledger, resources.motors)

@@ -20,7 +20,7 @@ class ChannelTrace:
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
+    """A log for a plot: its channels, and its events by name and time from the start of the clock. [s]"""
 
     device: str
     traces: dict[str, ChannelTrace]
@@ -28,12 +28,13 @@ class Drawn:
 
     @property
     def span(self) -> tuple[float, float]:
-        """From the first sample to the last, whatever the channel: one axis for all. [s]"""
+        """From the first sample to the last over all channels, for a common axis. [s]"""
         ends = [(trace.time[0], trace.time[-1]) for trace in self.traces.values() if trace.time]
         return min((first for first, _ in ends), default=0.0), max((last for _, last in ends), default=0.0)
 
     def from_liftoff(self) -> "Drawn":
-        """The same with time from liftoff, from shortly before it to landing; as it is if liftoff is not known. [s]"""
+        """A copy with time from liftoff, from shortly before liftoff to landing; unchanged if liftoff is unknown.
+        [s]"""
         start = self.events.get("liftoff")
         if start is None:
             return self
@@ -52,15 +53,15 @@ class Drawn:
 
 
 DRAWN_MARGIN = 1.0
-"""Time that is drawn before liftoff and after landing. [s]"""
+"""Time to draw before liftoff and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
-"""Channels that are drawn, from top to bottom."""
+"""Channels to draw, from top to bottom."""
 POINTS = 400
-"""Samples of a channel that are drawn: more than the widest screen has dots. [1]"""
+"""Maximum number of samples of a channel to draw, more than the widest screen has dots. [1]"""
 
 
 def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
-    """The log of a flight as traces, or the reason why there is nothing to draw."""
+    """The log of a flight as traces, or the reason there is nothing to draw."""
     import numpy as np
 
     from fieldkit import units
@@ -96,7 +97,7 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
-    """A channel against the time of the whole log, with a line at each event; its name stands below."""
+    """A channel against the time of the whole log, with a line at each event and its name below."""
     from fieldkit.tui.widgets.plots import spaced
 
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
@@ -111,4 +112,4 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(first, last)
     at = (low, (low + high) / 2, high)
-    plt.yticks(at, [f"{value:7.1f}" for value in at])  # as wide as each other, so that times stand below each other
+    plt.yticks(at, [f"{value:7.1f}" for value in at])  # equal widths, so that times are aligned

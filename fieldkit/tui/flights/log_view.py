@@ -1,4 +1,4 @@
-"""A log as it was read: the whole flight against time with a cursor, and below it columns, readouts and events."""
+"""A view of a log: the whole flight against time with a cursor, and below it columns, readouts and events."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import measure, spelled, unit_of
+from fieldkit.quantities import in_system, measure, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from fieldkit.services.imports import FileView, FlightView
 
 CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_accel"}
-"""What is drawn, from top to bottom, and the readout whose unit it has."""
+"""The plots from top to bottom, and the readout with the unit of each."""
 STEPS = 120
 """Steps of the cursor from one end to the other. [1]"""
 STEPS_TO_EVENT = 0.6
-"""Steps of the cursor within which an event is named beside it. [1]"""
+"""An event within this number of steps is named next to the cursor. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogLook:
-    """One flight of a file as it is looked at: a title, what is known of it, and its curve, None without samples."""
+    """One flight of a file: a title, its facts, and its curve, None without samples."""
 
     title: str
     facts: Hanging
@@ -44,8 +44,8 @@ class LogLook:
 
 
 def looks_at(file: "FileView", system: str) -> list[LogLook]:
-    """A look at each flight of a file, and at each simulation; one without a curve if there is none."""
-    whole = _file_facts(file)
+    """One entry for each flight and each simulation of a file; an entry without a curve if there is none."""
+    whole = _file_facts(file, system)
     shown = [
         LogLook(
             f"{file.file} · {one.flight.flight_id}" if len(file.shown) > 1 else file.file,
@@ -58,7 +58,7 @@ def looks_at(file: "FileView", system: str) -> list[LogLook]:
 
 
 def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
-    """A view of the log of a flight in the ledger, or the reason why there is none."""
+    """The view of the log of a flight in the ledger, or the reason there is none."""
     from fieldkit.services.imports.view import flight_view
     from fieldkit.services.replay import recording_of
 
@@ -69,8 +69,8 @@ def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
-def _file_facts(file: "FileView") -> list[Hanging]:
-    """Why a file was read in this format, its columns, and what would be stored."""
+def _file_facts(file: "FileView", system: str) -> list[Hanging]:
+    """The reason for the format of a file, its columns, and what would be stored."""
     columns = [
         (
             f"{one.name} [{spelled(one.unit)}]" if one.unit else one.name,
@@ -86,7 +86,7 @@ def _file_facts(file: "FileView") -> list[Hanging]:
         ("rows", f"{file.rows} used, {file.dropped} dropped"),
         ("stores", stored),
     ]
-    notes = [("!", note) for note in file.notes]
+    notes = [("!", in_system(note, system)) for note in file.notes]
     blocks = [cards.lines("How it was read", read), cards.lines("Columns", columns)]
     return blocks + ([cards.lines("Notes", notes)] if notes else [])
 

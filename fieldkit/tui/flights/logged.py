@@ -1,4 +1,4 @@
-"""Details from a log beside the readouts, as text: uncertainties, and the device's own values."""
+"""Further details from a log as text: uncertainties, and the device's values."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ from fieldkit.quantities import measure, number, spelled, unit_of
 
 TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")
 SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g": "g"}
-"""Units that the name of an extra column may end in, as they are printed."""
+"""Suffixes of extra columns that are units, in their printed form."""
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:

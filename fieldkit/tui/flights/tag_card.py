@@ -1,4 +1,4 @@
-"""Beside the tags of a flight: the meaning of the current one, and the effect of the tags on the forecast."""
+"""The card next to the tags of a flight: the meaning of the current tag, and the effect of the tags on the forecast."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -18,24 +18,24 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
 
 OWN_TAG_ROW = "another ..."
-"""The row for a tag of your own."""
+"""The row for a new tag."""
 MAX_NAMED_FLIGHTS = 12
 """Tagged flights that are named individually. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """What is known of the rocket with the tags as they are: Cd, and the next flight on the same motor."""
+    """Results for the rocket with the current tags: Cd, and the next flight on the same motor."""
 
     forecast: "Prediction"
 
     def lines(self, system: str) -> list[tuple[str, str]]:
-        """Cd, apogee and what they rest on."""
+        """Cd, apogee and their basis."""
         one = self.forecast
         low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
         return [
             ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
-            ("next apogee", f"{middle}, 90 % between {low} and {high}"),
+            ("next apogee", f"{middle}, 90% between {low} and {high}"),
             ("rests on", f"{one.rests_on} clean flights"),
         ]
 
@@ -76,12 +76,12 @@ class TagCard(VerticalScroll):
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 
     def show_shift(self, before: Shift, now: Shift, system: str) -> None:
-        """Cd and the next apogee when this list was opened, and now."""
+        """Cd and the next apogee when the list was opened, and now."""
         from fieldkit.tui.widgets.plots import Plot, draw_density
 
         same = before.forecast is now.forecast
         for name, title, spelled in (
-            ("drag", "Cd of the rocket, 90 % and ● the middle", lambda value: f"{value:.2f}"),
+            ("drag", "Cd of the rocket, 90% and ● the middle", lambda value: f"{value:.2f}"),
             ("apogee", "Apogee of its next flight on this motor", lambda value: measure(cards.APOGEE, value, system)),
         ):
             rows = (

@@ -67,7 +67,7 @@ class TagScreen(PageScreen):
             yield TagCard()
 
     def on_mount(self) -> None:
-        """The list is there before the first key can be; keys go to it."""
+        """The list exists before the first key, and keys go to it."""
         self._list(self._flight)
         self.set_focus(self.query_one(Table))
 
@@ -129,7 +129,7 @@ class TagScreen(PageScreen):
 
     def on_resize(self, _event: events.Resize) -> None:
         """There may be room now."""
-        self.call_later(self._beside)  # once the screen knows how wide it is called
+        self.call_later(self._beside)  # after the screen has its width
 
     @on(Table.Moved)
     def _moved(self) -> None:
@@ -152,7 +152,7 @@ class TagScreen(PageScreen):
             self._change(text.strip())
 
     def _change(self, tag: str) -> None:
-        """Add a tag, or remove it if present; one after the other, however fast keys come."""
+        """Add a tag, or remove it if present; fast keys are handled one after the other."""
 
         def work() -> None:
             ledger = self.resources.ledger

@@ -10,6 +10,7 @@ from textual.content import Content
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.quantities import in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
 from fieldkit.tui.setup.design_look import SUFFIX, design_at
@@ -140,7 +141,7 @@ def _bring_in(
     return receipt, tuple(arrival.flight for arrival in found.arrivals)
 
 
-def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
+def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content:
     """The format of a file, how many flights it would add, and notes; or why it cannot be read."""
     parts: Parts = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
@@ -159,7 +160,7 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     parts += ["\n", ("would add      ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
     parts += [f", {receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
-    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:MAX_NOTES]]
+    parts += [f"\n! {printable(shortened(by_keys(in_system(note, system))))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:

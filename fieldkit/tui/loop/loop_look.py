@@ -1,4 +1,4 @@
-"""What the page Loop asks: the models of a rocket, and what its flights say is missing from them."""
+"""The requests of the page Loop: the models of a rocket, and the search for missing effects."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
-"""What the page shows, one at a time or all at once."""
+"""The panels of the page, shown one at a time or all at once."""
 PLAIN_MODEL = 0
 """The index of the model without any effect added."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
+    """A rocket's models, the flights for a verdict, and the other rockets."""
 
     rocket: str
     rockets: tuple[str, ...]
@@ -39,7 +39,7 @@ class Standing:
 
 
 def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
-    """How a rocket stands, that flown last if it is not said or gone; None if nothing has flown."""
+    """The state of a rocket, by default or if it is gone, of the one flown last; None if nothing has flown."""
     from fieldkit.services.forecasts import which_rocket
 
     ledger = resources.ledger
@@ -51,9 +51,9 @@ def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
 
 
 def look(resources: "Resources", rocket: str, on_progress: ReportProgress) -> "Findings":
-    """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
+    """Search for effects that a rocket's model lacks, with its flights and their logs; nothing changes.
 
-    Raises NoFlights for too few flights.
+    Raises NoFlights if there are too few flights.
     """
     from fieldkit.services import close_loop
 

@@ -1,4 +1,4 @@
-"""The five panels of the page Loop: one at a time if room is short, all at once if it is not."""
+"""The five panels of the page Loop: one at a time, or all at once if there is room."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -32,11 +32,11 @@ TEXT_BEFORE_RUN = {
     "against": "After l: each flight's residual, flown minus forecast, against the column that c chooses.",
     "marks": "After l: the residual that an effect would cause in each readout, beside the one observed.",
 }
-"""What stands in a panel before anything was looked for."""
+"""The text in a panel before a search."""
 
 
 class Panels(Container):
-    """What was found of a rocket's model, and the versions of it that are kept."""
+    """The findings for a rocket's model, and its saved versions."""
 
     DEFAULT_CSS = """
     Panels .panel { display: none; height: 1fr; padding: 0 1; }
@@ -52,7 +52,7 @@ class Panels(Container):
         self.found: Findings | None = None
 
     def compose(self) -> Iterable[Widget]:
-        """A frame each."""
+        """One frame per panel."""
         from fieldkit.tui.widgets.plots import Plot
 
         with VerticalScroll(id="p-Verdict", classes="panel"):
@@ -69,13 +69,13 @@ class Panels(Container):
             yield Table(id="versions", enter="Use it")
 
     def on_mount(self) -> None:
-        """The titles, if all are in sight."""
+        """The titles, if all are visible."""
         for name in PANELS:
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
 
     def forget(self, why: str = TEXT_BEFORE_RUN["verdict"]) -> None:
-        """Nothing has been looked for, or it holds no longer."""
+        """Clear the findings: there was no search yet, or it is out of date."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.found = None
@@ -85,16 +85,16 @@ class Panels(Container):
         self.query_one("#ranking", Table).show((), (), lambda _: ())
 
     def share(self, text: str, share: float) -> None:
-        """What is being tried, and the share done."""
+        """Show the current step and the fraction done."""
         if self.found is None or share < 1:
             bar = "█" * round(share * 24)
             self.query_one("#verdict", Static).update(Content(f"looking: {printable(text)}\n[{bar:24}]"))
 
     def show(self, found: "Findings", system: str) -> None:
-        """What was found."""
+        """Show the findings."""
         self.found = found
         self.show_verdict(system)
-        self.show_residuals(0)
+        self.show_residuals(0, system)
         self.show_marks(0)
         rows = ranking_rows(found.diagnosis)
         heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
@@ -105,17 +105,17 @@ class Panels(Container):
         if self.found is not None:
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
 
-    def show_residuals(self, turn: int) -> None:
+    def show_residuals(self, turn: int, system: str) -> None:
         """Residuals against a column, flight by flight."""
         from fieldkit.tui.widgets.plots import Plot
 
         if self.found is not None:
-            said, points, ticks = residual_points(self.found, turn)
+            said, points, ticks = residual_points(self.found, turn, system)
             self.query_one("#against", Static).update(Content(said))
             self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 
     def show_marks(self, turn: int) -> None:
-        """The fingerprint of the residual beside that of an effect."""
+        """The fingerprints of the residual and of an effect."""
         if self.found is not None:
             narrow = self.screen.has_class("-narrow")
             self.query_one("#marks", Static).update(fingerprint(self.found, turn, narrow=narrow))
@@ -134,7 +134,7 @@ class Panels(Container):
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
 
     def front(self, panel: int) -> Widget | None:
-        """Bring a panel to the front; where its keys go."""
+        """Bring a panel to the front; returns the widget for its keys."""
         for number, name in enumerate(PANELS):
             self.query_one(f"#p-{name}").set_class(number == panel, "-front")
         name = PANELS[panel]

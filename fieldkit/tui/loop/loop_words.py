@@ -1,4 +1,4 @@
-"""What the loop found, in words and figures: the verdict, residuals against a column, fingerprints side by side."""
+"""The findings of the loop in words and figures: the verdict, residuals against a column, fingerprints."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from fieldkit.services.findings import Compared, Findings
 
 MAX_BARS = 60
-"""Flights whose misses are drawn, the last ones: a row of 80 columns holds them. [1]"""
+"""Number of latest flights whose errors are drawn: a row of 80 columns has room for them. [1]"""
 EVEN_LOG_BAYES_FACTOR = 0.5
-"""A log Bayes factor below which the evidence is even. [1]"""
+"""Below this log Bayes factor the evidence counts as even. [nat]"""
 Parts = list[str | tuple[str, str]]
 
 
 def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Content:
-    """The verdict as `fieldkit loop` has it: what is missing, what that is worth on the next flight, why to believe it,
-    how sure it is, what would settle it, what accepting it changes, and the error on flights not seen."""
+    """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
+    the test that would decide, the consequences of accepting it, and the leave-one-out errors."""
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
     for title, lines in _sections(found, system):
@@ -45,7 +45,7 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
 
 
 def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]:
-    """Titled parts of a verdict besides its name and its errors."""
+    """Parts of a verdict with titles, besides its name and its errors."""
     from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, what_forecasts_become
 
     diagnosis = found.diagnosis
@@ -60,7 +60,7 @@ def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]
 
 
 def _bars(found: "Findings", system: str) -> list[str]:
-    """How far the last flights were missed, before and after."""
+    """The errors of the latest flights, before and after."""
     from fieldkit.presentation.loop_text import miss_bars
 
     most, before, after = miss_bars(found, MAX_BARS)
@@ -69,21 +69,24 @@ def _bars(found: "Findings", system: str) -> list[str]:
 
 
 def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
-    """Mean error before and after, with its interval, and how many flights the intervals held."""
+    """Mean error before and after with its interval, and the number of flights inside their intervals."""
     if not compared.before.flights:
         return
     yield f"{title}, {compared.before.flights} flights"
     for when, judged in (("before", compared.before), ("after", compared.after)):
         mean = measure(cards.APOGEE, judged.score.mae, system)
         low, high = (measure(cards.APOGEE, one, system) for one in judged.mae)
-        yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90 %"
+        yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90%"
 
 
-def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
-    """Residuals against a column, the `turn`-th by strength of correlation: its title, the points, and
-    the names along the axis if the column holds no numbers."""
+def residual_points(
+    found: "Findings", turn: int, system: str = "SI"
+) -> tuple[str, list[tuple[float, float]], list[str]]:
+    """Residuals against the column with the `turn`-th strongest correlation: its title, the points, and labels of the
+    axis if the column is not numeric."""
     import numpy as np
 
+    from fieldkit.presentation.condition_axis import in_units
     from fieldkit.selection.residual import columns_of, kinds_of, residuals
 
     diagnosis = found.diagnosis
@@ -100,13 +103,15 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
         seen = "they correlate" if pattern.p < PATTERN_P_VALUE else "no pattern"
         tested = f"{seen}, p {pattern.p:.2f}"
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
-    places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
+    title, places = in_units(name, numbers[name], system) if name in numbers else (name, None)
+    if places is None:
+        places = np.array([float(ticks.index(kind)) for kind in kinds[name]])
     points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
-    return f"residual / expected scatter, vs. {name.replace('_', ' ')}: {tested}", points, ticks
+    return f"residual / expected scatter, vs. {title}: {tested}", points, ticks
 
 
 def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
-    """The fingerprint of the residual beside that of an effect; bars are shorter if it is `narrow`."""
+    """The fingerprints of the residual and of an effect, with shorter bars if `narrow`."""
     if not found.fingerprints:
         return Content("no effect to compare with")
     trial, marks = found.fingerprints[turn % len(found.fingerprints)]
@@ -127,7 +132,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
 
 
 def in_place(place: "Place") -> str:
-    """What could be missing, and where it would act, in words: `a weak or strong motor of F24`."""
+    """A possible effect and its place in words: `a weak or strong motor of F24`."""
     from fieldkit.physics.effect import effects
 
     effect = effects().get(place.effect)
@@ -135,7 +140,7 @@ def in_place(place: "Place") -> str:
 
 
 def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
-    """Effects by where they would act, best first: in words, the evidence, the strength."""
+    """Effects with their places, the best first: description, evidence, strength."""
     rows: dict[str, tuple[str, ...]] = {}
     for item in diagnosis.ranking:
         if item.effect:
@@ -146,7 +151,8 @@ def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
 
 
 def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
-    """Details of a row of the ranking: the effect, its strength, its evidence, and what would distinguish it."""
+    """Details of a row of the ranking: the effect, its strength, its evidence, and the test that would distinguish
+    it."""
     from fieldkit.physics.effect import effects
 
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
@@ -162,7 +168,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
 
 
 def _odds(log_bayes: float) -> str:
-    """A log Bayes factor as a flyer would bet: `20 to 1 for it`."""
+    """A log Bayes factor as odds: `20 to 1 for it`."""
     if abs(log_bayes) < EVEN_LOG_BAYES_FACTOR:
         return "these flights favor neither"
     odds = math.exp(min(abs(log_bayes), 20.0))
@@ -171,14 +177,14 @@ def _odds(log_bayes: float) -> str:
 
 
 def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
-    """Models by their number, the plain one first: when it was made, what it added, and which is in use."""
+    """Models by number, the plain one first: date, added effects, and which is in use."""
     used = any(version.active for version in versions)
     rows: dict[int, tuple[str, ...]] = {PLAIN_MODEL: ("0", "", "plain", "", "" if used else "in use ✓")}
     return rows | {version.number: _version(version, system) for version in versions}
 
 
 def _version(version: "Version", system: str) -> tuple[str, ...]:
-    """A row: what a model added, and the error before and after."""
+    """A row: the effects that a model added, and the errors before and after."""
     from fieldkit.services.forecasts import version_adds
 
     payload = version.payload
@@ -188,13 +194,13 @@ def _version(version: "Version", system: str) -> tuple[str, ...]:
 
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
-    """Points about a line of no error."""
+    """Points around the line of zero error."""
     across, up = zip(*points, strict=True)
     plt.scatter(across, up, marker="●", color=ink.mark)
     plt.hline(0.0, color=ink.line)
     low, high = min(math.floor(min(up)), -1), max(math.ceil(max(up)), 1)
     plt.yticks(list(range(low, high + 1)))
-    plt.ylim(low - 0.4, high + 0.4)  # a label in the last row would run into those below it
+    plt.ylim(low - 0.4, high + 0.4)  # a label in the last row would collide with those below it
     if ticks:
         plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
         plt.xlim(-0.5, len(ticks) - 0.5)
@@ -206,11 +212,11 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
 PATTERN_P_VALUE = 0.05
 """A corrected p-value below which a pattern is reported. [1]"""
 TICKS = 6
-"""Labels below an axis of whole numbers, at most but one. [1]"""
+"""Maximum number of labels below an axis of whole numbers, minus one. [1]"""
 
 
 def _lean(value: float, largest: float, most: int) -> str:
-    """A figure with a bar of at most so many cells to the left or the right of zero."""
+    """A figure with a bar to the left or right of zero, up to a width in cells."""
     cells = round(abs(value) / (largest or 1.0) * most)
     left = ("█" * cells).rjust(most) if value < 0 else " " * most
     right = ("█" * cells).ljust(most) if value >= 0 else " " * most

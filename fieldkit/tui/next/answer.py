@@ -1,4 +1,4 @@
-"""An answer to a question that a flyer decides by: in words, with what stands beside it and its picture."""
+"""An answer on the screen Decide: text, details and picture."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,10 +8,10 @@ from fieldkit.tui.next.intervals import Intervals
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line.
+    """An answer in lines with its details: its conditions and every safety check.
 
-    `title` is of its picture: intervals on one scale, or what `draw` draws and, beside
-    it, the `second`.
+    `title` is the title of its picture: intervals on one scale, or the plot by `draw` with an optional `second` one
+    next to it.
     """
 
     words: tuple[str, ...]
@@ -23,5 +23,5 @@ class Answer:
 
     @property
     def text(self) -> str:
-        """All of it, to be copied."""
+        """The whole answer as text, for copying."""
         return "\n".join([*self.words, *([""] if self.beside else []), *self.beside])

@@ -1,4 +1,4 @@
-"""The form of a contest's day on the screen Decide: what was announced and declared, and how large the site is."""
+"""The form of a contest day on the screen Decide: announcements, declarations, and the size of the site."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,7 @@ def questions(site: "Site") -> tuple[Question, ...]:
 
 
 def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:
-    """What is known already, as one would type it."""
+    """Known values as text to edit."""
     return site_form.room(site, system) | {
         "target": measure(cards.APOGEE, day.target, system),
         "window": "-".join(f"{end:g}" for end in day.window or ()),
@@ -42,7 +42,7 @@ def units(system: str) -> dict[str, str]:
 
 
 def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
-    """The day and the site that the answers of the form describe."""
+    """The day and the site from the answers of the form."""
     from dataclasses import replace
 
     from fieldkit.planning.contest_day import Day

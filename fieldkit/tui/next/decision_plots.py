@@ -1,4 +1,4 @@
-"""The pictures of the screen Decide: delays about apogee, hills of apogees and points, forecasts and what was flown."""
+"""The pictures of the screen Decide: delays around apogee, densities of apogees and points, forecasts and results."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,39 +16,39 @@ if TYPE_CHECKING:
     from fieldkit.tui.next.answer import Answer
 
 MAX_DRAWN_FORECASTS = 24
-"""Forecasts that are drawn, the newest."""
+"""Number of latest forecasts to draw."""
 
 
 def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
-    """When each delay fires, about apogee."""
+    """When each delay fires, relative to apogee."""
     rows = tuple(
         Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
         for one in sorted(judged.delays, key=lambda one: one.delay)
     )
     if not rows:
         return answer
-    title = "When each delay fires, 90 % of flights, ● the middle; ◎ is apogee"
+    title = "When each delay fires, 90% of flights, ● the middle; ◎ is apogee"
     return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
 
 
 def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, system: str) -> "Answer":
-    """The hill of the apogee with that mass, and the target on it."""
+    """The density of the apogee at that mass, with the target."""
     from fieldkit.planning.quantiles import three
     from fieldkit.tui.widgets.plots import draw_density
 
     marks = [(target, "◎"), *((value, "") for value in three(apogee))]
-    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5 %, middle and 95 %"
+    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5%, middle and 95%"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
 
 
 def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
-    """The hill of the points of a flight."""
+    """The density of the points of a flight."""
     from fieldkit.planning.quantiles import three
     from fieldkit.tui.widgets.plots import draw_density
 
     low, middle, high = three(points)
     draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
-    return replace(answer, title="Points of a flight, fewer are better; lines are 5 %, middle and 95 %", draw=draw)
+    return replace(answer, title="Points of a flight, fewer are better; lines are 5%, middle and 95%", draw=draw)
 
 
 def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
@@ -63,7 +63,7 @@ def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", syst
 
 
 def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "Answer":
-    """Each flight beside its forecast from those before it, the newest first."""
+    """Each flight with its forecast from the earlier ones, the newest first."""
     last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
     drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
     return _against_flown(answer, drawn, system)
@@ -72,7 +72,7 @@ def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "
 def _against_flown(answer: "Answer", rows: tuple[Interval, ...], system: str) -> "Answer":
     if not rows:
         return answer
-    title = "Forecast and flown: 90 % of flights should fall on the line; ● median, ◆ flown"
+    title = "Forecast and flown: 90% of flights should fall on the line; ● median, ◆ flown"
     return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
 
 

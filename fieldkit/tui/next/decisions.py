@@ -1,4 +1,4 @@
-"""What is decided for a plan on one motor, in words: delay, ballast, points, and forecasts kept and how they fared."""
+"""Decisions for a plan on one motor, in words: delay, ballast, points, saved forecasts and their results."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
-"""What ballast is solved for, as the command has it: the band, the mean miss, the points of a season."""
+"""The goals for ballast, as in the command: the band, the mean miss, the points of a season."""
 TARGET_BAND = 10 * 0.3048
-"""The default band about a target, the same as the command's. [m]"""
+"""The default band around a target, the same as the command's. [m]"""
 NO_WIND_OPTION = "not given: use --wind for the pad, --wind-aloft for higher up"
-"""What the command says of a wind that is not known."""
+"""The command's message about an unknown wind."""
 MAX_SCORED_FLIGHTS = 6
-"""Flights whose points are listed, the newest."""
+"""Number of latest flights whose points are listed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """A plan on a motor, and what its answers are worked out from; pictures are in the units of a `system`."""
+    """A plan on a motor, and the inputs of its answers; pictures are in the units of a `system`."""
 
     plan: Flight
     rocket: "Rocket"
@@ -62,7 +62,7 @@ class Decision:
         return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
-        """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
+        """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
         from fieldkit.motors import Found
         from fieldkit.planning.ballast import Goal, ballast
         from fieldkit.planning.contest_limits import allowed
@@ -95,7 +95,7 @@ class Decision:
         return decision_plots.of_points(answer, ahead.points.ravel())
 
     def landing(self) -> Answer:
-        """Where the plan lands in the wind of the plan, against the field, and the rail that brings it nearest."""
+        """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         from fieldkit.motors import Found
         from fieldkit.planning.check import safety_text
         from fieldkit.planning.planned_flight import planned_flight
@@ -109,7 +109,7 @@ class Decision:
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
-        """The forecasts of the rocket that are kept, the newest first, each marked if it is stale, and why."""
+        """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""
         from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
@@ -123,7 +123,7 @@ class Decision:
         return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
-        """How good forecasts of this rocket are: of each flight from those of all rockets before it."""
+        """The quality of forecasts of this rocket: of each flight from all rockets' earlier flights."""
         from fieldkit.forecast.evaluation.comparison import judged_report
         from fieldkit.presentation.score_text import against_the_bar, histogram
         from fieldkit.services.track_record import replayed
@@ -159,7 +159,7 @@ class Decision:
             yield f"  declared  {error}"
 
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
-        """The conditions of a forecast and all its safety lines."""
+        """The conditions of a forecast and all its safety checks."""
         from fieldkit.planning.check import safety_text
         from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
@@ -174,17 +174,17 @@ class Decision:
 
 
 def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
-    """The error of each way of forecasting, and the fraction of flights in the intervals, as a table."""
+    """The error of each method, and the fraction of flights in the intervals, as a table."""
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
     for way in found.ways:
         mean = measure(cards.APOGEE, way.mae, system)
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
         yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
-    yield f"{found.coverage90:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
+    yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
 def rule_of(year: int) -> "Season":
-    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
+    """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 

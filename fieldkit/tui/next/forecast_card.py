@@ -1,4 +1,4 @@
-"""The forecast of one motor: the apogee in large digits, its safety lines, its hill, and every figure below."""
+"""The forecast of one motor: the apogee in large digits, its safety checks, its density, and all figures below."""
 
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class ForecastCard(VerticalScroll):
-    """Beside the motors; `text` is what it says, to be copied."""
+    """The card next to the motors; `text` is its content, for copying."""
 
     DEFAULT_CSS = """
     ForecastCard Static { height: auto; }
@@ -57,7 +57,7 @@ class ForecastCard(VerticalScroll):
         self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
 
     def clear(self) -> None:
-        """No motor, or none with a forecast yet."""
+        """Clear the card: no motor, or no forecast yet."""
         from fieldkit.tui.widgets.plots import Plot
 
         for name in ("title", "range", "safety", "more"):

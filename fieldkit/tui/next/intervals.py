@@ -1,4 +1,4 @@
-"""Intervals below each other on one scale, as wide as their place: `├──●──┤`, with marks on them."""
+"""Intervals below each other on one scale, as wide as their widget: `├──●──┤`, with marks."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from textual.visual import RenderOptions, Visual
 from fieldkit.safe_text import printable
 
 FLOWN = "◆"
-"""Where a flight ended up: neither wrong (✗) nor unsafe."""
+"""The mark of a flight's result, which is neither an error (✗) nor unsafe."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """What a line shows: its name, the 5 %, median and 95 %, and where it ended up, if that is known."""
+    """A line: its name, the 5%, median and 95%, and the result, if known."""
 
     name: str
     low: float
@@ -27,15 +27,14 @@ class Interval:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least and the greatest of all that is marked."""
+        """The minimum and maximum of all marked values."""
         marked = [self.low, self.high] + ([self.flown] if self.flown is not None else [])
         return min(marked), max(marked)
 
 
 @dataclass(frozen=True)
 class Intervals(Visual):
-    """A title, lines of intervals and the scale below them; `marks` are places that all have in common, by their
-    names."""
+    """A title, lines of intervals and the scale below them; `marks` are common values by their names."""
 
     rows: tuple[Interval, ...]
     spelled: Callable[[float], str]
@@ -47,11 +46,11 @@ class Intervals(Visual):
         return self._within(width).render_strips(width, height, style, options)
 
     def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
-        """All there is."""
+        """All content."""
         return container_width
 
     def get_height(self, rules: RulesMap, width: int) -> int:
-        """A line each, and the scale; the title may take several."""
+        """One line each, and the scale; the title may have several lines."""
         return self._within(width).get_height(rules, width)
 
     def __str__(self) -> str:
@@ -85,7 +84,7 @@ class Intervals(Visual):
 
 
 def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
-    """An interval on a scale from `start` to `end`: `├──●──┤`, `◎` at the marks and `◆` where it ended up."""
+    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result."""
     line = [" "] * width
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)
@@ -100,7 +99,7 @@ def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float,
 
 
 def point(value: float, start: float, end: float, width: int) -> str:
-    """A flight without a forecast on the same scale: `◆` where it ended up."""
+    """A flight without a forecast on the same scale, with `◆` at the result."""
     line = [" "] * width
     line[_cell(value, start, end, width)] = FLOWN
     return "".join(line)

@@ -1,4 +1,4 @@
-"""Where a plan goes: draws of its flight from the side, and where they land against the field from above."""
+"""The landing of a plan: draws of its flight from the side, and their landings on the field from above."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from fieldkit.planning.planned_flight import PlannedFlight
 
 DRAWN_FLIGHTS = 30
-"""Draws whose pad, apogee and landing are joined by lines. [1]"""
+"""Number of draws with lines from pad to apogee to landing. [1]"""
 DRAWN_LANDINGS = 200
-"""Draws whose landing is a dot. [1]"""
+"""Number of draws with a dot at the landing. [1]"""
 CIRCLE = 90
 """Points of the outline of a field. [1]"""
 CELL_ASPECT = 2.0
-"""Height of a terminal's cell over its width. [1]"""
+"""Aspect ratio of a terminal's cell, height over width. [1]"""
 
 
 def of_landing(answer: Answer, one: "PlannedFlight", size: float | None, system: str) -> Answer:
@@ -27,7 +27,7 @@ def of_landing(answer: Answer, one: "PlannedFlight", size: float | None, system:
     unit = spelled(unit_of(cards.APOGEE, system))
     field = ", circle the field" if size else ""
     title = f"Left: pad, apogee and landing of {DRAWN_FLIGHTS} draws from the side [{unit}]. "
-    title += f"Right, from above, wind to the right: ▲ the pad, dots landings, ellipse 90 % of them{field} [{unit}]"
+    title += f"Right, from above, wind to the right: ▲ the pad, dots landings, ellipse 90% of them{field} [{unit}]"
     scaled = partial(_scaled, system)
     return replace(
         answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)
@@ -49,7 +49,7 @@ def _from_the_side(one: "PlannedFlight", scaled: Callable[[float], float], plt: 
 
 
 def _from_above(one: "PlannedFlight", size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
-    """Landings, their ellipse and the field about the pad, as wide as high on the screen."""
+    """Landings, their ellipse and the field around the pad, with equal scales on the screen."""
     import numpy as np
 
     down = one.down

@@ -27,7 +27,7 @@ def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
         ("total impulse", f"{motor.total_impulse:.1f} N s"),
         ("average thrust", f"{motor.average_thrust:.1f} N"),
         ("peak thrust", f"{motor.peak_thrust:.1f} N"),
-        ("burn time", f"{motor.burn_time:.2f} s above 5 % of the peak"),
+        ("burn time", f"{motor.burn_time:.2f} s above 5% of the peak"),
         ("loaded mass", f"{motor.loaded_mass * 1e3:.1f} g"),
         ("propellant", " ".join((f"{motor.propellant_mass * 1e3:.1f} g", motor.propellant)).strip()),
         ("after burnout", f"{motor.casing_mass * 1e3:.1f} g stay"),

@@ -1,4 +1,4 @@
-"""The motors of the page Next: which are listed, in what order, and what has been forecast of them."""
+"""The motors of the page Next: their selection, order and forecasts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,28 +15,28 @@ if TYPE_CHECKING:
     from fieldkit.tui.next.next_plan import Plan
 
 AT_ONCE = 40
-"""Motors forecast together: the first are in sight before the others are worked out."""
+"""Number of motors forecast together, so that the first results appear before the others."""
 MAX_FORECAST_MOTORS = 200
-"""Motors that a search forecasts; a longer word narrows the search."""
+"""Maximum number of motors to forecast in a search; a longer word narrows the search."""
 
 TOO_WEAK = "thrust to weight"
-"""The safety line that a motor fails which does not lift the rocket well."""
+"""The safety check that an underpowered motor fails."""
 
 
 @dataclass(slots=True)
 class MotorList:
-    """What a search found for a `plan`, and the forecasts that are `known` by now; `fitting` leaves out the rest of the
-    catalog until something is searched."""
+    """The results of a search for a `plan`, and the forecasts `known` so far; `fitting` shows only motors that fit
+    unless there is a search."""
 
     plan: "Plan | None" = None
     found: "Sequence[Motor]" = ()
     known: "dict[Motor, MotorChoice]" = field(default_factory=dict)
     fitting: bool = True
     exact: "set[Motor]" = field(default_factory=set)
-    """Motors whose forecast is what saving it would save; the others are flown less often."""
+    """Motors with a forecast at full precision, as it would be saved; the others have fewer draws."""
 
     def find(self, motors: "Catalogue", text: str) -> "list[Motor]":
-        """All that a text finds, what fits first; without a text, and until all is asked for, only what fits."""
+        """All matches of a text, those that fit first; without a text, only those that fit unless all are requested."""
         found, plan = motors.search(text), self.plan
         if plan is None:
             return found
@@ -49,23 +49,23 @@ class MotorList:
         return [motor for motor in self.found[:MAX_FORECAST_MOTORS] if motor not in self.known][:AT_ONCE]
 
     def turn_to(self, plan: "Plan | None") -> None:
-        """Another plan: nothing is known of it yet."""
+        """Set another plan, without forecasts."""
         self.plan, self.known, self.exact = plan, {}, set()
 
     def put_exact(self, motor: "Motor", made: "Prediction") -> None:
-        """The forecast of a motor with all draws, in place of the one that filled the list."""
+        """Replace the forecast of a motor by one with all draws."""
         if (one := self.known.get(motor)) is not None:
             self.known[motor] = replace(one, prediction=made)
             self.exact.add(motor)
 
     def fits(self, motor: "Motor") -> bool:
-        """Whether the rocket can fly on it: it goes in, and what is known by now does not say that it is too weak."""
+        """Whether the rocket can fly on it: it fits, and no forecast so far shows that it is too weak."""
         one = self.known.get(motor)
         weak = one is not None and any(line.name == TOO_WEAK for line in one.why_not)
         return not weak and (self.plan is None or self.plan.wanted.fits(motor))
 
     def ordered(self, target: float | None) -> "list[Motor]":
-        """What fits first; the nearest to the target [m] before others, without one those flown last."""
+        """Those that fit first, by distance from the target [m], or by last use without a target."""
         if target is not None:
             places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
         else:
@@ -73,7 +73,7 @@ class MotorList:
         return sorted(self.found, key=lambda motor: (not self.fits(motor), places.get(motor, inf)))
 
     def counted(self, system: str) -> str:
-        """How many motors there are, how many fit, and how many forecasts are still to come: `12 of 57 fit · m`."""
+        """The numbers of motors, of those that fit, and of forecasts still to come: `12 of 57 fit · m`."""
         fit = sum(map(self.fits, self.found))
         left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"

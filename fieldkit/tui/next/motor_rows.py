@@ -1,4 +1,4 @@
-"""The table of the page Next: a motor a row, and as many figures of its forecast as there is room for."""
+"""The table of the page Next: one row per motor, with as many figures of its forecast as fit."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from fieldkit.planning.motor_guide import MotorChoice
 
 NAME, SHORT_NAME = 22, 14
-"""Cells for a motor's name beside its other figures: with its maker, and without."""
+"""Cells for a motor's name, with and without its manufacturer."""
 LEAST_BAR = 14
-"""Cells below which an interval is not drawn."""
+"""Minimum number of cells for drawing an interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class MotorColumn:
 
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
-    """Headings and cells in a width: beside a card a `brief` choice, else all that there is room for."""
+    """Headings and cells in a width: a `brief` choice next to a card, or else all that fit."""
     columns = _brief(settings) if brief else _narrow(settings) if width < 76 else _every(settings, width >= 100)
     left = width - 2 - sum(column.width + 1 for column in columns)
     name = NAME if left - NAME >= 2 * LEAST_BAR else SHORT_NAME
@@ -68,7 +68,7 @@ def _narrow(settings: Settings) -> list[MotorColumn]:
 
 
 def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
-    """All figures; if there is room, headings name their units and a few more stand beside them."""
+    """All figures; if there is room, with units in the headings and a few more columns."""
     return [
         MotorColumn("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
         MotorColumn("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
@@ -91,7 +91,7 @@ def _range(settings: Settings) -> MotorColumn:
         low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
         return f"{low}-{high}"
 
-    return MotorColumn("90 %", 9, text)
+    return MotorColumn("90%", 9, text)
 
 
 def _off(settings: Settings) -> MotorColumn:
@@ -116,7 +116,7 @@ def _rail(settings: Settings, *, wide: bool) -> MotorColumn:
 
 
 def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
-    """Nine flights of ten as a line, for all motors on one scale, and the target on it."""
+    """The 90% interval as a line, for all motors on one scale, with the target."""
     system, target = settings.units, settings.target
     top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
     top = min(top, 2 * target) if target else top
@@ -131,7 +131,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
 
 
 def off(choice: "MotorChoice", settings: Settings) -> str:
-    """Forecast less target; from 100 on there is no room for a decimal."""
+    """Forecast minus target; from 100 on without a decimal."""
     target = settings.target
     if not target:
         return ""

@@ -17,15 +17,14 @@ NEXT_HELP = Help(
             "Seconds from apogee to ejection, for the delay that fires nearest to apogee; negative is before it.",
         ),
         ("by delay", "The same for each delay on sale."),
-        ("├─●─┤", "With c: the 90 % interval, all motors on one scale; ◎ is the target."),
+        ("├─●─┤", "With c: the 90% interval, all motors on one scale; ◎ is the target."),
         ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
         ("delay", "The delay on sale that fires nearest to apogee."),
         ("✗ a motor", "Found by the search but does not fit: too wide, too weak, or no longer made."),
-        ("90 %", "Nine flights in ten should fall between these two."),
+        ("90%", "Nine flights in ten should fall between these two."),
         (
             "hill",
-            "The density of the forecast apogee: the higher, the likelier. The vertical lines are 5 %, median "
-            "and 95 %.",
+            "The density of the forecast apogee: the higher, the likelier. The vertical lines are 5%, median and 95%.",
         ),
         (
             "true",
@@ -57,7 +56,7 @@ NEXT_HELP = Help(
         ("rests on", "The flights and the model version behind the forecast."),
         (
             "narrows",
-            "How much more flights like this would narrow the 90 % interval; the rest is flight-to-flight variation.",
+            "How much more flights like this would narrow the 90% interval; the rest is flight-to-flight variation.",
         ),
         *((question.title, question.help) for question in QUESTIONS),
     ),

@@ -1,4 +1,4 @@
-"""The plan of the next flight: what it asks, how the ledger keeps it, and all that its forecasts are made from."""
+"""The plan of the next flight: its questions, its form in the ledger, and the inputs of its forecasts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from fieldkit.tui.resources import Resources
 
 MAX_NAMED_FLIGHTS = 8
-"""Flights behind a forecast that are named one by one."""
+"""Maximum number of individually named flights of a forecast."""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
-"""Numbers of a plan that can be changed; the delay is chosen with the motor."""
+"""Editable numbers of a plan; the delay is chosen with the motor."""
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its clean flights."),
     Question("config", "Configuration", "The build, such as A. Mass and diameter are those of its last flight."),
@@ -35,8 +35,8 @@ QUESTIONS = (
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is to be flown, as changed and in full, and what is known of its rocket and of the site; the builds at
-    hand, what motors fit, and what the forecast rests on."""
+    """The plan, as edited and complete, with its rocket and site; the available configurations, the motors that fit,
+    and the basis of the forecast."""
 
     flight: Flight
     full: Flight
@@ -49,7 +49,7 @@ class Plan:
 
     @property
     def flown(self) -> list["Motor"]:
-        """The motors that the rocket has flown on, the last first, each once."""
+        """The motors that the rocket has flown on, the latest first, without duplicates."""
         return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
 
     def misfit(self, motor: "Motor") -> str:
@@ -65,7 +65,7 @@ class Plan:
         return f"{motor.diameter * 1e3:g} mm, and the widest flown is {(self.wanted.mount or 0.0) * 1e3:g} mm"
 
     def next_build(self) -> Flight | None:
-        """The same plan for the next rocket and configuration that have flown, None before any has."""
+        """The plan for the next rocket and configuration that have flown; None if none has."""
         names = [(build.rocket, build.config) for build in self.builds]
         if not names:
             return None
@@ -87,9 +87,9 @@ class Plan:
 
 
 def read_plan(resources: "Resources") -> Plan | None:
-    """The plan as it was left, else for the rocket of known mass that flew last; None if nothing has flown.
+    """The saved plan, or else one for the last flown rocket with a known mass; None if nothing has flown.
 
-    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
+    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
     """
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.paths import data_folder
@@ -122,7 +122,7 @@ def read_plan(resources: "Resources") -> Plan | None:
 
 
 def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
-    """The flights and the model that a forecast rests on, in words."""
+    """The flights and the model of a forecast, in words."""
     clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
     if not clean:
         return "no flights of it: priors only, so it is wide"
@@ -133,7 +133,7 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
 
 
 def planned(values: Mapping[str, object]) -> Flight:
-    """The plan of a form that was filled in. Raises BadValue for a motor temperature that is not one."""
+    """The plan from a filled-in form. Raises BadValue for an invalid motor temperature."""
     from fieldkit.planning.safety import motor_temperature
 
     warm = str(values.get(MOTOR_TEMPERATURE) or "")
@@ -144,7 +144,8 @@ def planned(values: Mapping[str, object]) -> Flight:
 
 
 def plan_texts(plan: Flight, system: str | None = None) -> dict[str, str]:
-    """The answers of a plan by question: as the ledger keeps them, or numbers as a form shows them in a system."""
+    """The answers of a plan by question: as saved in the ledger, or with numbers as in a form in the units of a
+    system."""
     texts = {q.name: plan.extra.get(q.name, "") or _answer(plan, q.name) for q in QUESTIONS}
     if system is None:
         return {name: text for name, text in texts.items() if text}

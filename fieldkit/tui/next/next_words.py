@@ -1,4 +1,4 @@
-"""The forecast of a motor in words and figures, as the card beside the motors shows it."""
+"""The forecast of a motor in words and figures, for the card next to the motors."""
 
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
@@ -18,27 +18,27 @@ Pairs = list[tuple[str, str]]
 
 
 def rail_speed(said: "Prediction", system: str) -> str:
-    """The speed at the end of the rail, in the middle of its distribution."""
+    """The median speed at the end of the rail."""
     from fieldkit.forecast.prediction import median
 
     return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
 
 
 def title(plan: "Plan", one: "MotorChoice") -> str:
-    """What would fly on what: `Astra A on AeroTech F24W-4`."""
+    """Rocket and motor: `Astra A on AeroTech F24W-4`."""
     delay = "" if one.delay is None else f"-{one.delay:g}"
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
     return f"{build} on {one.motor.maker} {one.motor.designation}{delay}"
 
 
 def interval(said: "Prediction", system: str) -> str:
-    """What follows the large figure: `m on the altimeter, 90 % 179-317`."""
+    """The text after the large figure: `m on the altimeter, 90% 179-317`."""
     low, _, high = (motor_rows.whole(float(x), system) for x in said.apogee_quantiles())
-    return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90 % {low}-{high}"
+    return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
 def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
-    """What stands below the hill, name and value."""
+    """The figures below the density, name and value."""
     from fieldkit.forecast.prediction import median
     from fieldkit.planning.air import air_of
     from fieldkit.presentation.forecast_text import narrows
@@ -64,7 +64,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
 
 
 def checks(one: "MotorChoice", system: str) -> Pairs:
-    """The safety lines, each with its figures and its limit, in the units of a system."""
+    """The safety checks, each with its figures and its limit, in the units of a system."""
     from fieldkit.planning.check import ADVICE_NOTE, MARKS, in_units
 
     lines = [
@@ -75,7 +75,7 @@ def checks(one: "MotorChoice", system: str) -> Pairs:
 
 
 def saved_in_words(said: "Prediction", system: str) -> str:
-    """That a forecast was saved, and what it says."""
+    """The notice of a saved forecast with its values."""
     low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
     return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a adds the flight, u to undo"

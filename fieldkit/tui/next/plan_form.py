@@ -1,4 +1,4 @@
-"""The form of a plan: which rocket, what it weighs, and the conditions it will fly in."""
+"""The form of a plan: rocket, mass and conditions."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ from fieldkit.tui.page import PageScreen
 
 
 def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> None:
-    """Ask for changes of a plan; what comes of them is kept."""
+    """Ask for changes of a plan and save them."""
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
 
@@ -29,7 +29,7 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
 
 
 def keep_plan(page: PageScreen, plan: Flight) -> None:
-    """Keep a plan, and its weather as that of today."""
+    """Save a plan, and its weather as today's."""
 
     def work() -> bool:
         from fieldkit.services.launch_day import save_plan

@@ -1,4 +1,4 @@
-"""Decide: once the motor is chosen, its delay, the ballast, the points of a contest, and the forecasts kept."""
+"""Decide: after the choice of a motor, its delay, the ballast, the points of a contest, and the saved forecasts."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
-"""Of the parachute's area that may be chosen. [1]"""
+"""Fractions of the parachute's area to choose from. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Six answers side by side in one place; left and right, or their names, go from one to the next."""
+    """Six answers in one place; left and right, or their names, switch between them."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -144,7 +144,7 @@ class PlanScreen(PageScreen):
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
-        """What explains the answer, if there is something to draw."""
+        """The picture of the answer, if there is one."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#picture").set_class(bool(answer.title), "-shown")

@@ -1,1 +1,1 @@
-"""The pages of the app; a module that binds `PAGE` is one, in the order of their numbers."""
+"""The pages of the app: every module that binds `PAGE`, in the order of their numbers."""

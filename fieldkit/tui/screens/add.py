@@ -1,4 +1,4 @@
-"""Add: the ten readouts as the altimeter shows them; every key is kept, odd figures are noted and never refused."""
+"""Add: the ten readouts in the order of the altimeter; every key is saved, nothing is refused before saving."""
 
 from collections.abc import Iterable
 from concurrent.futures import Future, wait
@@ -35,14 +35,14 @@ from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 
 AT_MOST = 0.02
-"""How long a key waits at most to be shown until it is kept: on most discs it is by then. [s]"""
+"""Maximum time that the display of a key waits for its saving, which is enough for most disks. [s]"""
 
 
 class AddScreen(PageScreen):
     """The form: set-up above, the current field large, the ten readouts, the rest below."""
 
     NAME = "add"
-    AUTO_FOCUS = f"#in-{READ[0]}"  # ready to be typed while the ledger is still being read
+    AUTO_FOCUS = f"#in-{READ[0]}"  # accepts input while the ledger is still being read
     TITLE = "Add a flight"
     ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -66,12 +66,12 @@ class AddScreen(PageScreen):
         self._pen = DraftPen(self)
 
     def on_mount(self) -> None:
-        """The flight that is typed here."""
+        """The flight being entered."""
         self._draft = Draft(self.resources)
         self._saving = Saving(self, self._sheet, self._draft)
 
     def on_unmount(self) -> None:
-        """The last key is kept as well."""
+        """Save the last key."""
         self.finish()
 
     def finish(self) -> None:
@@ -79,7 +79,7 @@ class AddScreen(PageScreen):
         self._pen.finish()
 
     def body(self) -> Iterable[Widget]:
-        """The form, and what is shown in its place once a flight is saved."""
+        """The form, and the card that replaces it after saving."""
         yield from self._sheet.body()
         yield AfterCard()
 
@@ -88,13 +88,13 @@ class AddScreen(PageScreen):
         return self._sheet.field(name)
 
     def reload(self) -> None:
-        """Take up a draft, or offer what the last flight suggests."""
+        """Continue a draft, or offer defaults from the last flight."""
         self.query_one(EstimateLine).forget()
         if not self._sheet.touched:
             self.ask(self._draft.begin, self._take_up, "start")
 
     def _take_up(self, start: FormStart) -> None:
-        """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
+        """Fill the lines that are still empty, and go to the first empty question."""
         self._units = dict(start.units) | self._units
         ahead = self.field(READ[0]).typed
         self._sheet.fill(start.draft)
@@ -138,7 +138,7 @@ class AddScreen(PageScreen):
 
     @on(Input.Changed)
     def _typed(self, event: Input.Changed) -> None:
-        """Read what is there now, say what is odd, keep it."""
+        """Read the current answers, note what is implausible, and save them."""
         field = field_of(event.input)
         if field is not None:
             self._sheet.touched.add(field.question.name)
@@ -148,7 +148,7 @@ class AddScreen(PageScreen):
             wait([kept], AT_MOST)
 
     def _look(self) -> None:
-        """Read all answers into a flight and note what cannot be read or looks odd."""
+        """Read all answers into a flight, and note unreadable or implausible ones."""
         self._said = self._read()
         system = self.resources.settings.units
         for name, question in BY_NAME.items():
@@ -168,7 +168,7 @@ class AddScreen(PageScreen):
         return answered(self._sheet.answers(), units, self._usual)
 
     def _ask_usual(self) -> None:
-        """Look up what this rocket flew on this motor, beside which a slip shows."""
+        """Look up this rocket's readouts on this motor, to detect mistakes."""
         self.ask(partial(self._draft.usual, self._said.flight), self._know_usual, "usual")
 
     def _know_usual(self, usual: dict[str, float]) -> None:
@@ -176,7 +176,7 @@ class AddScreen(PageScreen):
         self._look()
 
     def _in_hand(self) -> None:
-        """The current field, large, with what it means and what the figures say together."""
+        """Show the current field in large digits, with its meaning and the consistency of the readouts."""
         field, hand, system = (
             self._sheet.take_in_hand(self.focused),
             self.query_one(Hand),
@@ -186,10 +186,10 @@ class AddScreen(PageScreen):
             hand.show(field, self._said, self.unit(field.question), system)
         else:
             hand.rest(self._said, system)
-            self.query_one(KeyBar).follow()  # what Enter does depends on what is typed
+            self.query_one(KeyBar).follow()  # the action of Enter depends on the answers
 
     def _answers(self) -> dict[str, str]:
-        """What was typed, units and all."""
+        """The typed answers with their units."""
         from fieldkit.services.manual_entry import with_unit
 
         texts = {name: text for name, text in self._sheet.answers().items() if name in self._sheet.touched}
@@ -201,7 +201,7 @@ class AddScreen(PageScreen):
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """With nothing typed, Enter leads to the next flight and there is none to save; arrows scroll the card."""
+        """Without input, Enter starts the next flight and there is none to save; arrows scroll the card."""
         if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
             return False
         if action in ("step", "start_again") and isinstance(self.focused, AfterCard):
@@ -209,8 +209,8 @@ class AddScreen(PageScreen):
         return super().check_action(action, parameters)
 
     def action_go_on(self) -> None:
-        """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight. An
-        answer that was chosen from the list is taken first."""
+        """Move to the next field; after the tenth readout, to the button that saves and starts the next flight. A
+        chosen answer from the list is accepted first."""
         self._sheet.picker.take()
         if isinstance(self.focused, AfterCard) or (isinstance(self.focused, Button) and not self.typed):
             self._to_first()
@@ -222,7 +222,7 @@ class AddScreen(PageScreen):
             self.focus_next()
 
     def action_step(self, by: int) -> None:
-        """To the next field or the one before, or in the list that is open."""
+        """Move to the next or previous field, or in the open list."""
         if self._sheet.picker.open:
             self._sheet.picker.move(by)
         elif by > 0:
@@ -231,7 +231,7 @@ class AddScreen(PageScreen):
             self.focus_previous()
 
     def action_back(self) -> None:
-        """Close the list that is open, else as on every page."""
+        """Close the open list, or else act as on every page."""
         if self._sheet.picker.open:
             self._sheet.picker.close()
         else:
@@ -239,7 +239,7 @@ class AddScreen(PageScreen):
 
     @on(Input.Blurred)
     def _left(self, event: Input.Blurred) -> None:
-        """A field was left: its unit is the next one's, another rocket suggests other answers."""
+        """After leaving a field: its unit becomes the default of the next, and another rocket changes the defaults."""
         from fieldkit.services.manual_entry import kind, typed_unit
 
         field = field_of(event.input)
@@ -262,7 +262,7 @@ class AddScreen(PageScreen):
             self._saving.object_to(trouble)
 
     def _offer_again(self) -> None:
-        """Another rocket or configuration suggests other answers if nothing was typed."""
+        """Change the defaults after another rocket or configuration if nothing was typed."""
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:
@@ -272,11 +272,11 @@ class AddScreen(PageScreen):
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
-        """Put the flight in the ledger."""
+        """Save the flight in the ledger."""
         self._saving.save(self._read())
 
     def action_start_again(self) -> None:
-        """Put away what was typed; undo brings it back."""
+        """Discard the draft; undo restores it."""
         self._sheet.clear()
         self.set_focus(self.field(READ[0]).line)
         self.change(self._draft.forget, self._forgotten)
@@ -287,11 +287,11 @@ class AddScreen(PageScreen):
         self.reload()
 
     def resting_place(self) -> Widget | None:
-        """The button, or the card of the flight that was saved: from them the keys of the app work."""
+        """The button, or the card of the saved flight; the keys of the app work there."""
         return self._saving.card if self._saving.card.display else self._sheet.button
 
     def copied(self) -> str:
-        """The form as text, or the card of the flight that was saved."""
+        """The form as text, or the card of the saved flight."""
         if self._saving.card.display:
             return self._saving.card.text
         return "\n".join(f"{BY_NAME[n].title}  {t}" for n, t in self._answers().items() if t)

@@ -32,16 +32,16 @@ if TYPE_CHECKING:
     from fieldkit.tui.flights.flight_screen import FlightScreen
 
 FLIGHTS_PER_BATCH = 40
-"""Flights whose drag and thrust are computed together, a second's work, so that others need not wait. [1]"""
+"""Number of flights whose drag and thrust are computed together, in about a second, so that others do not wait. [1]"""
 MAX_INFERRED = 400
-"""Flights, those on top, whose drag and thrust are computed without being asked for. [1]"""
+"""Number of top flights whose drag and thrust are computed automatically. [1]"""
 REST = 0.15
-"""How long the cursor stays on a flight before its log is read. [s]"""
+"""Time that the cursor has to rest on a flight before its log is read. [s]"""
 NOT_FOUND = "no flight matches all of these words; / changes them"
 
 
 class FlightsScreen(PageScreen):
-    """The table, a line to filter it with, and beside it, if there is room, the flight under the cursor."""
+    """The table, a filter, and, if there is room, the flight under the cursor."""
 
     NAME = "flights"
     TITLE = "Flights"
@@ -75,7 +75,7 @@ class FlightsScreen(PageScreen):
         self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
-        """A line to filter with, the table, the flight beside it."""
+        """The filter, the table, and the flight next to it."""
         with Horizontal(id="filter"):
             yield Static("/", classes="slash")
             yield Line(placeholder="filter: rocket, motor, tag, month ...", compact=True)
@@ -89,7 +89,7 @@ class FlightsScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the flights; what each says of drag and thrust follows."""
+        """Read the flights; drag and thrust of each follow."""
         self.ask(lambda: read_rows(self.resources.ledger, self.resources.motors), self._have)
 
     def redraw(self) -> None:
@@ -97,7 +97,7 @@ class FlightsScreen(PageScreen):
         self._refill()
 
     def _have(self, rows: list[Row]) -> None:
-        self._inference = None  # other rockets may have flown
+        self._inference = None  # messages of other rockets may have changed
         known = {row.id: row for row in self._rows.values() if row.drag is not None}
         for row in rows:
             if (before := known.get(row.id)) and before.flight == row.flight:
@@ -110,7 +110,7 @@ class FlightsScreen(PageScreen):
         self.field_app.settled()
 
     def _infer(self) -> None:
-        """Work out drag and thrust if they are not known yet: some flights at a time, those on top first."""
+        """Compute missing drag and thrust for some flights at a time, the top ones first."""
         top = self._sorted(self._rows.values())[:MAX_INFERRED]
         waiting = [row for row in top if row.id not in self._asked][:FLIGHTS_PER_BATCH]
         if waiting:
@@ -147,7 +147,7 @@ class FlightsScreen(PageScreen):
         self._refill()
 
     def _refill(self) -> None:
-        """The rows that hold all words of the filter, in order."""
+        """The rows that match all words of the filter, in order."""
         words = self.query_one(Input).value.lower().split()
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
         system = self.resources.settings.units
@@ -172,11 +172,11 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """First the cursor, then the card beside it."""
+        """Show the cursor first, then the card."""
         self.soon(self._beside)
 
     def _beside(self) -> None:
-        """The card of the flight under the cursor, if it is in sight; its log once the cursor rests."""
+        """Show the card of the flight under the cursor, if there is room, and its log after the cursor rests."""
         if self._rest is not None:
             self._rest.stop()
         if not self.has_class("-wide"):
@@ -212,19 +212,19 @@ class FlightsScreen(PageScreen):
         self.open_flight(message.key)
 
     def open_flight(self, id: str) -> None:
-        """Open a flight, once: Enter may be typed twice."""
+        """Open a flight once, even if Enter is pressed twice."""
         if self._flight not in self.app.screen_stack:
             self._flight.turn_to(id)
             self.app.push_screen(self._flight)
 
     def show_only(self, words: str) -> None:
-        """The flights that hold all of some words."""
+        """The flights that match all of some words."""
         self.query_one(Input).value = words
         self.set_focus(self.query_one(Table))
 
     @cached_property
     def _flight(self) -> "FlightScreen":
-        """The screen of a flight, one for all of them: to build it takes longer than a key may."""
+        """The screen of a flight, reused for all flights, because building it is slow."""
         from fieldkit.tui.flights.flight_screen import FlightScreen
 
         screen = FlightScreen()
@@ -236,12 +236,12 @@ class FlightsScreen(PageScreen):
         return (self._flight,)
 
     def on_resize(self, _event: events.Resize) -> None:
-        """Columns are chosen by the width, and whether there is room for the card."""
+        """Choose the columns and the card by the width."""
         if self._rows:
             self.call_later(self._refill)  # once the screen knows how wide it is called
 
     def action_filter(self) -> None:
-        """Type what to look for."""
+        """Focus the filter."""
         self.set_focus(self.query_one(Input))
 
     def action_sort(self) -> None:
@@ -266,7 +266,7 @@ class FlightsScreen(PageScreen):
             self.app.push_screen(TagScreen(row.id, row.flight))
 
     def action_remove(self) -> None:
-        """Take the flight under the cursor out."""
+        """Remove the flight under the cursor."""
         row = self._row()
         if row is not None:
             remove(self, row.id)

@@ -1,4 +1,4 @@
-"""Home: what is next: the rocket, the weather of the day, the open forecast, the last flight, the latest flights."""
+"""Home: the next rocket, the weather of the day, the open forecast, the last flight, the latest flights."""
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
@@ -43,7 +43,7 @@ class HomeScreen(PageScreen):
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆", "The 90 % interval and the median of the forecast; ◆ is the flown apogee."),
+            ("├─●─┤ ◆", "The 90% interval and the median of the forecast; ◆ is the flown apogee."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
@@ -85,7 +85,7 @@ class HomeScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read what is next; when the app opens, the flights come before their forecasts."""
+        """Read the launch day; when the app opens, the flights appear before their forecasts."""
         if self._have_read:
             self.ask(self._read, self._have, engine=LEDGER_ENGINE)
         else:
@@ -126,9 +126,9 @@ class HomeScreen(PageScreen):
 
     @on(Table.Sized)
     def _show(self) -> None:
-        """What was read, in the columns that fit."""
+        """Show the launch day in the columns that fit."""
         if not self._have_read:
-            return  # the words of the cards need the engine, which a worker imports
+            return  # the text of the cards needs the engine, which a worker imports
         from fieldkit.tui.home.cards import LastCard, NextCard
 
         system, table = self.resources.settings.units, self.query_one(Table)

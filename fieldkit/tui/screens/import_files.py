@@ -1,4 +1,4 @@
-"""Import: pick a file, see what was recognized and what would be rejected, then store it."""
+"""Import: choose a file, see its recognized format and rejected rows, then store it."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 class ImportScreen(PageScreen):
-    """On the left the files, on the right what the one under the cursor would bring."""
+    """The files on the left, the preview of the one under the cursor on the right."""
 
     NAME = "import_files"
     TITLE = "Import"
@@ -76,7 +76,7 @@ class ImportScreen(PageScreen):
         self._look: Look | None = None
 
     def body(self) -> Iterable[Widget]:
-        """Where we are, the files, what one would bring."""
+        """The folder, the files, and the preview."""
         yield Static("", id="where")
         with Horizontal(id="split"):
             yield Table(id="files", empty="empty", enter="Store")
@@ -134,8 +134,9 @@ class ImportScreen(PageScreen):
 
     def _examined(self, look: Look) -> None:
         self._look = look
-        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given))
-        parts = (left_out(look), what_it_holds(look, self.resources.settings.units))
+        system = self.resources.settings.units
+        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given, system))
+        parts = (left_out(look), what_it_holds(look, system))
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
     @on(Table.Chosen, "#files")
@@ -156,8 +157,8 @@ class ImportScreen(PageScreen):
             self.show_notice("Still reading the file; Enter again stores it")
 
     def _store(self, path: Path, look: Look) -> None:
-        """Store a file; if it names no rocket or motor and a forecast waits for its flight, ask first whether it is
-        of that flight."""
+        """Store a file; if it names no rocket or motor and there is an open forecast, ask first whether it belongs to
+        that flight."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 
         if self._reading.given or not is_open(look.flights):
@@ -177,7 +178,7 @@ class ImportScreen(PageScreen):
         self.change(partial(store, self.resources, path, reading), self._stored)
 
     def action_mark(self) -> None:
-        """Read the file under the cursor together with others that are marked, or no longer."""
+        """Mark or unmark the file under the cursor for reading together with others."""
         path, marked = self.query_one("#files", Table).current, self._reading.marked
         if path is None or path == UP or path.is_dir():
             return
@@ -198,7 +199,7 @@ class ImportScreen(PageScreen):
         self.field_app.changed()
 
     def action_reload(self) -> None:
-        """What was put here or changed in the meantime; the cursor stays on its file."""
+        """List new and changed files; the cursor stays on its file."""
         self.go(self._folder, self.query_one("#files", Table).current)
 
     def action_up(self) -> None:
@@ -230,7 +231,7 @@ class ImportScreen(PageScreen):
             self._read_as(replace(self._reading, format=text.strip() or None))
 
     def _read_as(self, reading: ReadOptions) -> None:
-        """Read the file under the cursor so, and those after it. If that cannot be, say why."""
+        """Read the file under the cursor with these options, and later ones too; show why if it fails."""
         try:
             reading.defaults()
             reading.named()
@@ -241,7 +242,7 @@ class ImportScreen(PageScreen):
         self._examine()
 
     def action_set(self) -> None:
-        """Type what the file leaves open."""
+        """Enter values that the file lacks."""
         from fieldkit.tui.imports.given_form import ask_given
 
         ask_given(self, self._reading.given, self._set)
@@ -263,7 +264,7 @@ class ImportScreen(PageScreen):
         self._read_as(replace(self._reading, columns=tuple(columns)))
 
     def action_mappings(self) -> None:
-        """The columns that were named before."""
+        """The saved column mappings."""
         from fieldkit.tui.imports.mapping_form import MappingList
 
         self.app.push_screen(MappingList(self.complain), lambda _: self._examine())
@@ -284,7 +285,7 @@ class ImportScreen(PageScreen):
             self.complain(f"{path}: no such file or folder")
 
     def copied(self) -> str:
-        """What the file would bring."""
+        """The preview as text."""
         return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))
 
 

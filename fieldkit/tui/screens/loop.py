@@ -1,4 +1,4 @@
-"""Loop: what the model of a rocket gets wrong, what may be missing, what it becomes with it, and going back."""
+"""Loop: errors of a rocket's model, possible missing effects, the model with them, and earlier versions."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class LoopScreen(PageScreen):
-    """Five panels: one at a time if room is short, all at once if it is not."""
+    """Five panels: one at a time, or all at once if there is room."""
 
     NAME = "loop"
     TITLE = "Loop"
@@ -56,7 +56,7 @@ class LoopScreen(PageScreen):
 
     @dataclass
     class TrialProgress(Message):
-        """What is being tried, and the share done."""
+        """The current step, and the fraction done."""
 
         text: str
         share: float
@@ -69,7 +69,7 @@ class LoopScreen(PageScreen):
         self._accepted_version: int | None = None
 
     def body(self) -> Iterable[Widget]:
-        """What is at hand, the names of the panels, the panels."""
+        """The rocket, the names of the panels, the panels."""
         from fieldkit.tui.loop.loop_panels import Panels
 
         yield Static("reading the ledger ...", id="what")
@@ -78,7 +78,7 @@ class LoopScreen(PageScreen):
 
     @property
     def panels(self) -> "Panels":
-        """What was found, as far as anything was."""
+        """The findings, if there are any."""
         return cast("Panels", self.query_one("#panels"))
 
     def on_mount(self) -> None:
@@ -86,7 +86,7 @@ class LoopScreen(PageScreen):
         self._front()
 
     def reload(self) -> None:
-        """Read the models of the rocket; what was found of older flights is no longer so."""
+        """Read the models of the rocket; findings from older flights are cleared."""
         self.ask(partial(standing_of, self.resources, self._rocket), self._have)
 
     def redraw(self) -> None:
@@ -114,9 +114,10 @@ class LoopScreen(PageScreen):
         self.panels.show_versions(standing, self.resources.settings.units)
         accepted = self._accepted_version is not None and self._accepted_version == standing.used
         self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
 
     async def action_look(self) -> None:
-        """Search for missing effects, and show how far that is; nothing is changed."""
+        """Search for missing effects with progress; nothing changes."""
         await self.settled("ask")
         if self._standing is None:
             return
@@ -126,7 +127,7 @@ class LoopScreen(PageScreen):
         self.ask(or_why(partial(look, self.resources, rocket, self._looking)), self._looked, "look", alone=True)
 
     def _looking(self, text: str, share: float) -> None:
-        """Say how far it is, unless another look was asked for or the app is left."""
+        """Show the progress, unless another search was started or the app is closed."""
         go_on()
         self._report_progress(text, share)
 
@@ -135,11 +136,11 @@ class LoopScreen(PageScreen):
 
     @on(TrialProgress)
     def _progress(self, message: TrialProgress) -> None:
-        """How far it is."""
+        """Show the progress."""
         self.panels.share(message.text, message.share)
 
     def _looked(self, found: "Findings | str") -> None:
-        """Show what was found, unless another rocket is current by now; or say why nothing could be found."""
+        """Show the findings, unless another rocket is current; or the reason for their absence."""
         if isinstance(found, str):
             self.panels.forget()
             self.complain(found)
@@ -149,7 +150,7 @@ class LoopScreen(PageScreen):
         self._effect = self._panel = 0
         self._accepted_version = None
         self.panels.show(found, self.resources.settings.units)
-        self.panels.show_residuals(self._against)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
         self._front()
 
     def _front(self) -> None:
@@ -169,7 +170,7 @@ class LoopScreen(PageScreen):
     def action_covariate(self) -> None:
         """Residuals against the next column."""
         self._against += 1
-        self.panels.show_residuals(self._against)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
         self.action_panel(PANELS.index("Residuals"))
 
     def action_effect(self) -> None:
@@ -202,7 +203,7 @@ class LoopScreen(PageScreen):
             self.reload()
 
     def action_accept(self) -> None:
-        """Use the effects that were found."""
+        """Accept the found effects."""
         found = self.panels.found
         if found is None:
             self.complain("Nothing to accept yet. l searches for missing effects; Verdict shows the progress")
@@ -253,12 +254,12 @@ class LoopScreen(PageScreen):
         self.field_app.changed()
 
     def action_report(self) -> None:
-        """Write the report of this rocket, the loop's findings in it."""
+        """Write the report of this rocket with the loop's findings."""
         if self._standing is not None:
             ask_report(self, self._standing.rocket)
 
     def copied(self) -> str:
-        """The report as `fieldkit loop` prints it, or the version under the cursor."""
+        """The report of `fieldkit loop` as text, or the version under the cursor."""
         found = self.panels.found
         if found is None or PANELS[self._panel] == "Versions":
             return self.query_one("#versions", Table).current_text()

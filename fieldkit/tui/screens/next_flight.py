@@ -1,4 +1,4 @@
-"""Next flight: every motor that fits, where each would take the rocket, the forecast of the one under the cursor."""
+"""Next flight: every motor that fits with its apogee, and the forecast of the one under the cursor."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from fieldkit.tui.next.forecast_card import ForecastCard
 
 WIDE_SCREEN = 150
-"""Columns of a screen with room for every figure beside the card."""
+"""Minimum width with room for every figure and the card. [cell]"""
 REST = 0.15
-"""How long the cursor stays on a motor before its forecast is made with all draws. [s]"""
+"""Time that the cursor has to rest on a motor before its forecast is computed with all draws. [s]"""
 DRAWS = 400
-"""Flights flown for each motor: the hill is drawn of them. [1]"""
+"""Number of simulations for each motor in the list, from which densities are drawn. [1]"""
 
 
 class NextScreen(PageScreen):
@@ -106,7 +106,7 @@ class NextScreen(PageScreen):
         self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:
-        """Other units or another target leave the forecasts as they are: they are sorted and written at once."""
+        """Other units or another target do not change the forecasts, which are sorted and shown again immediately."""
         if self._motors.plan is None:
             self.reload()
             return
@@ -130,12 +130,12 @@ class NextScreen(PageScreen):
 
     @on(Input.Changed)
     def _search_anew(self) -> None:
-        """Another search begins at its first motor."""
+        """A new search starts at its first motor."""
         self.query_one(Table).by_hand = False
         self._search_now()
 
     def _search_now(self) -> None:
-        """Look up the motors and forecast those that are not known yet."""
+        """Look up the motors and compute missing forecasts."""
         text = self.query_one(Input).value
         self.ask(lambda: self._motors.find(self.resources.motors, text), self._found, "find")
 
@@ -163,7 +163,7 @@ class NextScreen(PageScreen):
         self._forecast()
 
     def _refill(self) -> None:
-        """The motors in their order, those not forecast yet last."""
+        """The motors in order, those without a forecast last."""
         from fieldkit.tui.next.motor_rows import listed
 
         settings, table = self.resources.settings, self.query_one(Table)
@@ -179,7 +179,7 @@ class NextScreen(PageScreen):
         self.soon(self._show_card)
 
     def _show_card(self) -> None:
-        """The forecast of the motor under the cursor, from what is known already."""
+        """Show the available forecast of the motor under the cursor."""
         if self._rest is not None:
             self._rest.stop()
         one, card = self._motors.known.get(self.query_one(Table).current), self.card
@@ -191,7 +191,7 @@ class NextScreen(PageScreen):
                 self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
 
     def _forecast_exactly(self, one: "MotorChoice") -> None:
-        """What saving would save, for the motor under the cursor: the list is filled with fewer draws."""
+        """Compute the full forecast of the motor under the cursor, as it would be saved; the list uses fewer draws."""
 
         def work() -> "list[Prediction]":
             from fieldkit.services.forecasts import predict_plans
@@ -201,7 +201,7 @@ class NextScreen(PageScreen):
         self.ask(work, partial(self._have_exact, one), "exact", alone=True)
 
     def _have_exact(self, one: "MotorChoice", made: "list[Prediction]") -> None:
-        """It is shown unless another plan came between."""
+        """Show it unless the plan has changed."""
         if self._motors.known.get(one.motor) is one:
             self._motors.put_exact(one.motor, made[0])
             self._refill()
@@ -211,7 +211,7 @@ class NextScreen(PageScreen):
         self.set_focus(self.query_one(Input))
 
     def action_toggle_fit(self) -> None:
-        """Only what fits, or everything."""
+        """Show only motors that fit, or all."""
         self._motors.fitting = not self._motors.fitting
         self._search_anew()
 
@@ -234,7 +234,7 @@ class NextScreen(PageScreen):
             self._keep_plan(build)
 
     async def action_decide(self) -> None:
-        """What is left to decide with the motor under the cursor."""
+        """Open the decisions for the motor under the cursor."""
         from fieldkit.planning.motor_guide import label
         from fieldkit.tui.next.decisions import Decision
         from fieldkit.tui.next.plan_screen import PlanScreen
@@ -260,7 +260,7 @@ class NextScreen(PageScreen):
 
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:
-        """Save the forecast of the motor under the cursor, made with all draws."""
+        """Save the full forecast of the motor under the cursor."""
         motor = self.query_one(Table).current
         one = self._motors.known.get(motor)
         if one is None:
@@ -276,7 +276,7 @@ class NextScreen(PageScreen):
         self.change(work, partial(self._kept, motor))
 
     def _kept(self, motor: "Motor", made: "list[Prediction]") -> None:
-        """Show a notice, and from now on the figures that were saved."""
+        """Show a notice and the saved figures."""
         from fieldkit.tui.next.next_words import saved_in_words
 
         self.show_notice(saved_in_words(made[0], self.resources.settings.units))

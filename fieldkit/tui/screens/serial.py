@@ -1,4 +1,4 @@
-"""Capture: a logger on a serial port, read out or listened to; every byte is kept before it is looked at."""
+"""Capture: a logger on a serial port, downloaded or recorded; every byte is saved before it is interpreted."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from fieldkit.services.imports import Receipt
 
 MAX_DRAWN_ALTITUDES = 600
-"""Altitudes of a telemetry stream that are drawn."""
+"""Number of drawn altitudes of a telemetry stream."""
 MAX_LOG_LINES = 50
-"""Lines of the event log that are kept; the last few are visible."""
+"""Number of lines in the event log, of which the last few are visible."""
 
 
 class CaptureScreen(PageScreen):
-    """The ports above, what comes in below."""
+    """The ports above, the capture below."""
 
     NAME = "serial"
     TITLE = "Capture"
@@ -90,7 +90,7 @@ class CaptureScreen(PageScreen):
         self._heights: list[float] = []
 
     def body(self) -> Iterable[Widget]:
-        """The ports, and what comes in."""
+        """The ports and the capture."""
         from fieldkit.tui.widgets.plots import Plot
 
         yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
@@ -153,7 +153,7 @@ class CaptureScreen(PageScreen):
         self.ask(partial(self._follow, port, self._device), self._ended, "capture")
 
     def _nothing_yet(self) -> None:
-        """Nothing of the capture before stands beside what comes now."""
+        """Clear the previous capture."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one(Big).show("")
@@ -224,7 +224,7 @@ class CaptureScreen(PageScreen):
         self.query_one(Plot).show(partial(_draw_heights, heights))
 
     def _ended(self, end: "Ended | None") -> None:
-        """Say how it ended and ask whether its flights go into the ledger."""
+        """Show how it ended, and ask whether to import its flights."""
         self._capturing = False
         if end is None or not end.bytes:
             self._say("nothing received")
@@ -235,7 +235,7 @@ class CaptureScreen(PageScreen):
         self.app.push_screen(AskYes(question), partial(self._answered, end))
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
-        """Ask what the logger does not know, filled in from the forecast that waits for its flight."""
+        """Ask for values that the logger lacks, with defaults from the open forecast."""
         from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
 
         def store(given: dict[str, object]) -> None:
@@ -287,12 +287,12 @@ class CaptureScreen(PageScreen):
         self.action_look()
 
     def copied(self) -> str:
-        """What happened so far."""
+        """The events so far."""
         return "\n".join(self._said)
 
 
 def _draw_heights(heights: list[float], plt: Any, ink: Any) -> None:
-    """The altitudes that came, the newest on the right."""
+    """The received altitudes, the newest on the right."""
     plt.plot(heights, marker="braille", color=ink.line)
     plt.xfrequency(0)
 

@@ -1,4 +1,4 @@
-"""Setup: the motors, the rockets and sites of the ledger, and what was chosen for the app; edited where they stand."""
+"""Setup: motors, rockets, sites and settings, edited in place."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -39,11 +39,11 @@ EMPTY = (
     "No sites yet.\n\n2 Add enter a flight with its site",
     "",
 )
-"""What a list says that holds nothing."""
+"""Texts of empty lists."""
 
 
 class SetupScreen(PageScreen):
-    """Four lists in one table; left and right go from one to the next."""
+    """Four lists in one table; left and right switch between them."""
 
     NAME = "setup"
     TITLE = "Setup"
@@ -105,7 +105,7 @@ class SetupScreen(PageScreen):
         self._in_hand: Facts
 
     def body(self) -> Iterable[Widget]:
-        """The names of the lists, a search, the list, and what is known about its current row."""
+        """The names of the lists, a search, the list, and the card of its current row."""
         from fieldkit.tui.setup.setup_card import SetupCard
 
         yield TabLine(KINDS, "screen.kind")
@@ -121,7 +121,7 @@ class SetupScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read what the flights name."""
+        """Read the rockets and sites of the flights."""
         self._show()
         self.ask(self._read, self._have)
         self._search_now()
@@ -172,14 +172,14 @@ class SetupScreen(PageScreen):
 
     @on(Table.Moved)
     def _beside(self) -> None:
-        """What is known of the row under the cursor, if there is room for it."""
+        """The card of the row under the cursor, if there is room."""
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
         self.ask(partial(self._facts, kind, key, system), self._have_facts, "card")
 
     def _have_facts(self, facts: "Facts") -> None:
-        """First the list, then the card beside it."""
+        """Show the list first, then the card."""
         self._in_hand = facts
         self.soon(self._show_facts)
 
@@ -202,7 +202,7 @@ class SetupScreen(PageScreen):
                 return setup_card.of_setting(key, MEANS[key])
 
     def _list(self) -> ListContents:
-        """The list in front, as wide as there is room for."""
+        """Show the current list with the columns that fit."""
         resources, width = self.resources, self.query_one(Table).size.width
         match KINDS[self._kind]:
             case "Motors":

@@ -1,1 +1,1 @@
-"""What a flyer keeps: sites, motors, rockets, settings."""
+"""A flyer's sites, motors, rockets and settings."""

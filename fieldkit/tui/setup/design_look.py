@@ -1,4 +1,4 @@
-"""An OpenRocket design on the page Import: what a rocket would start with, and keeping it."""
+"""An OpenRocket design on the page Import: the start of a rocket, and saving it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,9 +16,10 @@ SUFFIX = ".ork"
 
 
 def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start, tuple[str, ...]]":
-    """What a design says its rocket starts with, in the words of a flyer too.
+    """The start of a rocket from a design, with its text.
 
-    Rocket and configuration are those `given`, the rocket else by its name in the file. Raises FieldkitError.
+    Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
+    cannot be read.
     """
     from fieldkit.flight.start import Start
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design

@@ -1,4 +1,4 @@
-"""What is known of the row under the cursor of the page Setup, and a picture of it."""
+"""The card of the row under the cursor on the page Setup: facts and a picture."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 DRAWING_WIDTH = 56
 """Cells of a rocket that is drawn: the narrowest card has as many."""
 MAX_DRAWN_FLIGHTS = 120
-"""Flights that are drawn, the newest: more than the card has columns."""
+"""Number of latest flights to draw, more than the card has columns."""
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a card says, and what it draws under which title; None for no picture."""
+    """The facts of a card, and its picture with a title; None for no picture."""
 
     blocks: tuple[Hanging, ...]
     title: str = ""
@@ -39,7 +39,7 @@ class Facts:
 
 
 class SetupCard(VerticalScroll):
-    """Facts, and below them a plot, put in once there is something to draw."""
+    """Facts, and below them a plot, added when there is something to draw."""
 
     DEFAULT_CSS = """
     SetupCard { padding: 0 1; }
@@ -73,7 +73,7 @@ def of_motor(motor: "Motor") -> Facts:
 
 
 def of_build(group: Group, system: str, length: float | None = None) -> Facts:
-    """A build of a rocket of a length [m], if that is known: looks, mass, motors, apogees."""
+    """A configuration of a rocket, with its length [m] if known: drawing, mass, motors, apogees."""
     flights = group.flights
     pairs = [
         ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the fit"),
@@ -94,13 +94,13 @@ def of_build(group: Group, system: str, length: float | None = None) -> Facts:
 
 
 def _side_view(diameter: float, length: float | None) -> Hanging:
-    """The rocket from the side, and what of the picture is sketched."""
+    """The rocket from the side, and which parts are sketched."""
     lines = [*drawing(length, diameter, DRAWING_WIDTH), caption(length)]
     return Hanging(tuple((0, Content(line)) for line in lines if line))
 
 
 def of_site(place: LaunchSite, system: str) -> Facts:
-    """A site: its air, what was flown there, and the limits that its safety lines ask for."""
+    """A site: its air, its flights, and the limits for its safety checks."""
     from fieldkit.planning.air import air_of
 
     site, flights = place.site, place.flights
@@ -133,7 +133,7 @@ def _dates(flights: Sequence[Flight]) -> Iterable[tuple[str, str]]:
 
 
 def _heights(flights: Sequence[Flight], system: str) -> str:
-    """How often, and how high: `3 times, 242 m (200.1 to 281.3)`."""
+    """The number of flights and their apogees: `3 times, 242 m (200.1 to 281.3)`."""
     times = "once" if len(flights) == 1 else f"{len(flights)} times"
     heights = [one.apogee for one in flights if one.apogee is not None]
     if not heights:
@@ -144,7 +144,7 @@ def _heights(flights: Sequence[Flight], system: str) -> str:
 
 
 def _highest(flights: Sequence[Flight], system: str) -> str:
-    """The highest apogee, and whose it was."""
+    """The highest apogee and its rocket."""
     best = max(flights, key=lambda one: one.apogee or 0.0, default=None)
     if best is None or best.apogee is None:
         return ""

@@ -1,4 +1,4 @@
-"""The forms of the page Setup: what is changed of a build or a site is changed in every flight that names it."""
+"""The forms of the page Setup: changes of a configuration or a site apply to all its flights."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -32,7 +32,7 @@ def change_build(page: PageScreen, group: Group) -> None:
 
 
 def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: str) -> None:
-    """A form over a group; what is changed there is changed in every flight of it."""
+    """A form over a group; its changes apply to every flight of the group."""
     system = page.resources.settings.units
     texts = {question.name: answer_of(group.last, question, system) for question in questions}
     units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
@@ -54,7 +54,7 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
 
 
 def change_site(page: PageScreen, place: LaunchSite) -> None:
-    """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
+    """A form over a site: name and elevation belong to its flights, the rest is saved separately."""
     system, site = page.resources.settings.units, place.site
     elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
     texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
@@ -93,7 +93,7 @@ def _changed(page: PageScreen, what: str, count: int) -> None:
 
 
 def ask_rail(page: PageScreen) -> None:
-    """Length and tilt of the rail that is used if a plan names none."""
+    """Length and angle of the default rail of plans."""
     settings = page.resources.settings
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}

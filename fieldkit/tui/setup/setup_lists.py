@@ -21,7 +21,7 @@ NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
 
 
 class ListContents(NamedTuple):
-    """A list as a table shows it: its columns, what its rows stand for, and their cells."""
+    """A list for a table: its columns, its rows, and their cells."""
 
     heads: list[Head]
     keys: Sequence[Any]
@@ -47,7 +47,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
 
 
 def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
-    """The builds of the rockets that flights name; if it is narrow, their last motors stand in the card alone."""
+    """The configurations of the flights' rockets; on a narrow screen, their last motors are only in the card."""
     narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(group: Group) -> list[str]:
@@ -60,7 +60,7 @@ def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
 
 def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
-    """The sites that flights name or that were saved, with what safety lines ask of them."""
+    """The sites of flights and saved sites, with their properties for safety checks."""
     narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(place: LaunchSite) -> list[str]:
@@ -76,7 +76,7 @@ def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
 
 def settings_listed(settings: Settings, ledger: str) -> ListContents:
-    """What was chosen, and where things are kept."""
+    """The settings, and the paths of files."""
     from fieldkit.paths import motor_folder, settings_file
 
     target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
@@ -104,18 +104,18 @@ MEANS = {
     "own motors": "The folder of your own .eng and .rse files; i on the list Motors adds one.",
     "settings": "The file with these settings.",
 }
-"""Of each setting, what it is and how it is changed."""
+"""The meaning of each setting and how to change it."""
 
 
 def answer_of(flight: Flight, question: Question, system: str) -> str:
-    """A flight's answer to a question as a form shows it."""
+    """A flight's answer to a question in the format of a form."""
     if question.column is None:
         return answer_text(flight, question.name)
     return measure(question.column, flight.number(question.name), system)
 
 
 def same(flight: Flight, name: str, value: object, text: str, system: str) -> bool:
-    """Whether a form's value is what it was: a number that reads the same was not changed."""
+    """Whether a form's value is unchanged: a number with the same text was not changed."""
     column = BY_NAME.get(name)
     if column is None:
         return bool(getattr(flight, name) == value)

@@ -1,4 +1,4 @@
-"""A launch site as the page Setup lists and edits it: its elevation, and what its safety lines ask for."""
+"""A launch site on the page Setup: its elevation, and its properties for safety checks."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ QUESTIONS = (
 
 
 def room(site: "Site", system: str) -> dict[str, str]:
-    """Size and ceiling as one would type them."""
+    """Size and ceiling as text to edit."""
     return {question.name: measure(cards.APOGEE, getattr(site, question.name), system) for question in ROOM}
 
 
@@ -42,12 +42,12 @@ def read(name: str, text: str, unit: str) -> object:
 
 
 def room_names() -> set[str]:
-    """The answers that are kept beside the flights."""
+    """The answers that are saved separately from the flights."""
     return {question.name for question in ROOM}
 
 
 def answered(site: "Site", values: dict[str, Any], texts: dict[str, str], system: str) -> "Site":
-    """The site that the answers describe; a length that reads the same was not changed."""
+    """The site from the answers; a length with the same text was not changed."""
     known = {"elevation": values["site_elevation"]} if site.elevation is not None else {}
     for name in sorted(room_names()):
         if measure(cards.APOGEE, values[name], system) != texts[name]:

@@ -13,14 +13,14 @@ from fieldkit.safe_text import printable
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something said to the flyer; an error stays until it is read."""
+    """A notice; an error stays until it is dismissed."""
 
     text: str
     error: bool = False
 
 
 def shortened(text: str) -> str:
-    """A text with files by their names alone; ports keep theirs, `/dev/ttyUSB0`."""
+    """A text with files shortened to their names; ports such as `/dev/ttyUSB0` do not change."""
     root = r"(?!/dev/)(?:/|[A-Za-z]:[/\\]|\\\\)"
     text = re.sub(rf"^{root}[^:\n]*[/\\]", "", text)  # what is wrong with a file begins with it
     return re.sub(rf"(?<=[\s'(]){root}(?:[^\s:,;'()/\\]+[/\\])+", "", text)
@@ -39,7 +39,7 @@ class TopBar(Static):
         self._titles, self._current = titles, current
 
     def render(self) -> Content:
-        """As wide as there is room: at 60 columns the numbers and the words stand close."""
+        """As wide as possible; at 60 columns with little space."""
         gap = "  " if self.size.width >= 78 else " "
         parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
         for name, number, title in self._titles:
@@ -50,7 +50,7 @@ class TopBar(Static):
 
 
 class NoticeBar(Static):
-    """The oldest notice that was not read yet, with a mark that says what it is."""
+    """The oldest undismissed notice, with a mark for its kind."""
 
     DEFAULT_CSS = """
     NoticeBar { height: auto; max-height: 4; background: $panel; color: $foreground; padding: 0 1; display: none;
@@ -80,13 +80,13 @@ class NoticeBar(Static):
         self.update(Content.assemble(mark, lines, Content.from_markup(more + dismiss)))
 
     def _within(self, text: str) -> str:
-        """As much of a text as leaves room for the keys that read it."""
+        """A text shortened to leave room for its keys."""
         room = (self.LINES - 1) * (self.app.size.width - 6)
         return text if len(text) <= room else f"{text[:room].rsplit(' ', 1)[0]} …"
 
 
 class KeyBar(Static):
-    """The keys that work here, on as many lines as they need; each can be clicked."""
+    """The available keys, on as many lines as needed; each can be clicked."""
 
     DEFAULT_CSS = """
     KeyBar { height: auto; max-height: 4; background: $footer-background; color: $footer-foreground; padding: 0 1;
@@ -101,7 +101,7 @@ class KeyBar(Static):
         self._most = (0, 0)
 
     def on_mount(self) -> None:
-        """Follow the focus: what can be pressed depends on it."""
+        """Follow the focus, which determines the available keys."""
         self.follow()  # so that the first layout has room for it and is the last
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
@@ -110,8 +110,8 @@ class KeyBar(Static):
         self.follow()
 
     def follow(self) -> None:
-        """Show what can be pressed now. The lines that were taken once are kept: a page that grew and shrank with the
-        focus would jump under the eyes, and be laid out again for it."""
+        """Show the available keys. The number of lines never shrinks, because a page that changed its height with the
+        focus would jump and be laid out again."""
         lines, room = self._lines(), self._room()
         width, most = self._most
         most = min(self.MOST, max(len(lines), most if width == room else 0))

@@ -31,7 +31,7 @@ def large(text: str) -> str:
 
 
 class Big(Static):
-    """A large number in a place of its own size: another number lays nothing out again."""
+    """A large number in a widget of fixed size, so that changes need no new layout."""
 
     DEFAULT_CSS = """
     Big { height: 3; width: auto; color: $accent; text-style: bold; text-wrap: nowrap; text-overflow: clip; }

@@ -1,4 +1,4 @@
-"""What is known of a flight or a forecast as lines, in the flyer's units."""
+"""Facts of a flight or a forecast as lines, in the flyer's units."""
 
 from collections.abc import Iterable, Sequence
 
@@ -27,17 +27,17 @@ def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
 
 
 def columns(flight: Flight, wanted: Iterable[Column], system: str) -> list[tuple[str, str]]:
-    """Titles and values of the columns that were recorded."""
+    """Titles and values of the recorded columns."""
     return [(c.title, measure(c, flight.number(c.name), system)) for c in wanted if flight.number(c.name) is not None]
 
 
 def readouts(flight: Flight, system: str) -> list[tuple[str, str]]:
-    """The ten readouts in the altimeter's order; what was not recorded is a dash."""
+    """The ten readouts in the altimeter's order, with a dash for missing ones."""
     return [(c.title, logged.readout(flight, c, system) or "–") for c in READOUTS]
 
 
 def circumstances(flight: Flight, system: str) -> list[tuple[str, str]]:
-    """Set-up and conditions as far as they were recorded, and what was noted."""
+    """Recorded setup and conditions, and notes."""
     texts = [("Site", flight.site), ("Notes", flight.notes), ("Log", flight.log)]
     return columns(flight, (*SETUP, *CONDITIONS), system) + [(n, v) for n, v in texts if v]
 
@@ -55,7 +55,7 @@ def tags(flight: Flight) -> list[tuple[str, str]]:
 
 
 def motor_name(name: str, width: int) -> str:
-    """A motor as it was typed, without its maker if it would be cut: `F24W-4` for `AeroTech F24W-4`."""
+    """A motor as typed, without its manufacturer if it is too long: `F24W-4` for `AeroTech F24W-4`."""
     from fieldkit.motors.names import MAKERS
 
     maker, _, rest = name.partition(" ")
@@ -63,7 +63,7 @@ def motor_name(name: str, width: int) -> str:
 
 
 def apogee(flight: Flight, system: str) -> str:
-    """How high a flight went; a dash if that was not recorded."""
+    """The apogee of a flight; a dash if it was not recorded."""
     return measure(APOGEE, flight.apogee, system) or "–"
 
 

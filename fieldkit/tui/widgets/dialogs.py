@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class HelpScreen(ModalScreen[None]):
-    """What a screen is for, its fields, its keys, and the commands that do the same."""
+    """The help of a screen: purpose, fields, keys, and equivalent commands."""
 
     DEFAULT_CSS = """
     HelpScreen { align: center middle; background: $backdrop; }
@@ -97,7 +97,7 @@ class AskText(ModalScreen[str | None]):
         self._picker = Picker()
 
     def on_mount(self) -> None:
-        """What is offered, in sight from the start."""
+        """Offered answers, visible from the start."""
         if self._offered:
             from fieldkit.services.pickers import among
 
@@ -105,11 +105,11 @@ class AskText(ModalScreen[str | None]):
             self.call_after_refresh(self._picker.follow, self.query_one(Input), "")
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """What is offered follows what is typed."""
+        """Update the offered answers while typing."""
         self._picker.follow(event.input, "")
 
     def compose(self) -> ComposeResult:
-        """What is asked, and the line."""
+        """The question and the input."""
         with Vertical() as frame:
             frame.border_title = Content(printable(self._title))
             if self._about:
@@ -119,18 +119,18 @@ class AskText(ModalScreen[str | None]):
         yield self._picker
 
     def action_move(self, by: int) -> None:
-        """In the list of what is offered."""
+        """Move in the list of offered answers."""
         self._picker.move(by)
 
     def action_leave(self) -> None:
-        """Close the list, else leave everything as it was."""
+        """Close the list, or else cancel."""
         if self._picker.open and self.query_one(Input).value != printable(self._text):
             self._picker.close()
         else:
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Hand the line over, with the answer that was chosen in it."""
+        """Submit the line with the chosen answer."""
         self._picker.take()
         self.dismiss(self.query_one(Input).value)
 

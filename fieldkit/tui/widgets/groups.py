@@ -1,4 +1,4 @@
-"""Flights that name the same thing: the builds of rockets and the sites of a ledger."""
+"""Groups of flights: the configurations of rockets and the sites of a ledger."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,8 +15,8 @@ NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Flights that name the same thing: one build of a rocket, or one site, in the order flown; `last` is the latest of
-    them, with the last known numbers."""
+    """The flights of one configuration or one site in the order flown; `last` is the latest of them, with the last
+    known numbers."""
 
     names: tuple[str, ...]
     ids: tuple[str, ...]
@@ -26,7 +26,7 @@ class Group:
 
 @dataclass(frozen=True, slots=True)
 class LaunchSite:
-    """A launch site that flights name or that was saved, with its flights, their `ids` and the `last` of them."""
+    """A launch site, from flights or saved, with its flights, their `ids` and the `last` of them."""
 
     site: "Site"
     ids: tuple[str, ...]
@@ -36,14 +36,15 @@ class LaunchSite:
 
 @dataclass(frozen=True, slots=True)
 class LedgerNames:
-    """What the ledger names: builds of rockets with their mass and diameter, sites, and the `designs` of rockets."""
+    """The groups of a ledger: configurations of rockets with their mass and diameter, sites, and the `designs` of
+    rockets."""
 
     builds: tuple[Group, ...]
     sites: tuple[LaunchSite, ...]
     designs: "tuple[Start, ...]" = ()
 
     def length(self, rocket: str, config: str) -> float | None:
-        """How long a build is by its design, None if none was imported. [m]"""
+        """Length of a configuration from its design; None if none was imported. [m]"""
         from fieldkit.flight.start import start_among
 
         known = [one for one in self.designs if one.rocket == rocket]
@@ -68,7 +69,7 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
 
 
 def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite, ...]:
-    """The sites of some flights, each with what was saved of it, and those that were saved alone."""
+    """The sites of some flights with their saved properties, and saved sites without flights."""
     from fieldkit.flight.site import Site
 
     saved = {site.name: site for site in known}

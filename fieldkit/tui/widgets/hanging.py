@@ -1,4 +1,4 @@
-"""Lines that are too long for their place, broken so that what stands in a column stays in it."""
+"""Wrapped lines with a hanging indent, so that text stays in its column."""
 
 import re
 from collections.abc import Iterable
@@ -15,7 +15,7 @@ from fieldkit.safe_text import printable
 MIN_LINE_WIDTH = 20
 """Cells left for a wrapped line, below which the indent is only two."""
 LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
-"""What stands before the text of a line: a name and the blanks behind it, or blanks."""
+"""The prefix of a line: a name and the spaces after it, or spaces."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Hanging(Visual):
         return self._within(width).get_height(rules, width)
 
     def _within(self, width: int) -> Content:
-        """The lines broken to a width: to measure them and to draw them is to ask twice."""
+        """The lines wrapped to a width, cached because they are measured and drawn."""
         if width not in self._broken:
             parts = (part for column, line in self.lines for part in _broken(line, width, column))
             self._broken[width] = Content("\n").join(parts)
@@ -70,7 +70,7 @@ def _column(line: str) -> int:
 
 
 def _broken(line: Content, width: int, column: int) -> list[Content]:
-    """A line as it is, or its first part and the others below each other from a column on."""
+    """A line unchanged, or its parts below each other from a column on."""
     if line.cell_length <= width:
         return [line]
     first, *more = line.wrap(width)

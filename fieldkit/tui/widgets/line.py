@@ -1,4 +1,4 @@
-"""A line that is typed in."""
+"""An input line."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from textual.widgets import Input
 
 
 class Line(Input):
-    """A line in which a question mark asks for help, unless it `takes_marks`."""
+    """An input in which a question mark opens the help, unless it `takes_marks`."""
 
     def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
         super().__init__(text, select_on_focus=True, validate_on=(), **rest)
@@ -14,7 +14,7 @@ class Line(Input):
         self.cursor_blink = False
 
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
-        """Whether a key is a letter here; Textual knows the slash by no name."""
+        """Whether a key is a character here; Textual has no name for the slash."""
         character = "/" if key == "slash" else character
         asks = character == "?" and not self.takes_marks
         return super().check_consume_key(key, character) and not asks

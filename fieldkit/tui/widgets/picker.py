@@ -1,4 +1,4 @@
-"""Answers offered below a line as it is typed: arrows or a click choose one, Enter takes it, Esc closes the list."""
+"""Answers offered below an input: arrows or a click choose one, Enter accepts it, Esc closes the list."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from fieldkit.services.pickers import OfferedAnswer, Source
 
 MIN_WIDTH, MAX_WIDTH = 24, 56
-"""Of the list. [cell]"""
+"""Height of the list. [cell]"""
 
 
 class Picker(OptionList, can_focus=False):
-    """The list of one form; it stands below the line that is typed in, and the focus stays in the line."""
+    """The list of one form, below the current input, which keeps the focus."""
 
     DEFAULT_CSS = """
     Picker { display: none; overlay: screen; constrain: inside inflect; height: auto; max-height: 10; width: 24;
@@ -35,15 +35,15 @@ class Picker(OptionList, can_focus=False):
         self._picks: Sequence[OfferedAnswer] = ()
         self._taken = ""
         self.sources: Mapping[str, Source] = {}
-        """What is offered, by the name of a question."""
+        """Offered answers by question."""
 
     @property
     def open(self) -> bool:
-        """Whether the list is in sight."""
+        """Whether the list is visible."""
         return self.has_class("-open")
 
     def follow(self, line: Input, name: str) -> None:
-        """Offer what fits the text of a line that was typed in just now."""
+        """Offer answers that match the text of an input."""
         source = self.sources.get(name)
         text = line.value.strip()
         if source is None or not line.has_focus or (text and text == self._taken):
@@ -63,12 +63,12 @@ class Picker(OptionList, can_focus=False):
         self.add_class("-open")
 
     def move(self, by: int) -> None:
-        """To the next answer, or the one before; above the first one it is the line again."""
+        """Move to the next or previous answer; above the first one is the input."""
         at = (-1 if self.highlighted is None else self.highlighted) + by
         self.highlighted = None if at < 0 else min(at, len(self._picks) - 1)
 
     def take(self) -> bool:
-        """Put the answer under the cursor in the line; False if none is chosen."""
+        """Put the chosen answer in the input; False if none is chosen."""
         if not self.open or self.highlighted is None or self._line is None:
             self.close()
             return False
@@ -79,7 +79,7 @@ class Picker(OptionList, can_focus=False):
         return True
 
     def close(self) -> None:
-        """Put the list away."""
+        """Hide the list."""
         self.remove_class("-open")
 
     @on(OptionList.OptionSelected)

@@ -19,7 +19,7 @@ MIN_DENSITY_FRACTION = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """Colors of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its size in cells."""
+    """Colors of a plot for plotext, RGB or "default" for the terminal's, and its size in cells."""
 
     width: int
     height: int
@@ -30,7 +30,7 @@ class Ink:
 
 
 class Plot(PlotextPlot):
-    """A plot that is drawn again, by what `show` was given last, whenever its size or its colors change."""
+    """A plot that is redrawn when its size or its colors change, with the last function given to `show`."""
 
     DEFAULT_CSS = """
     Plot { height: 1fr; background: $surface; }
@@ -41,7 +41,7 @@ class Plot(PlotextPlot):
         self._draw: Callable[[Any, Ink], None] | None = None
 
     def show(self, draw: Callable[[Any, Ink], None] | None) -> None:
-        """Draw this from now on, with plotext and its colors; None for nothing."""
+        """Set the drawing function, called with plotext and the colors; None clears the plot."""
         self._draw = draw
         self.refresh()
 
@@ -71,13 +71,12 @@ class Plot(PlotextPlot):
 
 
 AXIS = 8
-"""Columns of a plot that may be left of its axis."""
+"""Maximum number of columns to the left of the axis."""
 
 
 def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: int) -> dict[float, str]:
-    """Labels below an axis from one value to another that leave each other room, the first ones before the others.
-
-    Of labels that overlap plotext drops one or the other by chance.
+    """Labels below an axis that do not overlap, with priority to the first ones. plotext drops overlapping labels at
+    random.
     """
     column = (width - AXIS) / max(high - low, 1e-9)
     kept: dict[float, str] = {}
@@ -105,8 +104,8 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
 def draw_density(
     values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
 ) -> Callable[[Any, Ink], None]:
-    """Draws a density with upright lines at some values; `number` writes the values below it, the first ones if not
-    all have room."""
+    """Draws a density with vertical lines at some values; `number` formats the values below it, the first ones if there
+    is not enough room."""
     at, heights = density(values)
 
     def draw(plt: Any, ink: Ink) -> None:

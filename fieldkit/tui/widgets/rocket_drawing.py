@@ -1,13 +1,13 @@
-"""A rocket from the side, to scale as far as its dimensions are known: solid cells, nose to the right."""
+"""A rocket from the side in solid cells, nose to the right, to scale if its dimensions are known."""
 
 from math import sqrt
 
 SKETCHED_FINENESS = 12.0
-"""Length over diameter if the length is not known, as of many model rockets. [1]"""
+"""Assumed ratio of length to diameter if the length is unknown, typical of model rockets. [1]"""
 NOSE_CALIBERS, FIN_CALIBERS, SPAN_CALIBERS = 3.0, 1.3, 0.9
-"""Of a sketched nose, the root of a fin and its span, in diameters. [1]"""
+"""Lengths of a sketched nose, fin root and fin span, in diameters. [1]"""
 MIN_RADIUS = 1.0
-"""Half the drawn body, below which nothing could be seen. [pixel]"""
+"""Minimum half height of the drawn body. [pixel]"""
 POINT = 0.51
 """Half the drawn height of the very tip: one pixel either side of the axis. [pixel]"""
 CELLS = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
@@ -44,5 +44,5 @@ def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -
 
 
 def caption(length: float | None) -> str:
-    """What of a drawing is to scale."""
+    """The parts of a drawing that are to scale."""
     return "" if length else "length not known: a sketch; import its .ork file for the length"

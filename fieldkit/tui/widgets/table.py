@@ -1,4 +1,4 @@
-"""A table of any length: only the lines in sight are drawn, so that five thousand flights answer a key at once."""
+"""A table of any length: only visible lines are drawn, so that five thousand flights respond immediately."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ from fieldkit.safe_text import printable
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """A column: its heading, its width in cells (0: what is left over), numbers to the right; of what is too long the
-    beginning is shown, or its `tail`."""
+    """A column: its heading, its width in cells (0 for the rest), and whether numbers are right-aligned; long texts
+    show their start, or their `tail`."""
 
     title: str
     width: int
@@ -30,10 +30,10 @@ class Head:
 
 
 Cells = Callable[[Any], Sequence[str]]
-"""The cells of the row that stands for something, as text, which may come from files."""
+"""The cells of a row by its key, as text, which may come from files."""
 
 MARK, NO_MARK = "▸", " "
-"""Before the row of the cursor and before the others, for eyes and terminals without colors."""
+"""Prefix of the cursor's row and of the others, for displays without colors."""
 
 
 class Table(ScrollView, can_focus=True, inherit_bindings=False):
@@ -60,7 +60,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
     @dataclass
     class Moved(Message):
-        """The cursor stands on another row."""
+        """The cursor has moved to another row."""
 
         table: "Table"
         key: Any
@@ -110,7 +110,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         """Whether the flyer has moved the cursor since the table was last reset."""
 
     def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
-        """Show a row for each key; the cursor stays on its row if that is still there and was chosen by hand."""
+        """Show a row for each key; the cursor stays on its row if that still exists and the user chose it."""
         before, keep = self.current, keep and self.by_hand
         self.heads, self.keys, self.cells = heads, keys, cells
         self.set_reactive(Table.cursor, keys.index(before) if keep and before in keys else 0)
@@ -122,11 +122,11 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
     @property
     def current(self) -> Any:
-        """What the row under the cursor stands for, None without rows."""
+        """The key of the row under the cursor; None without rows."""
         return self.keys[self.cursor] if self.cursor < len(self.keys) else None
 
     def move_to(self, key: Any) -> None:
-        """Put the cursor on the row that stands for something."""
+        """Put the cursor on the row with a key."""
         if key in self.keys:
             self._go(self.keys.index(key))
 
@@ -142,7 +142,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         return max(0, min(row, len(self.keys) - 1))
 
     def watch_cursor(self, before: int, after: int) -> None:
-        """Keep the cursor in sight and say where it is."""
+        """Scroll to the cursor and report its row."""
         if before != after:
             self._in_sight()
             for row in (before, after):
@@ -166,7 +166,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self._in_sight()
 
     def widths(self) -> list[int]:
-        """Of the columns, in cells; columns without a width share what is left over."""
+        """Widths of the columns in cells; columns without a width share the rest."""
         room = self.size.width - 1 - len(self.heads) - sum(head.width for head in self.heads)
         loose = sum(not head.width for head in self.heads)
         return [head.width or max(4, room // max(loose, 1)) for head in self.heads]
@@ -210,12 +210,12 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self._go(len(self.keys) - 1 if last else 0)
 
     def action_choose(self) -> None:
-        """Take the row under the cursor."""
+        """Choose the row under the cursor."""
         if self.current is not None:
             self.post_message(self.Chosen(self, self.current))
 
     def on_click(self, event: events.Click) -> None:
-        """A click moves the cursor, one where it stands takes the row, one on the heading names its column."""
+        """A click moves the cursor; on the cursor's row it chooses the row, on the heading it reports the column."""
         if event.y == 0:
             self._head_clicked(event.x)
             return
@@ -235,7 +235,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
                 return
 
     def watch_scroll_y(self, old_value: float, new_value: float) -> None:
-        """Everything in sight is drawn again, for the heading does not scroll."""
+        """Redraw all visible lines, because the heading does not scroll."""
         super().watch_scroll_y(old_value, new_value)
         self.refresh(Region(0, 0, *self.size))
 

@@ -1,4 +1,4 @@
-"""The names of what a page shows in turn, in a line."""
+"""The names of a page's alternating views, in one line."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,7 +8,7 @@ from textual.widgets import Static
 
 
 class TabLine(Static):
-    """The one in front is set off as on the line of the pages; a click on another runs an action with its number."""
+    """The current one is marked as in the line of pages; a click on another runs an action with its number."""
 
     DEFAULT_CSS = """
     TabLine { height: 1; padding: 0 1; background: $panel; color: $foreground; text-wrap: nowrap;

@@ -1,4 +1,4 @@
-"""The model beside its rivals on the same flights: scores, differences, verdicts, and how they are reported."""
+"""The model and its rivals on the same flights: scores, differences, verdicts, and their report."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ LEVELS = (np.arange(400) + 0.5) / 400
 
 
 def season(count: int, bias: float = 0.0, wide: float = 1.0, seed: int = 1, rocket: str = "Astra") -> list[Forecast]:
-    """Forecasts of flights that scatter by 5 %, off by a share and as wide as they should be times `wide`."""
+    """Forecasts of flights that scatter by 5%, with a bias and an interval width `wide` times the right one."""
     from scipy.special import ndtri
 
     rng = np.random.default_rng(seed)

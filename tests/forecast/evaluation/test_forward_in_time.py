@@ -1,4 +1,4 @@
-"""Forecasts forward in time rest on earlier flights, of all rockets, and on nothing else."""
+"""Forecasts forward in time depend on earlier flights of all rockets and on nothing else."""
 
 from datetime import datetime, timedelta
 
@@ -17,7 +17,7 @@ APOGEES = (("Astra", 210.0), ("Luna", 205.0), ("Astra", 220.0), ("Luna", 200.0),
 
 
 def fleet() -> list[tuple[Flight, Found]]:
-    """Six flights of three rockets, alike in build."""
+    """Six flights of three similar rockets."""
     motor = catalogue().resolve("F24-4W")
     plan = Flight(motor="F24-4W", dry_mass=0.32, diameter=0.066, rail_length=1.2)
     return [

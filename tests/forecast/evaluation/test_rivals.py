@@ -1,4 +1,4 @@
-"""Rivals on cases that are worked out by hand."""
+"""Rivals on cases computed by hand."""
 
 from dataclasses import replace
 
@@ -20,13 +20,13 @@ F24, F39 = (catalogue().resolve(name) for name in ("F24-4W", "F39-6T"))
 
 
 def flown(apogee: float | None, simulated: float = 200.0, rocket: str = "Astra", motor: str = "F24-4W") -> Simulated:
-    """A flight beside its simulation."""
+    """A flight with its simulation."""
     found = F24 if motor == "F24-4W" else F39
     return Simulated(Flight("1", rocket, motor=motor, apogee=apogee), found, simulated)
 
 
 def said(rival: str, earlier: list[Simulated], plan: Simulated) -> list[float]:
-    """What a rival forecasts, nothing if it has nothing to go by."""
+    """A rival's forecast; None if it has too little data."""
     draws = RIVALS[rival](earlier, plan)
     return [] if draws is None else draws.tolist()
 

@@ -1,4 +1,4 @@
-"""Weights go to who forecast better, slowly, and a mixture is what it says."""
+"""Weights move slowly to the better method, and the mixture follows its weights."""
 
 import numpy as np
 import pytest
@@ -84,7 +84,7 @@ def test_a_mixture_holds_each_way_by_its_weight() -> None:
 
 
 def row(number: int, flown: float, **rivals: np.ndarray) -> Forecast:
-    """A forecast of 200 m, some 5 % wide."""
+    """A forecast of 200 m, some 5% wide."""
     draws = lognormal(200.0, 0.05)
     return Forecast("Astra", str(number), "F24-4", number, flown, 184.0, 200.0, 217.0, draws, rivals)
 

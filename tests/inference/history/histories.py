@@ -1,4 +1,4 @@
-"""Histories of one rocket for tests: what its flights show, simulated without luck, times what a test puts in."""
+"""Histories of one rocket for tests: readouts simulated without scatter, times factors of the test."""
 
 from datetime import datetime, timedelta
 
@@ -18,8 +18,8 @@ READOUTS = ("apogee", "top_speed", "coast_to_apogee")
 def history(
     count: int, *, wear: float = 0.0, scatter: float = 0.02, seed: int = 0, kept: tuple[str, ...] = READOUTS
 ) -> History:
-    """A rocket on two motors and the plan to fly the first again; drag grows by `wear` of itself a flight, single
-    flights differ by `scatter` in drag and in thrust."""
+    """A rocket on two motors and the plan to fly the first again; drag grows by the fraction `wear` per flight, and
+    single flights have the standard deviation `scatter` in drag and thrust."""
     rng = np.random.default_rng(seed)
     plans = [
         Flight(

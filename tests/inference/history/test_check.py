@@ -1,4 +1,4 @@
-"""The check of the network by the one model: passed by the model's own answer, not by one elsewhere."""
+"""The check of the network by the model: the model's answer passes, and a different one does not."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ def said() -> QuickAnswer:
 
 @pytest.fixture(scope="module")
 def own(said: QuickAnswer) -> QuickAnswer:
-    """What the linear fit says, in the network's place."""
+    """The linear fit's answer instead of the network's."""
     base = said.summary.baseline
     return replace(
         said,

@@ -1,7 +1,7 @@
-"""The response of flights, the fit in one pass, and evidence in closed form: against the simulator and against whole
-fits with the effect in them.
+"""The response of flights, the one-pass fit, and closed-form evidence, compared with the simulator and with full fits
+with the effect.
 
-Evidence agrees to a hundredth of a nat: the bound of the parachute's opening time is a term's own business there.
+Evidence agrees to 0.01 nat, because the bound of the parachute's opening time is treated for its term alone.
 """
 
 from dataclasses import replace
@@ -123,7 +123,7 @@ def test_what_one_flight_says_is_no_robust_evidence(linear: LinearFit) -> None:
 
 
 def test_only_effects_that_are_declared_act_on_forecasts_unasked() -> None:
-    """Wind that was written down does, the temperature does not: the altimeter is not thought to correct for it."""
+    """Recorded wind acts, and the temperature does not, because the altimeter is assumed not to correct for it."""
     flights = [flight.with_changes(wind=3.0, temperature=300.0) for flight in WORN.flights]
     known = {id(effect): name for name, effect in effects().items()}
     acting = {known[id(term.bends)] for term in declared_terms(flights)}

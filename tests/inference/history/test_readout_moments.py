@@ -1,4 +1,4 @@
-"""What a plan will show beside its apogee, by the linear fit and with the network's Cd and alpha."""
+"""Forecasts of other readouts of a plan by the linear fit and with the network's Cd and alpha."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(said: Qui
 
 @pytest.mark.parametrize("count", [4, 12])
 def test_readouts_are_near_those_of_the_fit(count: int) -> None:
-    """Medians within a fifth of the fit's 90 % interval."""
+    """Medians within a fifth of the fit's 90% interval."""
     flights = history(count)
     said = quick_answer(flights, quick_candidates)
     known = list(zip(flights.flights, flights.found, strict=True))

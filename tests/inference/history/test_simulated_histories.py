@@ -1,4 +1,4 @@
-"""Simulated histories: what a seed draws, what their flyers wrote down, and shards that go on."""
+"""Simulated histories: reproducible draws, recorded values, and shards that resume."""
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -46,7 +46,8 @@ def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> Non
 
 
 def test_effects_are_there_as_probably_as_the_prior_has_it() -> None:
-    """None of a prior of zero; of a prior of one all that each rocket's flights could show, and a pattern."""
+    """No effects with a prior of zero; with a prior of one all effects that each rocket's flights could show, and a
+    pattern."""
     nothing, everything = (dict.fromkeys(PRIOR, chance) for chance in (0.0, 1.0))
     for one in simulated_histories(np.random.default_rng(3), KNOWN, quick_candidates, nothing, 5, 2, flights=6):
         assert (one.effects, one.unexplained) == ((), False)

@@ -1,4 +1,4 @@
-"""The apogee's own scatter is found from flights left out, and forecasts are as wide as it asks."""
+"""The scatter of apogees is estimated from leave-one-out errors, and forecasts have the right width."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ FLIGHTS = 400
 
 
 def errors(factor: float, flights: int = FLIGHTS, seed: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Errors of forecasts whose scatter is `factor` times what is claimed, and the two variances claimed."""
+    """Errors of forecasts with a scatter of `factor` times the claimed one, and the two claimed variances."""
     rng = np.random.default_rng(seed)
     known, own = np.full(flights, 0.01**2), rng.uniform(0.02, 0.05, flights) ** 2
     scattered = factor * np.sqrt(own * (TAIL - 2) / TAIL) * rng.standard_t(TAIL, flights)

@@ -1,4 +1,5 @@
-"""The fit finds what was put in, knows how sure it is, and leaves flights out as if they had not been flown."""
+"""The fit recovers true parameters with calibrated uncertainty, and leaves flights out as if they had not been
+flown."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,14 +26,14 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 
 SETS = 40
-"""Of flights, each with terms of its own."""
+"""Number of sets of flights, each with separate terms."""
 PLANS = tuple(
     Flight(str(number), "Test", config, motor, dry_mass=mass, diameter=0.066, site="mead", delay=10.0)
     for number, (config, mass, motor) in enumerate(
         [("A", 0.322, "F24"), ("A", 0.322, "F39"), ("B", 0.448, "F39"), ("A", 0.322, "E35")] * 2
     )
 )
-"""Delays are long: a charge near apogee bends a flight one way only, which no straight line can follow."""
+"""Delays are long, because ejection near apogee changes a flight in one direction only, which is not linear."""
 Readouts = np.ndarray[Any, Any]
 
 
@@ -52,9 +53,9 @@ def truths() -> np.ndarray[Any, Any]:
 
 @cache
 def seasons() -> tuple[Data, ...]:
-    """What is seen of every set: flights as the model flies them, with its scatter and its errors of reading.
+    """The observations of every set: simulated flights with the model's scatter and reading errors.
 
-    A lean can but lower a flight; the fit takes it as a normal scatter like any other, and so do these.
+    A launch angle can only lower a flight; the fit treats it as normal scatter, and so do these.
     """
     rng = np.random.default_rng(22)
     scatter_scale, reading_scale, log_prior = CERTIFIED_PRIOR.scales()
@@ -98,23 +99,23 @@ def fits() -> tuple[Fit, ...]:
 
 
 def errors(results: tuple[Fit, ...]) -> np.ndarray[Any, Any]:
-    """Misses of the posterior means in posterior standard deviations. [set term]"""
+    """Errors of the posterior means in posterior standard deviations. [set term]"""
     moments = np.array([result.moments() for result in results])
     return np.asarray((truths() - moments[:, 0]) / moments[:, 1])
 
 
 def calibrated(error: np.ndarray[Any, Any], level: float) -> bool:
-    """Whether the share of misses inside the interval of a level is what chance allows, 1 in 2,000 not."""
+    """Whether the fraction of errors inside an interval is within chance, with a false alarm of 1 in 2,000."""
     inside = int((np.abs(error) < norm.ppf(0.5 + level / 2)).sum())
     low, high = binom.interval(0.9995, error.size, level)
     return bool(low <= inside <= high)
 
 
-# Where ejection meets apogee
+# Ejection near apogee
 
 
 def kinked(seed: int) -> tuple[Model, Data]:
-    """Flights whose charges fire a little before they would have topped out, and their model."""
+    """Flights with ejection a little before apogee, and their model."""
     rng = np.random.default_rng(seed)
     terms = model().terms
     drawn = np.array([term.mean for term in terms]) + 0.5 * rng.normal(size=len(terms)) * [term.sd for term in terms]
@@ -188,7 +189,7 @@ def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None
 
 
 def test_scatter_that_is_there_is_seen() -> None:
-    """Sets of much scatter get more of their weight on large scales than sets of little."""
+    """Sets with large scatter have more weight on large scales than sets with small scatter."""
     pair = np.random.default_rng(22).choice(
         len(CERTIFIED_PRIOR.scales()[2]), SETS, p=np.exp(CERTIFIED_PRIOR.scales()[2])
     )
@@ -291,7 +292,7 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> t
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:
-    """Expectation, covariance and slope of everything seen, written out in full for one pair of scales."""
+    """Expectation, covariance and slope of all observations, written out in full for one pair of scales."""
     scatter, reading = (values[scale] for values in model.hyperprior.scales()[:2])
     single = np.hypot(model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day"))
     own = np.array([scatter * single, *[0.0] * (len(OBSERVED_READOUTS) - 1)])

@@ -1,4 +1,4 @@
-"""Evidence and flights left out by importance sampling: against more draws, and against fits made again."""
+"""Evidence and leave-one-out by importance sampling, compared with more draws and with repeated fits."""
 
 from dataclasses import replace
 from functools import cache
@@ -23,7 +23,7 @@ CHECK_SHAPES = False
 
 @cache
 def fitted(readouts: int = 6) -> Fit:
-    """The plain model fitted to a season, with so many of its readouts."""
+    """The plain model fitted to a season with some of its readouts."""
     model, data = _season()
     seen = data.seen & (np.arange(len(OBSERVED_READOUTS)) < readouts)
     return fit(model, replace(data, seen=seen), outlier_flights=True)

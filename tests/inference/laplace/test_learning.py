@@ -1,4 +1,4 @@
-"""Learning the hyperprior finds how far things differ that were simulated to differ so, and never loses evidence."""
+"""Learning the hyperprior recovers simulated standard deviations and never lowers the evidence."""
 
 from dataclasses import replace
 from functools import cache
@@ -18,11 +18,11 @@ from fieldkit.motors import Found, catalogue
 ROCKETS, FLIGHTS = 8, 4
 MOTORS = ("F24", "F39", "E35")
 COARSE = replace(START, scatter=Scale((0.5, 1.0, 2.0), 1.0, 0.7), reading=Scale((1.0,), 1.0, 0.7))
-"""Few scales: quick, and rockets do not differ in scatter here."""
+"""Few scales, for speed; rockets have equal scatter here."""
 
 
 def fleet(rocket_sd: float, flight_sd: float, seed: int = 3) -> list[list[tuple[Flight, Found]]]:
-    """Rockets whose log drag and whose flights' log apogees differ by these standard deviations."""
+    """Rockets with these standard deviations of log drag and of their flights' log apogees."""
     rng = np.random.default_rng(seed)
     found = []
     for number in range(ROCKETS):

@@ -1,4 +1,4 @@
-"""A readout far from what the model expects hardly moves a forecast, and is named until the flyer says it is right."""
+"""A readout far from its expectation barely changes a forecast, and has a warning until the flyer confirms it."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ F39 = [(replace(PLAN, motor="F39"), catalogue().resolve("F39"))]
 
 
 def with_a_slip(flown: Flown, row: int = 0, factor: float = 2.237) -> Flown:
-    """The same with the top speed of one flight typed in mph and taken for m/s."""
+    """The same with the top speed of one flight in mph read as m/s."""
     flight, motor = flown[row]
     assert flight.top_speed is not None
     slipped = flight.with_changes(top_speed=flight.top_speed * factor)

@@ -1,8 +1,9 @@
-"""The fit beside stored draws of the exact posterior, of histories drawn from the model and of hard ones.
+"""The fit compared with stored draws of the exact posterior, for histories drawn from the model and difficult ones.
 
-`python -m studies.reference_posterior --store FILE` draws histories by the hyperprior in use and samples them, in about
-twenty minutes; with `--cases reference_posteriors.json` it samples those stored here again, with the same seed. They
-hold their own hyperprior, so that learning another does not make them old; a change of physics or of the model does.
+`python -m studies.reference_posterior --store FILE` draws histories from the current hyperprior and samples them in
+about twenty minutes; with `--cases reference_posteriors.json` it samples those stored here again, with the same seed.
+They include their hyperprior, so that learning another does not invalidate them; a change of physics or of the model
+does.
 """
 
 from pathlib import Path
@@ -18,7 +19,7 @@ CHECK_SHAPES = False
 REFERENCES = read(Path(__file__).with_name("reference_posteriors.json"))
 DRAWS = 4000
 FARTHEST = {"log_apogee": (0.09, 0.07, 0.13), "log_cd": (0.32, 0.28, 0.45), "log_alpha": (0.16, 0.12, 0.09)}
-"""Difference of each quantile (5, 50, 95 %) over the reference's 90 % interval, at most: the largest that was measured
+"""Difference of each quantile (5, 50, 95%) over the reference's 90% interval, at most: the largest that was measured
 (docs/measured/reference_posterior.txt) and half a tenth for both sets of draws. [1]"""
 USUAL = {"log_apogee": 0.03, "log_cd": 0.06, "log_alpha": 0.02}
 """The same of half of all quantiles, at most. [1]"""
@@ -29,7 +30,7 @@ more: by chance alone 0.005 in the mean, and up to 0.035 in one case of a thousa
 
 @pytest.fixture(scope="module")
 def said() -> dict[str, Array]:
-    """What the fit says of the next flight of every case."""
+    """The fit's forecast of the next flight of every case."""
     return {one.name: said_by_fit(one.case, DRAWS, 0) for one in REFERENCES}
 
 
@@ -45,7 +46,7 @@ def test_there_are_references_of_twenty_drawn_histories_and_of_hard_ones() -> No
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
 def test_what_is_stored_hangs_together(one: Reference) -> None:
-    """The few draws are of the posterior whose quantiles stand beside them."""
+    """The stored draws come from the posterior with the stored quantiles."""
     below = (one.draws[:, None] < one.quantiles).mean(axis=0)
     np.testing.assert_allclose(below, np.array([[0.05], [0.5], [0.95]]) + np.zeros(3), atol=0.17)
     assert one.effective > 500

@@ -1,4 +1,4 @@
-"""The shipped ensemble: what it says of flights, and what is refused."""
+"""The shipped ensemble: its answers, and refusals."""
 
 import hashlib
 import json

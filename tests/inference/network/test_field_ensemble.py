@@ -1,4 +1,4 @@
-"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings if they are due."""
+"""The shipped field ensemble: right posteriors from any readouts, and warnings when they are due."""
 
 import json
 from dataclasses import replace
@@ -35,7 +35,7 @@ def observed(truth: Truth) -> Observed:
 
 
 def flight(**known: float) -> Flight:
-    """A D12 flight of a 41 mm rocket, as an altimeter showed it."""
+    """A D12 flight of a 41 mm rocket, with an altimeter's readouts."""
     usual = {"dry_mass": 0.12, "diameter": 0.041, "apogee": 190.0, "top_speed": 62.0}
     return Flight(flight_id="1", rocket="Bertha", motor="Estes D12-5", **{**usual, **known})
 

@@ -1,4 +1,4 @@
-"""The shipped history network: laws that any answer keeps, and stories that it has to get right."""
+"""The shipped history network: laws for any answer, and histories with known answers."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from tests.inference.history.histories import history
 
 
 def ends(of: History) -> tuple[float, float]:
-    """The median apogee [m] and the width of the 90 % interval over it. [1]"""
+    """The median apogee [m] and the relative width of the 90% interval. [1]"""
     said = quick_answer(of, quick_candidates)
     low, high = (float(said.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
     return float(np.exp(said.log_apogee[MEDIAN])), high - low
@@ -65,7 +65,7 @@ def test_names_of_flights_rockets_and_configurations_change_nothing() -> None:
 
 
 def test_the_order_of_one_moments_flights_changes_nothing_that_does_not_grow() -> None:
-    """Two flights of one day with the same set-up trade their readouts."""
+    """Two flights of one day with the same setup exchange their readouts."""
     whole = history(10)
     flights = list(whole.flights)
     first, second = flights[0], flights[2]

@@ -1,4 +1,4 @@
-"""Training of the history network: the same answer in torch, ONNX and numpy, runs that go on, and the command."""
+"""Training of the history network: the same answer in torch, ONNX and numpy, resumed runs, and the command."""
 
 import json
 from pathlib import Path
@@ -43,7 +43,7 @@ def test_members_and_their_graph_say_the_same() -> None:
 
 
 def test_effects_are_judged_by_one_function_but_for_their_level() -> None:
-    """Trading two effects' features trades what is said of them, if nothing was learned of either yet."""
+    """Exchanging the features of two effects exchanges their probabilities before training."""
     from fieldkit.inference.training.history_members import HistoryMembers
 
     torch.manual_seed(0)

@@ -1,4 +1,4 @@
-"""The problem whose exact answer is known: what is the least error that any method can have."""
+"""The problem with an exact answer: the lowest possible error of any method."""
 
 import numpy as np
 import pytest

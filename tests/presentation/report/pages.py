@@ -1,10 +1,10 @@
-"""Pages of HTML as tests look at them."""
+"""HTML pages for tests."""
 
 from html.parser import HTMLParser
 
 
 class Page(HTMLParser):
-    """Tags and text of a page, and what it takes in or points to."""
+    """Tags and text of a page, and its links and embedded content."""
 
     def __init__(self, html: str) -> None:
         super().__init__()

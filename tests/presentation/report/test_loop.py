@@ -1,4 +1,4 @@
-"""The loop's report: figures with intervals, forward in time, what would tell, and a page that takes names as text."""
+"""The loop's report: figures with intervals, forward in time, informative tests, and a page that escapes names."""
 
 import json
 import re
@@ -41,11 +41,11 @@ from tests.presentation.report.pages import Page
 CHECK_SHAPES = False
 
 HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
-"""A flight id, rocket, motor spelling or site as a file may have it."""
+"""A flight id, rocket, motor name or site from a file."""
 
 
 def windy() -> list[Flight]:
-    """Twelve flights on two motors that lose height to the wind, flown by the model itself with readings rounded."""
+    """Twelve flights on two motors that lose height to the wind, simulated by the model with rounded readings."""
     from fieldkit.physics.flight import fly
     from fieldkit.physics.setups import field_setup
 
@@ -127,7 +127,7 @@ def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
 
 
 def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
-    """The last flight's apogee is made absurd: nothing that was said before it may move."""
+    """The last flight's apogee is absurd, which must not change any earlier forecast."""
 
     def spoilt(one: Hypothesis) -> Hypothesis:
         miss = one.fit.told.miss.copy()
@@ -194,7 +194,7 @@ def test_the_fingerprint_of_the_true_effect_is_what_was_found(diagnosis: Diagnos
     assert np.isnan(rows["duration"].found)
 
 
-# What would tell
+# Informative tests
 
 
 def explanations(diagnosis: Diagnosis) -> tuple[Explanation, Explanation]:
@@ -232,7 +232,7 @@ def test_divergence_is_that_of_normals() -> None:
     assert 0 < divergence(one, wide, [0]) < 4
 
 
-# What is left unexplained
+# Unexplained patterns
 
 
 def test_draws_are_widened_about_their_median() -> None:

@@ -1,4 +1,4 @@
-"""Flight cards and reports of a day or a rocket: what they show, in every kind of file, and that names stay text."""
+"""Flight cards and reports of a day or a rocket: contents in every file format, and escaped names."""
 
 import re
 from datetime import datetime
@@ -26,7 +26,7 @@ from tests.seasons import season
 CHECK_SHAPES = False
 
 HOSTILE = "<script>alert(1)</script> $x^2$ **b** [l](http://evil.example) | \u202eback\x1b[31m"
-"""A rocket, site, tag or note as a file may have it."""
+"""A rocket, site, tag or note from a file."""
 FIRST = Flight(
     "1",
     HOSTILE,
@@ -46,12 +46,12 @@ SECOND = FIRST.with_changes(flight_id="2", date_time=datetime(2026, 5, 2, 11, 30
 
 
 def quiet(_what: str, _share: float) -> None:
-    """Progress that nobody sees."""
+    """Ignored progress."""
 
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two flights of one day, the second predicted on another mass."""
+    """Two flights of one day, the second predicted with another mass."""
     path = tmp_path_factory.mktemp("report") / "ledger.db"
     with Ledger.open(path) as ledger, pytest.MonkeyPatch.context() as patch:
         patch.setattr(models, "now", lambda: "2026-05-02T06:00:00+00:00")

@@ -1,4 +1,5 @@
-"""Logs of several flights testify beside the verdict: what comes back is named, and one flight decides nothing."""
+"""The evidence of several flights' logs, reported with the verdict: recurring terms are named, and one flight decides
+nothing."""
 
 import json
 from dataclasses import replace
@@ -24,12 +25,12 @@ from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 FLIGHTS = 6
 LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
-"""Of single flights, as the model has it: in thrust, drag and burn time. [1]"""
+"""Scatter of single flights in thrust, drag and burn time, as in the model. [1]"""
 
 
 @cache
 def flown(term: str, strength: float, seed: int, random_draw_sd: tuple[float, ...] | None = None) -> Regression:
-    """A flight beside the model without its force and luck, which is drawn if it is not given as in `LUCK`."""
+    """A flight compared with the model without its force and scatter, which is random unless given as in `LUCK`."""
     thrust, drag, stretch = np.exp(random_draw_sd or np.random.default_rng(seed).normal(size=3) * LUCK)
     motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
     rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)
@@ -49,7 +50,7 @@ def test_a_force_in_every_flight_comes_back() -> None:
 
 @pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
 def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
-    """Readouts that lack a drag of the coast make the model's own drag too large: the share is not of that."""
+    """If the model lacks a drag in the coast, its fitted drag is too large, and the fraction does not refer to that."""
     rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
     climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
     (value,), (sd,) = regression(climb_, library(), FREE_TERMS).solve(["base drag"])

@@ -1,4 +1,4 @@
-"""A force that is put into simulated logs is found again with its strength, and none if none is."""
+"""A force in simulated logs is found with its strength, and none is found if there is none."""
 
 from functools import cache
 
@@ -16,7 +16,7 @@ from fieldkit.shapes import Array, Float
 RATE = 100
 """Samples a second."""
 NOISE = 0.5
-"""Of the accelerometer. [m/s^2]"""
+"""Noise of the accelerometer. [m/s^2]"""
 AIR = pad_air(*(np.asarray(np.nan) for _ in range(4)))
 SLOW = RocketInputs(catalogue().find("AeroTech F24W").motor, 0.322, 0.6 * np.pi / 4 * 0.066**2, AIR)
 FAST = RocketInputs(catalogue().find("AeroTech G80T").motor, 0.25, 0.45 * np.pi / 4 * 0.038**2, AIR)
@@ -24,7 +24,7 @@ FAST = RocketInputs(catalogue().find("AeroTech G80T").motor, 0.25, 0.45 * np.pi 
 
 @cache
 def climb(rocket: RocketInputs, term: str, strength: float) -> ClimbTrack:
-    """A climb with one term of the library too much, without noise: the fixed point of force and motion."""
+    """A climb with one additional term of the library, without noise: the fixed point of force and motion."""
     time = np.arange(0, 25, 1 / RATE)
     burning, zero = time < rocket.motor.thrust_end, np.zeros(len(time))
     track = ClimbTrack(time, zero, zero, zero, np.full(len(time), NOISE), burning)
@@ -46,7 +46,7 @@ def integral(rate: Float[Array, "time"]) -> Float[Array, "time"]:
 
 
 def noisy(track: ClimbTrack, seed: int, *, smooth: int = 1) -> ClimbTrack:
-    """The same as an accelerometer shows it, its noise perhaps smoothed."""
+    """The same as measured by an accelerometer, perhaps with smoothed noise."""
     rng = np.random.default_rng(seed)
     noise = np.convolve(rng.normal(0, NOISE, len(track.push) + smooth - 1), np.ones(smooth) / np.sqrt(smooth), "valid")
     speed = track.speed + rng.normal(0, 0.3, len(track.speed))
@@ -54,7 +54,7 @@ def noisy(track: ClimbTrack, seed: int, *, smooth: int = 1) -> ClimbTrack:
 
 
 def forces(track: ClimbTrack, *, smoothed: bool = False) -> Forces:
-    """A climb as it is measured in a log, with an accelerometer or from heights."""
+    """A climb measured in a log, with an accelerometer or from heights."""
     none = np.full(len(track.speed), np.nan)
     return Forces(
         track.time_from_liftoff,

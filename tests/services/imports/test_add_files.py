@@ -1,4 +1,4 @@
-"""Files into the ledger: what was imported once changes nothing, however it would be read today."""
+"""Importing files: a duplicate changes nothing, even if it would be read differently today."""
 
 import json
 from pathlib import Path
@@ -35,7 +35,7 @@ def ledger(tmp_path: Path) -> Ledger:
 
 @pytest.fixture
 def better_measuring(monkeypatch: pytest.MonkeyPatch) -> None:
-    """From now on an apogee is measured a metre higher, and another column tells of it."""
+    """A changed reader with an apogee one meter higher and another column."""
     as_it_was = fieldkit.analysis.columns
 
     def better(recorded: Recorded, stated: dict[str, object]) -> tuple[dict[str, object], dict[str, str]]:

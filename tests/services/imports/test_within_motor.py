@@ -1,4 +1,4 @@
-"""What a log seems to show beyond its motor is not stored, and named."""
+"""Readouts of a log that are impossible on its motor are named and not stored."""
 
 import pytest
 

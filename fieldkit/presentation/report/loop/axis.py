@@ -1,4 +1,4 @@
-"""What residuals are drawn against: the column that the verdict is about."""
+"""The axis against which residuals are drawn: the column of the verdict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,46 +9,46 @@ from fieldkit.flight import BY_NAME
 from fieldkit.model.rocket_model import groups
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import recorded
+from fieldkit.presentation.condition_axis import in_units
 from fieldkit.selection.residual import columns_of
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Float
 
-TITLES = {
-    "flight_number": "flight, in the order flown",
-    "hour": "hour of the day",
-    "expected_top_speed_mps": "expected top speed [m/s]",
-}
+TITLES = {"flight_number": "flight, in the order flown", "hour": "hour of the day"}
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A title, a place for each flight (nan for not recorded), and names of the places if they are groups."""
+    """A title, a value for each flight (nan if not recorded), and the names of the values if they are groups."""
 
     title: str
     values: Float[Array, "flight"]
     names: Sequence[str] = ()
 
 
-def axis(found: Findings) -> Axis:
-    """By the effect that is accepted, else by what the residual goes with most, else in the order flown."""
+def axis(found: Findings, system: str = "SI") -> Axis:
+    """The column of the accepted effect, or else of the strongest correlation, or else the order flown; in the units of
+    a system.
+    """
     diagnosis = found.diagnosis
     for trial in diagnosis.accepted[:1]:
         effect = effects()[trial.candidate.place.effect]
         if effect.needs:
             column = BY_NAME[effect.needs]
-            return Axis(f"{column.title.lower()} [{column.unit}]", recorded(diagnosis.model.flights, column.name))
+            return Axis(*in_units(column.header, recorded(diagnosis.model.flights, column.name), system))
         if trial.candidate.place.where and not trial.candidate.place.since:
             return _grouped(found, effect.per)
         if effect.grows or trial.candidate.place.since:
-            return _numbered(found, "flight_number")
+            return _numbered(found, "flight_number", system)
     if found.patterns and (diagnosis.accepted or found.patterns[0].p < 0.1):
         best = found.patterns[0].against
-        return _numbered(found, best) if best in columns_of(diagnosis) else _grouped(found, best)
-    return _numbered(found, "flight_number")
+        return _numbered(found, best, system) if best in columns_of(diagnosis) else _grouped(found, best)
+    return _numbered(found, "flight_number", system)
 
 
-def _numbered(found: Findings, name: str) -> Axis:
-    return Axis(TITLES.get(name, name.replace("_", " ")), columns_of(found.diagnosis)[name])
+def _numbered(found: Findings, name: str, system: str) -> Axis:
+    title, values = in_units(name, columns_of(found.diagnosis)[name], system)
+    return Axis(TITLES.get(name, title), values)
 
 
 def _grouped(found: Findings, per: str) -> Axis:

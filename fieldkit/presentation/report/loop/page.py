@@ -1,4 +1,4 @@
-"""The report as one HTML document, nothing outside it: what files said is escaped, and no script would run."""
+"""The report as one self-contained HTML document: text from files is escaped, and scripts cannot run."""
 
 from collections.abc import Callable
 from functools import partial
@@ -26,7 +26,7 @@ SUFFIXES = (".html", ".htm", ".png")
 
 
 def check_page(path: Path) -> None:
-    """Raise BadValue for a name that is of no kind of page."""
+    """Raise BadValue for a file name with an unsupported suffix."""
     if path.suffix.lower() not in SUFFIXES:
         raise BadValue(f"--report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
@@ -96,7 +96,7 @@ def _verdict(found: Findings, system: str) -> dict[str, Any]:
 
 
 def _capitalized(sentence: str) -> str:
-    """With a capital at the front; names within stay as they are."""
+    """The text with its first letter capitalized; names inside do not change."""
     return sentence[:1].upper() + sentence[1:]
 
 

@@ -1,4 +1,4 @@
-"""The pictures of the loop's report. Each draws into axes that it is given; none opens a window."""
+"""The pictures of the loop's report. Each draws into given axes; none opens a window."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
@@ -22,19 +22,20 @@ from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
+from fieldkit.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
 
 NINE_OF_TEN = 1.645
-"""Standard deviations on either side that hold nine of ten draws of a normal distribution. [1]"""
+"""Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
 Draw = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
 
 
 def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """Each flight left out: flown less forecast, before and after, against the column of the verdict."""
-    diagnosis, against = found.diagnosis, axis(found)
+    """Leave-one-out errors, flown minus forecast, before and after, against the column of the verdict."""
+    diagnosis, against = found.diagnosis, axis(found, shown.system)
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     sides = [("before", diagnosis.forecasts_before, BEFORE_COLOR)]
     if diagnosis.effect != "none":
@@ -73,7 +74,7 @@ def _residual_panel(
 
 
 def _beside(values: Float[Array, "shown"], width: float) -> Float[Array, "shown"]:
-    """Steps to the side for flights that share a place, so that each is seen."""
+    """Horizontal offsets for flights with the same position, so that each is visible."""
     width = width if width > 0.1 else 6 * width * max(float(np.ptp(values)), 1e-9)
     step = np.zeros(len(values))
     for value in np.unique(values):
@@ -83,14 +84,14 @@ def _beside(values: Float[Array, "shown"], width: float) -> Float[Array, "shown"
 
 
 def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-    """Ends of the 90 % interval of each forecast, its mixture taken as one normal in the logarithm. [m]"""
+    """Ends of the 90% interval of each forecast, with its mixture approximated by one log-normal distribution. [m]"""
     mean = (forecasts.weight * forecasts.mean).sum(axis=0)
     sd = np.sqrt((forecasts.weight * (forecasts.sd**2 + (forecasts.mean - mean) ** 2)).sum(axis=0))
     return np.exp(mean - NINE_OF_TEN * sd), np.exp(mean + NINE_OF_TEN * sd)
 
 
 def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """Each flight forecast from those before it, with its flown apogee."""
+    """The forecast of each flight from the earlier ones, with its flown apogee."""
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
     unit = shown.length_factor
@@ -113,7 +114,7 @@ def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) ->
 
 
 def fingerprints(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
-    """What each of the likeliest effects would leave in the ten readouts, and what was there."""
+    """The fingerprints of the most likely effects in the ten readouts, and the observed residuals."""
     count = len(found.fingerprints)
     if not count:
         return
@@ -151,7 +152,7 @@ def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
 
 
 def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
-    """How probable each effect is, and from where on one is named."""
+    """The probability of each effect, and the threshold for naming one."""
     panel = figure.subplots()
     items = [item for item in found.diagnosis.ranking if item.effect]
     chance = np.array([item.probability for item in items])
@@ -172,7 +173,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None
 
 
 def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """The push that logs felt less the model's, along each climb: against time, and against speed."""
+    """The missing force along each climb: measured minus modeled push against time and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
     for number, one in enumerate(found.testimony.flights):
         for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
@@ -182,15 +183,15 @@ def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUni
                 scale = shown.speed_factor if name == "speed" else 1.0
                 panel.errorbar(
                     [getattr(point, name) / scale for point in points],
-                    [point.force for point in points],
-                    yerr=[NINE_OF_TEN * point.sd for point in points],
+                    [point.force / STANDARD_GRAVITY for point in points],
+                    yerr=[NINE_OF_TEN * point.sd / STANDARD_GRAVITY for point in points],
                     fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
                     label=phase if number == 0 else None,
                 )  # fmt: skip
     for panel, title in zip(panels, ("time from lift-off [s]", f"speed [{shown.speed_unit}]"), strict=True):
         panel.axhline(0, color=INK_COLOR, linewidth=1)
         panel.set_xlabel(title)
-    panels[0].set_ylabel("missing force per mass [m/s²]")
+    panels[0].set_ylabel("missing force per mass [g]")
     panels[1].legend(loc="best", fontsize=8)
 
 
@@ -205,7 +206,7 @@ PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
 
 
 def pictures(found: Findings) -> list[str]:
-    """Names of the pictures that there is something to show in."""
+    """Names of the pictures with any content."""
     return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
 
 

@@ -1,0 +1,32 @@
+"""The list of user-facing text for translators."""
+
+import pytest
+
+from tools.strings import ROOT, listed, strings
+
+pytestmark = pytest.mark.fast
+CHECK_SHAPES = False
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("fieldkit/tui/screens/home.py", "No flights yet. a adds the first one"),
+        ("fieldkit/cli/motors.py", "Total impulse range, in N s."),
+        ("fieldkit/services/sites.py", "{...}: found a {...} that is not above zero, expected a positive length"),
+    ],
+)
+def test_help_screens_and_refusals_are_listed(file: str, text: str) -> None:
+    assert text in [found for _, found in strings(ROOT / file)]
+
+
+def test_docstrings_types_and_style_sheets_are_not_listed() -> None:
+    texts = [text for _, text in strings(ROOT / "fieldkit/tui/screens/home.py")]
+    assert [text for text in texts if "{" in text and ":" in text and ";" in text] == []
+    assert not any("first steps" in text and text.startswith("Home:") for text in texts)
+
+
+def test_every_line_names_its_place() -> None:
+    lines = list(listed(("models",)))
+    assert len(lines) > 50
+    assert all(line.split(":")[1].isdigit() for line in lines)
