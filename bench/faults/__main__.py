@@ -1,7 +1,8 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
 
-It runs for an hour or so; `nice -n 19` leaves the cores to others, `--keep FOLDER` resumes where it was, and with
-`--minutes` it stops after the part that is being tried by then, and writes no page.
+It runs for two hours or so, one of which two laptops work at their own pace; `nice -n 19` leaves the cores to others,
+`--keep FOLDER` resumes where it was, with `--minutes` it stops after the part that is being tried by then, and with
+`--only` it tries the parts whose names begin so; these two write no page.
 """
 
 import argparse
@@ -40,13 +41,17 @@ SEED = 8
 MEMORY = Path("/dev/shm")
 """A file system in memory, if there is one: what is killed is a process and not the machine, so that nothing hangs
 on what has reached a disk, and waiting for one would be most of the time."""
-
+HOURLY_KILLS = 12
+"""How often the server of two laptops is killed in an hour. [1]"""
 
 Part = tuple[str, Callable[[], Outcome]]
 
 
-def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
-    """Every part of the bench, to be tried as it comes; `killed` kills in all, `others` the size of each other part."""
+def parts(scratch: Path, *, killed: int, others: int, hours: float) -> Iterator[Part]:
+    """Every part of the bench, to be tried as it comes; `killed` kills in all, `others` the size of each other part.
+
+    `hours` is how long two laptops work at their own pace. [h]
+    """
     _warm(scratch / "warm")
     folders = (scratch / str(number) for number in range(1000))
     share, rest = divmod(killed, len(kills.CASES))
@@ -67,7 +72,7 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
     yield "old_schemas", partial(writers.old_schemas, next(folders))
     yield "cut_short", partial(damage.cut_short, next(folders), others, SEED)
     yield "bits_flipped", partial(damage.bits_flipped, next(folders), 2 * others, SEED)
-    yield from _of_a_server(scratch / "server", max(3, others // 16))
+    yield from _of_a_server(scratch / "server", max(3, others // 16), hours)
 
 
 def _of_calls(folder: Path, others: int) -> Iterator[Part]:
@@ -91,7 +96,7 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
     yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 
-def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
+def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
     if not servers.binaries():
         yield "postgres", lambda: Outcome("PostgreSQL", "skipped: there is no PostgreSQL on this machine")
         return
@@ -102,6 +107,10 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
         commands, beside = min(laptops.HOUR, 80 * trials), folder.with_name
         yield "postgres_laptops", partial(laptops.mixed_work, ours, beside("laptops"), 2, commands, trials, SEED)
+        if hours:
+            commands, kills = round(hours * laptops.HOUR), max(1, round(HOURLY_KILLS * hours))
+            work = partial(laptops.mixed_work, ours, beside("club"), 2, commands, kills, SEED, laptops.EVERY)
+            yield "postgres_club", work
         for seed in range(trials // 3):
             yield (
                 f"postgres_failover_{seed}",
@@ -159,16 +168,22 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="a folder for the result of each part, to resume from")
     parser.add_argument("--out", type=Path, default=PAGE, help="where the page goes")
     parser.add_argument("--minutes", type=float, default=math.inf, help="how long to run, with --keep")
+    parser.add_argument(
+        "--hours", type=float, default=1.0, help="how long two laptops work on one server at their pace"
+    )
+    parser.add_argument("--only", default="", help="try the parts whose names begin so, with --keep")
     given = parser.parse_args()
     ends = time.monotonic() + 60 * given.minutes
     if given.quick:
-        given.kills, given.others = 24, 8
+        given.kills, given.others, given.hours = 24, 8, 0.0
     scratch, found = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), []
     scratch.chmod(0o755)  # the server is another user
     keep: Path = given.keep or scratch / "kept"
     keep.mkdir(parents=True, exist_ok=True)
     with at_home(scratch / "home"):
-        for name, part in parts(scratch, killed=given.kills, others=given.others):
+        for name, part in parts(scratch, killed=given.kills, others=given.others, hours=given.hours):
+            if not name.startswith(given.only):
+                continue
             if time.monotonic() > ends:
                 break
             outcome = tried(part, keep / f"{name}.json")
@@ -179,8 +194,9 @@ def main() -> int:
     shutil.rmtree(scratch, ignore_errors=True)
     if time.monotonic() > ends:
         return 1
-    if not given.quick:
+    if not given.quick and not given.only:
         sizes = "" if (given.kills, given.others) == (1000, 96) else f" --kills {given.kills} --others {given.others}"
+        sizes += "" if given.hours == 1.0 else f" --hours {given.hours:g}"
         given.out.write_text(page(found, f"python -m bench.faults{sizes}"), encoding="utf-8")
     return any(one.faults for one in found)
 

@@ -18,24 +18,35 @@ from bench.faults.ledgers import TABLE, Outcome, fieldkit
 from bench.faults.servers import Server, emptied, standby
 from fieldkit.ledger import Ledger
 
-HOUR = 240
-"""Commands of a laptop in an hour, one every 15 s; they are given without the pauses between them. [1]"""
+EVERY = 15.0
+"""How often a laptop gives a command if it works at the pace of a club. [s]"""
+HOUR = round(3600 / EVERY)
+"""Commands of a laptop in an hour. [1]"""
 DOWN = 0.3
 """How long a killed server stays away. [s]"""
 STEP = 0.05
 """How often it is looked how far the laptops are. [s]"""
 
 
-def mixed_work(ours: Server, folder: Path, laptops: int, commands: int, kills: int, seed: int) -> Outcome:
-    """Laptops that give so many commands each to one server, which is killed and started again so often meanwhile."""
+def mixed_work(
+    ours: Server, folder: Path, laptops: int, commands: int, kills: int, seed: int, every: float = 0.0
+) -> Outcome:
+    """Laptops that give so many commands each to one server, which is killed and started again so often meanwhile.
+
+    `every` is how often a laptop gives one, 0 for as fast as it can. [s]
+    """
 
     def kill(_: int) -> None:
         ours.kill()
         time.sleep(DOWN)
         ours.start()
 
-    what = f"{laptops} laptops, {commands} commands each, the server killed {kills} times"
-    return _worked(Outcome("PostgreSQL", what), (ours.url, ours.url), folder, laptops, commands, kills, kill, seed)
+    began = time.monotonic()
+    outcome = Outcome("PostgreSQL", "")
+    _worked(outcome, (ours.url, ours.url), folder, laptops, commands, kills, kill, seed, every)
+    minutes = (time.monotonic() - began) / 60
+    outcome.case = f"{laptops} laptops for {minutes:.0f} min, {commands} commands each, the server killed {kills} times"
+    return outcome
 
 
 def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:
@@ -65,6 +76,7 @@ def _worked(
     kills: int,
     kill: Callable[[int], object],
     seed: int,
+    every: float = 0.0,
 ) -> Outcome:
     """Have laptops work while a server is killed; the URLs are of it alone, and as laptops know it."""
     folder.mkdir(parents=True)
@@ -72,7 +84,9 @@ def _worked(
     assert fieldkit(urls[0], "import", str(TABLE))[0] == 0
     context = multiprocessing.get_context("fork")
     running = [
-        context.Process(target=_work, args=(urls[1], folder / f"laptop-{place}.txt", place, commands, seed + place))
+        context.Process(
+            target=_work, args=(urls[1], folder / f"laptop-{place}.txt", place, commands, seed + place, every)
+        )
         for place in range(laptops)
     ]
     for process in running:
@@ -105,7 +119,7 @@ def _killing(folder: Path, commands: int, kills: int, kill: Callable[[int], obje
         thread.join()
 
 
-def _work(url: str, notes: Path, laptop: int, commands: int, seed: int) -> None:
+def _work(url: str, notes: Path, laptop: int, commands: int, seed: int, every: float) -> None:
     """So many commands of one laptop; `+` and `-` before what is known to be there, and not."""
     rng, mine = random.Random(seed), list[str]()
     with notes.open("a", encoding="ascii") as noted:
@@ -118,7 +132,9 @@ def _work(url: str, notes: Path, laptop: int, commands: int, seed: int) -> None:
                 time.sleep(DOWN)  # as who reads that the server is away
             return not status
 
+        began = time.monotonic()
         for number in range(commands):
+            time.sleep(max(0.0, began + every * (number + rng.random()) - time.monotonic()))
             _draw(rng, f"L{laptop}-{number}", laptop, mine, done)
 
 
@@ -140,6 +156,10 @@ def _draw(rng: random.Random, id: str, laptop: int, mine: list[str], done: Calla
     elif draw < 0.9:
         id = mine.pop(rng.randrange(len(mine)))
         done(f"-{id}", "remove", id)
+    elif draw < 0.93:
+        done("", "import", str(TABLE))
+    elif draw < 0.96:
+        done("", "predict", "--rocket", f"R{laptop}", "--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm")
     else:
         done("", "flights")
 
