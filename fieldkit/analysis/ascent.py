@@ -36,6 +36,8 @@ _MARGIN = 0.4
 _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
 charge in the airframe, which comes and goes for so long [s]"""
+_LAG_SD = 0.05
+"""By how much filters and vents delay heights if no accelerometer shows it, root mean square; 0.2 s is rare. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,11 +157,7 @@ def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
         return _drawn(samples, start.guess, found, start.fused, 0.0)
     burnout, spread = _likeliest(start, found, marks, marks.lift)
     if pressed:
-        low, high = (
-            _likeliest(_corrected(start, marks, error), found, marks, marks.lift)[0]
-            for error in (-STATIC_SD, STATIC_SD)
-        )
-        spread = float(np.hypot(spread, (high - low) / 2))
+        spread = float(np.hypot(spread, _by_pressure(start, found, marks, burnout)))
     marks = replace(marks, burnout=burnout)
     guess, _ = first_guess(grid, start.coast, None, marks.lift, burnout, marks.released)
     return _drawn(samples, guess, settled(samples, guess, False, marks), False, spread)
@@ -179,15 +177,29 @@ def _likeliest(start: _FitStart, found: FittedCurve, marks: Marks, lift: float) 
     return mean, float(np.sqrt(share @ (every - mean) ** 2))
 
 
-def _corrected(start: _FitStart, marks: Marks, static: float) -> _FitStart:
-    """The same heights without an error of the pressure in the airframe, as a part of the dynamic one.
+def _by_pressure(start: _FitStart, found: FittedCurve, marks: Marks, burnout: float) -> float:
+    """Standard deviation of a burnout for what the pressure in the airframe is off and late by. [s]
 
-    Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g.
+    A burnout jumps from one bend of the heights to another, so the error is averaged over, by three points of
+    Gauss and Hermite, instead of taken as linear.
+    """
+    lift = marks.lift if marks.lift is not None else start.samples.grid.start
+    far = np.sqrt(3) * STATIC_SD
+    moved = [_likeliest(_corrected(start, marks, static), found, marks, lift)[0] - burnout for static in (-far, far)]
+    late = _likeliest(_corrected(start, marks, 0.0, _LAG_SD), found, marks, lift)[0] - burnout
+    return float(np.sqrt(np.square(moved).sum() / 6 + late**2))
+
+
+def _corrected(start: _FitStart, marks: Marks, static: float, lag: float = 0.0) -> _FitStart:
+    """The same heights without an error of the pressure in the airframe, as a part of the dynamic one, and a lag. [s]
+
+    Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g; a filter or
+    vents of one time constant make a climb of even speed later by that.
     """
     samples, grid = start.samples, start.samples.grid
     flies = samples.is_own & (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
     speed = np.where(flies, np.interp(samples.time, grid.time, start.guess.speed), 0.0)
-    height = samples.height + static * speed**2 / (2 * GRAVITY)
+    height = samples.height + static * speed**2 / (2 * GRAVITY) + lag * speed
     return replace(start, samples=replace(samples, height=height))
 
 

@@ -16,6 +16,8 @@ _CHARGES = ("ejection", "drogue")
 """Events of a logger that are the first charge to bring a parachute out."""
 _SHOCK = 4 * GRAVITY
 """A push this strong after burnout is no drag: a charge, or a line that goes taut. [m/s^2]"""
+_BEFORE = 0.4
+"""So long before a blow drag is looked at, which a blow stands out from. [s]"""
 
 
 def shock(push: Push | None, burnout: float, top: float) -> Event | None:
@@ -26,10 +28,18 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     time, felt = push.time[near], push.felt[near]
     if time.size < 8:
         return None
-    blow = np.flatnonzero(np.abs(felt - np.median(felt)) > max(_SHOCK, 8 * mad_sd(felt)))
+    away = np.minimum(np.abs(felt - np.median(felt)), np.abs(felt - _before(time, felt)))
+    blow = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
     if blow.size == 0:
         return None
     return Event(float(time[blow[0]]), max(median_step(time), 0.05), push.source)
+
+
+def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
+    """The median of what was felt just before each sample: the drag of a fast coast, which fades and does not jump."""
+    width = max(3, round(_BEFORE / median_step(time)))
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(felt, (width, 0), mode="edge")[:-1], width)
+    return np.asarray(np.median(windows, axis=1))
 
 
 def ejection(

@@ -42,7 +42,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
         level = levelled(push, begin)
         if there.sum() >= 8 and level is not None:
             if push.full is None or not push.full[there].any():
-                return _felt_peak(push.time[there], level[there], begin, push.source)
+                return _felt_peak(push.time[there], level[there], begin, push)
             hidden = inside & (np.interp(ascent.time, push.time, push.full) > 0)
             floor = float(level[there & push.full].min()) - push.missed
             lasts = float(push.full[there].sum()) * median_step(push.time)
@@ -65,8 +65,11 @@ def _above(peak: Figure, floor: float) -> Figure:
     return Figure(value, sd * value, peak.source)
 
 
-def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, source: str) -> Figure | None:
-    """The peak of what an accelerometer felt in the boost; None if it may have come before the first sample."""
+def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, push: Push) -> Figure | None:
+    """The peak of what an accelerometer felt in the boost; None if it may have come before the first sample.
+
+    Its scale is off by about as much as its climb differs from that by the heights, which have errors of their own.
+    """
     width = max(3, round(_WINDOW / median_step(time)))
     smooth = running_median(net, width | 1)
     value = float(smooth.max())
@@ -78,8 +81,9 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
         value += coarse
     if median_step(time) > 1.5 * _WINDOW:  # between samples that differ there may be more than at either
         coarse = max(coarse, float(np.abs(np.diff(net)).max()) / 4)
-    sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
-    return Figure(value, float(sd), source) if value > 2 * sd else None
+    scale = np.hypot(_SCALE, (push.scale - 1) / 2)
+    sd = np.sqrt((scale * value) ** 2 + 0.5**2 + coarse**2)
+    return Figure(value, float(sd), push.source) if value > 2 * sd else None
 
 
 def _smoothed_peak(
