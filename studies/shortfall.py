@@ -156,7 +156,7 @@ def _apogee_slopes(
 ) -> Float[Array, "flight term"]:
     """What a unit of each term does to the log apogee of the clean flights of a rocket: nothing if its model has none.
 
-    A rocket without speeds has no term for what devices read of them.
+    A rocket whose speeds were measured in logs has no term for what devices show of them.
     """
     flights: list[Flight] = [flight for flight, _ in flown]
     model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)
