@@ -88,7 +88,7 @@ class EstimateLine(Static):
         self.update(Content("\n".join(lines)), layout=False)
 
     def _drawn(self, name: str, interval: tuple[float, float, float], room: int) -> str:
-        """An interval on the widest scale that was needed since the flight was begun: what is typed narrows it."""
+        """An interval on the widest scale so far for this flight: what is typed narrows it."""
         row = Interval(name, *interval)
         low, high = self._scales.get(name, row.ends)
         low, high = self._scales[name] = min(low, row.low), max(high, row.high)
