@@ -16,7 +16,7 @@ _CHARGES = ("ejection", "drogue")
 """Events of a logger that are the first charge to bring a parachute out."""
 _SHOCK = 4 * GRAVITY
 """A push this strong after burnout is no drag: a charge, or a line that goes taut. [m/s^2]"""
-_BEFORE = 0.4
+_BASELINE_TIME = 0.4
 """So long before a blow drag is looked at, which a blow stands out from. [s]"""
 
 
@@ -37,7 +37,7 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
 
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
     """The median of what was felt just before each sample: the drag of a fast coast, which fades and does not jump."""
-    width = max(3, round(_BEFORE / median_step(time)))
+    width = max(3, round(_BASELINE_TIME / median_step(time)))
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(felt, (width, 0), mode="edge")[:-1], width)
     return np.asarray(np.median(windows, axis=1))
 
