@@ -11,9 +11,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fieldkit.errors import ImpossibleFlight
+from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_figure
+from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_figure, stability
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
@@ -27,8 +27,6 @@ DESCENT_SPEED = 5.0
 """Descent speed under a parachute if none was recorded. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
 """Of a wind aloft of which only the speed is given. [m]"""
-STABILITY = "stability_cal"
-"""The column of a rocket's static margin, as a design program states it. [body diameters]"""
 USUAL_STABILITY = 2.0
 """Static margin if none was recorded. [body diameters]"""
 TURN_FACTOR = 1.39
@@ -181,10 +179,9 @@ def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 def _stability(flight: Flight) -> float:
     """Static margin in body diameters, the usual one if none is recorded that is positive."""
     try:
-        margin = float(flight.extra.get(STABILITY, "").replace(",", "."))
-    except ValueError:
+        return stability(flight) or USUAL_STABILITY
+    except BadValue:
         return USUAL_STABILITY
-    return margin if 0 < margin < np.inf else USUAL_STABILITY
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
