@@ -286,12 +286,14 @@ def test_a_site_keeps_its_distances_and_whose_rules_govern_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = str(tmp_path / "ledger.db")
-    assert main(["--ledger", file, "sites", "Moor", "--people", "100ft", "--rules", "UKRA", "--ceiling", "500m"]) == 0
+    assert (
+        main(["--ledger", file, "sites", "Moor", "--people", "100ft", "--rules", "UKRA", "--field-size", "500m"]) == 0
+    )
     assert main(["--ledger", file, "sites", "Moor", "--rules", "XYZ"]) == 1
     assert "expected one of" in capsys.readouterr().err
     with Ledger.open(file) as ledger:
         site = site_of(ledger, "Moor")
-        assert (site.people, site.rules) == (pytest.approx(30.48), "UKRA")
+        assert (site.people, site.size, site.rules) == (pytest.approx(30.48), pytest.approx(500.0), "UKRA")
         keep_site(ledger, "Moor", size=400.0)
         put_site(ledger, site_of(ledger, "Moor"))
         assert site_of(ledger, "Moor").rules == "UKRA"
