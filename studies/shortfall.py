@@ -154,12 +154,19 @@ def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[Sha
 def _apogee_slopes(
     flown: Sequence[FlownFlight], hyperprior: Hyperprior, names: Sequence[str]
 ) -> Float[Array, "flight term"]:
-    """What a unit of each term does to the log apogee of the clean flights of a rocket."""
+    """What a unit of each term does to the log apogee of the clean flights of a rocket: nothing if its model has none.
+
+    A rocket whose speeds were measured in logs has no term for what devices show of them.
+    """
     flights: list[Flight] = [flight for flight, _ in flown]
     model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)
     fit = fit_robustly(model, observe(flights, [one.clean for one in flights], hyperprior))
     rows = fit.data.seen[:, 0] & np.isfinite(fit.tangent.values[:, 0])
-    return np.asarray(fit.tangent.slope[rows][:, 0, [fit.model.names.index(name) for name in names]])
+    slopes = np.zeros((np.count_nonzero(rows), len(names)))
+    for place, name in enumerate(names):
+        if name in fit.model.names:
+            slopes[:, place] = fit.tangent.slope[rows, 0, fit.model.names.index(name)]
+    return slopes
 
 
 def page(found: Shortfall, *, unnamed: bool = False) -> str:

@@ -92,7 +92,7 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
             yield f"fails_{name}", partial(lambda outcome: outcome, left)
         else:
             there = folder / "trials" / str(number)
-            yield f"fails_{name}", partial(failing.every_call, there, name, found, others // 8, others // 8)
+            yield f"fails_{name}", partial(failing.every_call, there, name, found, others, others)
     yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 
@@ -139,7 +139,7 @@ def _warm(folder: Path) -> None:
     fieldkit(folder / "ledger.db", "import", str(TABLE), str(LOG), "--set", "rocket=Comet")
 
 
-def page(found: Sequence[Outcome], command: str) -> str:
+def page(found: Sequence[Outcome], command: str, others: int) -> str:
     """The summary, in Markdown."""
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
@@ -151,7 +151,8 @@ def page(found: Sequence[Outcome], command: str) -> str:
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
         command=command, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
-        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}", hour=laptops.HOUR,
+        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
+        reads=failing.MAX_READS, others=others, every=f"{laptops.EVERY:g}",
     )  # fmt: skip
 
 
@@ -197,7 +198,7 @@ def main() -> int:
     if not given.quick and not given.only:
         sizes = "" if (given.kills, given.others) == (1000, 96) else f" --kills {given.kills} --others {given.others}"
         sizes += "" if given.hours == 1.0 else f" --hours {given.hours:g}"
-        given.out.write_text(page(found, f"python -m bench.faults{sizes}"), encoding="utf-8")
+        given.out.write_text(page(found, f"python -m bench.faults{sizes}", given.others), encoding="utf-8")
     return any(one.faults for one in found)
 
 

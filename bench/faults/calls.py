@@ -19,6 +19,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 from fieldkit.cli.main import main as run
 
@@ -33,10 +34,16 @@ GROUPS = {
 CALLS = tuple(name for names in GROUPS.values() for name in names)
 TRACEBACK = 99
 """Exit status of a command that ended in a traceback."""
+HANGS = 98
+"""Exit status of a command that was ended because it took too long."""
 PATIENCE = 60.0
 """How long a command may take under a fault. [s]"""
 ROOM = 1 << 20
 """What a command may print. [byte]"""
+
+EIO = "error=EIO"
+WAYS = {"read": (EIO, "retval=0"), "write": (EIO, "error=ENOSPC")}
+"""How calls of a kind go wrong, by turns."""
 
 _LINE = re.compile(r"^(?:\[pid\s+\d+\]\s+|\d+\s+)?(\w+)\((.*)$")
 
@@ -77,14 +84,23 @@ def run_with(
 
     `largest` is a limit on the size of a file. [byte]
     """
+    ended = forked(folder, notes, fault, largest)
+    if ended is None:
+        leave(work)
+    return ended
+
+
+def forked(folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None) -> Ended | None:
+    """Fork, with a fault in the fork: how that ended, and None in the fork itself, which is to `leave`."""
     notes.mkdir(parents=True, exist_ok=True)
     pipes = [_pipe(), _pipe()]
     pid = os.fork()
     if not pid:
         try:
-            _child(work, [writing for _, writing in pipes], largest)
-        finally:
+            _begin([writing for _, writing in pipes], largest)
+        except BaseException:
             os._exit(TRACEBACK)
+        return None
     tracer = _attached(pid, notes / "calls.txt", fault) if largest is None else None
     if tracer is None:
         os.waitpid(pid, os.WUNTRACED)
@@ -93,9 +109,22 @@ def run_with(
     if tracer is not None:
         tracer.wait(PATIENCE)
     trace = (notes / "calls.txt").read_text(errors="replace") if tracer is not None else ""
-    came = any("(INJECTED)" in line and str(folder) in line for line in trace.splitlines()) or status == -signal.SIGKILL
+    came = any("(INJECTED)" in line and str(folder) in line for line in trace.splitlines())
+    came |= status in (-signal.SIGKILL, HANGS)
     out, said = map(_poured, pipes)
     return Ended(status, out, said, came)
+
+
+def leave(work: Callable[[], int]) -> NoReturn:
+    """Do some work as the last of this process, whose exit status it gives."""
+    status = TRACEBACK
+    try:
+        status = work()
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except BaseException as error:
+        os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())
+    os._exit(status)
 
 
 def _pipe() -> tuple[int, int]:
@@ -112,22 +141,14 @@ def _poured(pipe: tuple[int, int]) -> str:
         return reading.read().decode(errors="replace")
 
 
-def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None) -> None:
-    """The forked process: it waits for its tracer, and does its work."""
-    status = TRACEBACK
-    try:
-        for number, stream in enumerate(streams, start=1):
-            os.dup2(stream, number)
-        sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
-        if largest is not None:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
-        os.kill(os.getpid(), signal.SIGSTOP)
-        status = work()
-        sys.stdout.flush()
-        sys.stderr.flush()
-    except BaseException as error:
-        os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())
-    os._exit(status)
+def _begin(streams: Sequence[int], largest: int | None) -> None:
+    """The begin of a forked process: it speaks into pipes, and waits for its tracer."""
+    for number, stream in enumerate(streams, start=1):
+        os.dup2(stream, number)
+    sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
+    if largest is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
+    os.kill(os.getpid(), signal.SIGSTOP)
 
 
 def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[bytes]":
@@ -146,12 +167,13 @@ def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[byt
 
 def _waited(pid: int) -> int:
     """Exit status of a process, negative for a signal; one that takes too long is ended."""
-    ends = time.monotonic() + PATIENCE
+    ends, late = time.monotonic() + PATIENCE, False
     while True:
         found, status = os.waitpid(pid, os.WNOHANG)
         if found:
-            return os.waitstatus_to_exitcode(status)
+            return HANGS if late else os.waitstatus_to_exitcode(status)
         if time.monotonic() > ends:
+            late = True
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
         time.sleep(0.002)
@@ -170,16 +192,15 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """The faults: each call refused by the disk, writes for lack of space too, reads that bring nothing, and
-    the process killed at each; of calls of one kind at most so many, evenly over the command."""
+    """The faults: the process killed at each call, and each refused by the disk, every other write for lack of space;
+    every other read brings nothing. Of one kind at most so many calls, evenly over the command."""
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():
         some = _evenly([one for one in calls if one[0] in names], reads if kind == "read" else others)
-        ways = {"read": ("error=EIO", "retval=0"), "write": ("error=EIO", "error=ENOSPC", "signal=SIGKILL")}
-        for call, number in some:
-            for how in ways.get(kind, ("error=EIO", "signal=SIGKILL")):
-                if call != "ftruncate" or how != "error=ENOSPC":
-                    chosen.append(Fault(call, number, how))
+        for place, (call, number) in enumerate(some):
+            chosen.append(Fault(call, number, WAYS.get(kind, (EIO,) * 2)[place % 2 if call != "ftruncate" else 0]))
+            if kind != "read":
+                chosen.append(Fault(call, number, "signal=SIGKILL"))
     return chosen
 
 

@@ -9,22 +9,29 @@ import os
 import random
 import shutil
 import signal
+import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import chdir
 from pathlib import Path
 
-from bench.faults.calls import GROUPS, TRACEBACK, Ended, Fault, command, faults, made, run_with
+from bench.faults.calls import GROUPS, HANGS, TRACEBACK, Ended, Fault, command, faults, forked, made, run_with
 from bench.faults.kills import unit
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, after, at_home, fieldkit, season, state
+from bench.faults.paused import from_first_write
 from bench.faults.session import Call, named
+from fieldkit.paths import DATA_FILES
 
 KEPT_FILES = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
 """What stands beside the files that a command is asked to write."""
+OWN = ("settings.json", *(name for name in DATA_FILES if name not in {"captures", "crashes"}))
+"""What a flyer has added and chosen, in the folder of that."""
+EVERY = sys.maxsize
 
-
-SLOW = 3.0
-"""Of a command that takes this long, with looking at its ledger, one call of each kind goes wrong. [s]"""
+SLOW = 1.0
+"""A command that takes this long is forked where it first writes, and fewer of its reads go wrong. [s]"""
+MAX_READS = 64
+"""Of a command that writes: of one that reads more often so many go wrong, evenly. [1]"""
 
 
 class Bench:
@@ -35,13 +42,22 @@ class Bench:
         self.file = self.desk / "ledger.db"
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
+        self.new: set[str] = set()
+        """Of those the ones that the call makes."""
         self.spoken: set[str] = set()
         """What the call says if nothing is wrong: how far it is."""
+        self.takes = 0.0
+        """How long it takes. [s]"""
 
     def fresh(self) -> None:
-        """The desk as the call finds it."""
-        shutil.rmtree(self.desk, ignore_errors=True)
-        shutil.copytree(self.call.found, self.desk, symlinks=True)
+        """The desk as the call finds it; the folder itself stays, for a process may be in it."""
+        self.desk.mkdir(parents=True, exist_ok=True)
+        for one in self.desk.iterdir():
+            if one.is_dir() and not one.is_symlink():
+                shutil.rmtree(one)
+            else:
+                one.unlink()
+        shutil.copytree(self.call.found, self.desk, symlinks=True, dirs_exist_ok=True)
 
     def tried(self, fault: Fault | None = None, largest: int | None = None) -> Ended:
         """The call, with a fault in it."""
@@ -54,18 +70,44 @@ class Bench:
         self.fresh()
         with at_home(self.desk / "home"):
             before = state(self.file)
+        found_there = self.files()
+        began = time.monotonic()
         self.spoken = set(self.tried().said.splitlines())
+        self.takes = time.monotonic() - began
         found = made(self.notes, self.desk)
         with at_home(self.desk / "home"):
             self.states = (before, state(self.file))
         self.asked = self.files()
+        self.new = self.asked.keys() - found_there.keys()
         return found
 
+    def from_first_write(self) -> list[tuple[str, str]]:
+        """What came of all faults from where the call first writes on, and what is wrong with it."""
+
+        def trials() -> list[tuple[str, str]] | None:
+            if forked(self.desk, self.notes) is None:
+                return None
+            chosen = faults(made(self.notes, self.desk), MAX_READS, EVERY)
+            seen = []
+            for fault in chosen:
+                self.fresh()
+                if (ended := forked(self.desk, self.notes, fault)) is None:
+                    return None
+                if ended.came:
+                    what, wrong = self.judged(ended)
+                    seen.append((what, wrong and f"{fault} from the first write: {wrong}"))
+            return seen
+
+        self.fresh()
+        with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
+            return from_first_write(command(self.file, arguments), self.desk, trials)
+
     def files(self) -> dict[str, bytes]:
-        """What stands beside the ledger: the files that were asked for."""
-        return {
-            one.name: one.read_bytes() for one in self.desk.iterdir() if one.name not in KEPT_FILES and one.is_file()
-        }
+        """What stands beside the ledger: the files that were asked for, and what the flyer has added."""
+        places = [one for one in self.desk.iterdir() if one.name not in KEPT_FILES]
+        places += [self.desk / "home" / name for name in OWN]
+        files = (one for place in places for one in (place, *place.rglob("*")) if one.is_file())
+        return {str(one.relative_to(self.desk)): one.read_bytes() for one in files}
 
     def judged(self, ended: Ended) -> tuple[str, str]:
         """What came of a trial, and what is wrong with it."""
@@ -82,8 +124,12 @@ class Bench:
             return "killed, " + (name if changes else "nothing to lose"), ""
         if ended.status == TRACEBACK or "Traceback" in ended.said:
             return name, f"a traceback: {lines[-1] if lines else ''}"
+        if ended.status == HANGS:
+            return name, "it hangs"
         if ended.status == 0:
-            return "finished anyway", "it said that it was done" if changes and name == "before" else ""
+            missing = self.new - self.files().keys()
+            undone = (changes and name == "before") or missing
+            return "finished anyway", f"it said that it was done {' '.join(missing)}".strip() if undone else ""
         if changes and name == "after":
             denied = any("nothing was changed" in line for line in lines)
             return "refused, and done", "it said that nothing was changed" if denied else ""
@@ -94,7 +140,7 @@ class Bench:
         """The file that was asked for and is there in part; empty if each is whole or not there."""
         for name, content in self.files().items():
             whole = self.asked.get(name)
-            if name.startswith("."):
+            if Path(name).name.startswith("."):
                 continue
             if whole is not None and len(content) < len(whole) and whole.startswith(content):
                 return f"{name} is there in part"
@@ -102,11 +148,14 @@ class Bench:
 
 
 def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], reads: int, others: int) -> Outcome:
-    """The lines of the session that call one command, with each of their system calls gone wrong."""
+    """The lines of the session that call one command, with each of their system calls gone wrong.
+
+    Of those that only read, and that take long or wait for a logger, so many calls.
+    """
     outcome = Outcome("a call fails", name)
     mine = [call for call in session() if named(call.arguments) == name]
     for number, call in enumerate(mine):
-        _each(outcome, Bench(folder / str(number), call), max(1, reads // len(mine)), max(1, others // len(mine)))
+        _each(outcome, Bench(folder / str(number), call), reads, others)
         shutil.rmtree(folder / str(number), ignore_errors=True)
     if not mine:
         outcome.faults.append("no example calls it")
@@ -114,18 +163,21 @@ def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], r
 
 
 def _each(outcome: Outcome, bench: "Bench", reads: int, others: int) -> None:
-    began = time.monotonic()
     found, line = bench.learn(), bench.call.line
-    if time.monotonic() - began > SLOW:
-        reads = others = 1
     size = bench.file.stat().st_size
-    for fault in faults(found, reads, others):
+    writes = any(one in GROUPS["write"] for one, _ in found)
+    waits, slow = "PORT" in bench.call.arguments, bench.takes > SLOW
+    some = reads if waits or slow or not writes else MAX_READS
+    for fault in faults(found, some, others if waits else 0 if slow else EVERY):
         ended = bench.tried(fault)
         if ended.came:
             what, wrong = bench.judged(ended)
             outcome.saw(what, wrong and f"{line}: {fault}: {wrong}")
-    writes = any(one in GROUPS["write"] for one, _ in found)
-    for largest in [place * size // others for place in range(others)] if writes else []:
+    if writes and slow and not waits:
+        for what, wrong in bench.from_first_write():
+            outcome.saw(what, wrong and f"{line}: {wrong}")
+    shorts = max(1, reads // 4) if slow else others
+    for largest in [place * size // shorts for place in range(shorts)] if writes else []:
         what, wrong = bench.judged(bench.tried(largest=largest))
         outcome.saw(f"short: {what}", wrong and f"{line}: no file above {largest} bytes: {wrong}")
 

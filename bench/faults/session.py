@@ -39,6 +39,11 @@ MORE = (
     "ork skylark.ork",
     "import sample_logs/altos_csv__with_satellites.csv",
     "track flight-4f3b53f6c1 --out tracker.kml",
+    "learn fieldkit/data/reference_flights.csv --out card.json --keep",
+    "paper",
+    "study reference --out reference.md",
+    "study rockets --out rockets.md",
+    "study shortfall --out shortfall.md",
     "backups restore 1 --yes",
     "demo",
 )
@@ -47,13 +52,8 @@ FIRST = ("demo",)
 """Commands that want a ledger in which there is nothing yet."""
 LEFT_OUT = {
     "tui": "stays open; the ledger beneath it is that of the commands",
-    "serve": "stays open",
-    "train": "computes for hours; its files are put in their places by the same function as an export",
-    "learn": "computes for minutes; its file is written by the same function as an export",
-    "study reference": "computes for minutes; its file is written by the same function as an export",
-    "study rockets": "computes for minutes; its file is written by the same function as an export",
-    "study shortfall": "computes for minutes; its file is written by the same function as an export",
-    "paper": "computes for minutes and keeps nothing",
+    "serve": "stays open, and writes nothing itself",
+    "train": "computes with threads, which no fork has; its files are written by the same function as an export",
 }
 """Commands that are not tried, and why."""
 

@@ -110,6 +110,22 @@ def test_the_bench_sees_a_command_that_says_what_is_not_so(tmp_path: Path) -> No
 
 
 @traced
+def test_every_write_of_a_command_goes_wrong_from_its_first_on(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    found.mkdir()
+    ledgers.season(found / "ledger.db")
+    bench = failing.Bench(tmp_path / "trial", session.Call(("export", "flights.csv"), found))
+    bench.learn()
+    assert bench.new == {"flights.csv"}
+    seen = bench.from_first_write()
+    assert [wrong for _, wrong in seen if wrong] == []
+    assert {what for what, _ in seen} >= {"refused in a line", "killed, nothing to lose"}
+    bench.fresh()
+    assert "flights.csv" in bench.judged(calls.Ended(0, "", "", True))[1]
+    assert bench.judged(calls.Ended(calls.HANGS, "", "", True))[1] == "it hangs"
+
+
+@traced
 def test_what_was_acknowledged_among_faults_is_what_a_replay_holds(tmp_path: Path) -> None:
     outcome = failing.history(tmp_path, 12, seed=3)
     assert outcome.faults == []

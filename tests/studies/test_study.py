@@ -157,6 +157,16 @@ def test_the_shortfall_is_traced_to_what_the_flights_were_made_with() -> None:
     assert "| 3 | 3 |" in written
 
 
+def test_rockets_of_the_shortfall_may_have_readouts_from_logs_beside_displayed_ones() -> None:
+    motor = catalogue().resolve("F24")
+    plans = [Flight(str(n), rocket=f"R{n % 2}", motor="F24", dry_mass=0.3, apogee=250.0 + n) for n in range(4)]
+    speedy = [plan.with_changes(top_speed=85.0) for plan in plans]
+    flown = [(one.with_source(["top_speed"], "baro" if n % 2 else "typed"), motor) for n, one in enumerate(speedy)]
+    found = shortfall(flown)
+    assert "top_speed of the fleet" in found.joint.names
+    assert np.isfinite(found.worth).all()
+
+
 def test_only_what_is_put_in_is_free_and_no_mean_is_learned() -> None:
     bare, whole = restricted(()), restricted(("drag", "mass", "apogee"))
     assert dict(bare.means) == dict(whole.means) == {"drag": pytest.approx(np.log(0.6))}
