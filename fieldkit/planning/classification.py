@@ -71,10 +71,10 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
         return f"more than {limit['propellant_g']:g} g of propellant"
     if motor.kind in limit["kinds"]:
         return f"its kind, a {motor.kind}"
-    if motor.propellant in limit.get("sparky", ()):
-        return f"its propellant, {motor.propellant}, which throws sparks"
     if motor.designation.upper().startswith(tuple(limit["designations"])):
         return "the HP in its designation"
+    if motor.propellant in limit.get("sparky", ()):
+        return f"its propellant, {motor.propellant}, which throws sparks"
     return ""
 
 

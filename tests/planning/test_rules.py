@@ -134,7 +134,6 @@ def test_the_distances_of_other_codes_are_those_of_their_tables(
     ("key", "check", "words"),
     [
         ("nar_model", "misfire", "wait 60 seconds"),
-        ("nar_model", "recovery", "flame-resistant wadding"),
         ("nar_model", "more than ten at once", "1.5 times the maximum expected altitude"),
         ("nar_model", "sky", "into clouds, near airplanes"),
         ("nar_high_power", "misfire", "countdown of 5 s"),
