@@ -84,6 +84,67 @@ CASES: dict[str, dict[str, Any]] = {
     | {"rail_length": 3.0, "first_speed": 25.0, "main_speed": 7.0, "main_altitude": 200.0},
 }
 """Speeds are near the ground [m/s], the wind is at the pad [m/s], angles in degrees, the rest in SI."""
+CHORD, TIP, SPAN, BALANCE = 0.15, 0.6, 0.8, 0.5
+"""Of the fins of a chosen case: root chord over the length, tip and span over the root chord; and where the rocket
+without its motor balances, over its length. [1]"""
+SIZES = (
+    ("C6", 0.07, 0.034, 1.0),
+    ("D12", 0.11, 0.041, 1.0),
+    ("E12", 0.15, 0.042, 1.0),
+    ("F24W", 0.35, 0.060, 1.8),
+    ("F39T", 0.40, 0.066, 1.8),
+    ("G80T", 0.80, 0.075, 1.8),
+    ("H128W", 1.20, 0.079, 2.6),
+    ("I161W", 1.80, 0.098, 2.6),
+    ("J350W", 3.00, 0.098, 2.6),
+    ("K550W", 6.00, 0.130, 2.6),
+)
+"""Motors of the drawn cases, and about what flies on them: dry mass [kg], diameter [m], rail [m]."""
+DUAL_MASS = 1.0
+"""Dry mass above which a drawn case has a drogue and a main. [kg]"""
+STABILITY_DRAWN = (1.0, 4.0)
+"""Static margins on the pad of the drawn cases that are flown. [body diameters]"""
+DRAWN, SEED = 40, 11
+
+
+def drawn(rng: np.random.Generator, number: int) -> dict[str, Any]:
+    """A case at random, every third with a wind aloft."""
+    motor, mass, diameter, rail = SIZES[number % len(SIZES)]
+    wind = rng.uniform(2, 6)
+    case = {
+        "motor": motor,
+        "dry_mass": mass * rng.uniform(0.85, 1.15),
+        "diameter": diameter,
+        "length": diameter * rng.uniform(11, 16),
+        "balance": rng.uniform(0.46, 0.53),
+        "chord": 1.6 * diameter,
+        "tip": 0.5,
+        "span": diameter * rng.uniform(0.8, 1.3),
+        "fins": int(rng.integers(3, 5)),
+        "cd": rng.uniform(0.45, 0.7),
+        "rail_length": rail,
+        "rail_into": rng.uniform(-2, 6),
+        "rail_across": rng.uniform(-5, 5) if number % 2 else 0.0,
+        "lag": 0.5,
+        "wind": wind,
+    }
+    if number % 3 == 0:
+        case |= {"wind_aloft": wind * rng.uniform(1.2, 3), "wind_aloft_height": float(rng.choice([200, 400, 600]))}
+    if mass < DUAL_MASS:
+        return case | {"first_speed": rng.uniform(4, 6.5), "main_speed": 0.0, "main_altitude": 0.0}
+    devices = {"main_speed": rng.uniform(5, 7), "main_altitude": rng.uniform(120, 250)}
+    return case | {"first_speed": rng.uniform(15, 28)} | devices
+
+
+def cases() -> dict[str, dict[str, Any]]:
+    """The chosen cases, and the drawn ones that are as stable as rockets are."""
+    rng = np.random.default_rng(SEED)
+    more = {f"drawn {number}": drawn(rng, number) for number in range(DRAWN)}
+    margins = {
+        name: _rocket(case, catalogue().resolve(case["motor"]).motor).static_margin(0) for name, case in more.items()
+    }
+    low, high = STABILITY_DRAWN
+    return CASES | {name: case for name, case in more.items() if low < margins[name] < high}
 
 
 def flown(case: dict[str, Any]) -> dict[str, float]:
@@ -113,7 +174,7 @@ def flown(case: dict[str, Any]) -> dict[str, float]:
 
 def _environment(case: dict[str, Any]) -> Any:
     """Standard air over flat ground at sea level, and the wind of a case toward the east."""
-    from fieldkit.physics.descent import WindProfile
+    from fieldkit.physics.wind import WindProfile
 
     height = np.unique(np.concatenate([np.linspace(0, 50, 26), np.linspace(50, 4000, 200)]))
     blow, _ = WindProfile(case["wind"], case.get("wind_aloft"), case.get("wind_aloft_height")).components(height)
@@ -132,7 +193,7 @@ def _rocket(case: dict[str, Any], motor: Motor) -> Any:
         inertia=(inertia, inertia, dry * diameter**2 / 6),
         power_off_drag=case["cd"],
         power_on_drag=case["cd"],
-        center_of_mass_without_motor=0.5 * length,
+        center_of_mass_without_motor=case.get("balance", BALANCE) * length,
         coordinate_system_orientation="nose_to_tail",
     )
     rocket.add_motor(
@@ -150,8 +211,14 @@ def _rocket(case: dict[str, Any], motor: Motor) -> Any:
         position=length,
     )
     rocket.add_nose(length=0.2 * length, kind="ogive", position=0)
-    chord = 0.15 * length
-    rocket.add_trapezoidal_fins(n=4, root_chord=chord, tip_chord=0.6 * chord, span=0.8 * chord, position=length - chord)
+    chord = case.get("chord", CHORD * length)
+    rocket.add_trapezoidal_fins(
+        n=case.get("fins", 4),
+        root_chord=chord,
+        tip_chord=case.get("tip", TIP) * chord,
+        span=case.get("span", SPAN * chord),
+        position=length - chord,
+    )
     weight = 2 * (dry + motor.casing_mass) * 9.80665 / 1.225
     rocket.add_parachute("first", cd_s=weight / case["first_speed"] ** 2, trigger="apogee", lag=case["lag"])
     if case["main_altitude"]:
@@ -165,8 +232,8 @@ def main() -> None:
     """Fly every case and write them to a file."""
 
     document = {"rocketpy": version("rocketpy"), "command": "python -m bench.recovery_reference FILE"}
-    cases = [{"name": name, **case, "flown": flown(case)} for name, case in CASES.items()]
-    Path(sys.argv[1]).write_text(json.dumps({**document, "cases": cases}, indent=1) + "\n", encoding="utf-8")
+    every = [{"name": name, **case, "flown": flown(case)} for name, case in cases().items()]
+    Path(sys.argv[1]).write_text(json.dumps({**document, "cases": every}, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

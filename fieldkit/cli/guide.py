@@ -85,12 +85,14 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
     import math
 
     from fieldkit.errors import UnknownMotor
-    from fieldkit.planning.motor_guide import Wanted, mount_of
+    from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
     from fieldkit.services.planning import shortlist
 
     mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config)
+    adapter = adapter or mount is None
+    mount = mount or widest_motor(plan.rocket, plan.flight)
     if mount is None:
-        raise UnknownMotor("found no flights that show the motor mount, expected --mount such as 29mm")
+        raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
     return Wanted(
         mount=mount,
         length=length(fit["max_length"], "mm") or math.inf,
@@ -136,7 +138,12 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
-    say(f"{len(choices)} of {of} motors of {(wanted.mount or 0.0) * 1e3:g} mm fit: safe and sensible for it")
+    width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
+    say(f"{len(choices)} of {of} motors of {width} fit: safe and sensible for it")
+    if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:
+        say_wrapped(
+            "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
+        )
     say_wrapped(f"based on {rests_in_words(said)}")
     print_conditions(said.plan, plan.rocket.starts)
     say()

@@ -118,7 +118,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     Raises BadValue.
     """
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of
+    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of, stability
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.safety import motor_temperature
     from fieldkit.services.planning import completed_plan
@@ -143,6 +143,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     plan = completed_plan(ledger, motors, plan, read_settings())
     recovery_of(plan)
     rail_direction(plan)
+    stability(plan)
     return plan
 
 

@@ -16,7 +16,7 @@ def sites(
     context: typer.Context,
     name: Annotated[str | None, typer.Argument(help="Name of the site to save.")] = None,
     elevation: Annotated[str | None, typer.Option(help="Elevation of the pad above sea level: 212m.")] = None,
-    size: Annotated[str | None, typer.Option(help="Shorter side of the field: 400m.")] = None,
+    size: Annotated[str | None, typer.Option("--size", "--field-size", help="Shorter side of the field: 400m.")] = None,
     ceiling: Annotated[str | None, typer.Option(help="Ceiling above the pad, by waiver or rule: 3000ft.")] = None,
     people: Annotated[str | None, typer.Option(help="Distance from the pad to the people at the launch: 30m.")] = None,
     bystanders: Annotated[

@@ -33,9 +33,12 @@ RECOVERY_COLUMNS = {
     "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
 }
 """Numbers of a recovery: quantity, unit at the edge, and what each is."""
+STABILITY = "stability_cal"
+"""The column of a rocket's static margin, as a design program states it. [body diameters]"""
 RECOVERY_TEXTS = {
     "recovery": "parachute or streamer.",
     "rail_direction": "Direction of the rail: into, away, or across the wind, or degrees from into it.",
+    STABILITY: "Static margin on the pad in body diameters: 2.5; the larger, the sooner it turns into the wind.",
 }
 """Texts of a recovery, and what each is."""
 RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
@@ -107,6 +110,20 @@ def recovery_of(flight: Flight) -> Recovery:
     opening = recovery_figure(flight, "opening_time")
     opens = OPENING_TIME if opening is None else max(opening, 0.0)
     return Recovery(found, drogue, main, opens, speed, diameter)
+
+
+def stability(flight: Flight) -> float | None:
+    """The static margin of a flight in body diameters, None if it was not recorded. Raises BadValue. [1]"""
+    text = flight.extra.get(STABILITY, "").strip()
+    if not text:
+        return None
+    try:
+        margin = float(text.replace(",", "."))
+    except ValueError:
+        margin = math.nan
+    if not 0 < margin < math.inf:
+        raise BadValue(f"{STABILITY}: found {text!r}, expected body diameters above zero, such as 2.5")
+    return margin
 
 
 def rail_direction(flight: Flight) -> float:

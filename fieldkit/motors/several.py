@@ -54,7 +54,10 @@ def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: fl
     if len(stages) > 2:
         raise UnknownMotor(f"{text}: found {len(stages)} stages, expected at most two: more are not modeled")
     if booster_mass is None:
-        raise UnknownMotor(f"{text}: found two stages, expected --booster-mass too, without its motor, as in 60g")
+        raise UnknownMotor(
+            f"{text}: found two stages, expected fieldkit simulate with --booster-mass, the booster without its motor, "
+            "as in 60g: no other command flies them"
+        )
     booster, sustainer = (_cluster(stage, resolve) for stage in stages)
     motor = two_stages(booster.motor, sustainer.motor, booster_mass)
     return Found(motor, sustainer.delay, (*booster.notes, *sustainer.notes, STAGES_NOTE))

@@ -130,10 +130,16 @@ def altimeter_gain(
     return STANDARD_TEMPERATURE * (weight / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / warmth
 
 
-def wind_at(height: Float[Array, "*#draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Horizontal wind at a height above the pad from the wind measured there. [m/s]
+def wind_at(
+    height: Float[Array, "*#draw"],
+    wind: Float[Array, "*#draw"],
+    power: Float[Array, "*#draw"] | float = WIND_EXPONENT,
+    top: Float[Array, "*#draw"] | float = np.inf,
+) -> Float[Array, "*draw"]:
+    """Horizontal wind at a height above the pad from the wind measured there, even above a height `top` [m]. [m/s]
 
-    Source: the one-seventh power law over open ground (e.g. Panofsky and Dutton, 1984).
+    Source: the power law, one seventh over open ground (e.g. Panofsky and Dutton, 1984).
     """
-    result: Float[Array, "*draw"] = wind * (1 + np.maximum(height, 0.0) / WIND_HEIGHT) ** WIND_EXPONENT
+    below = np.minimum(np.maximum(height, 0.0), top)
+    result: Float[Array, "*draw"] = wind * (1 + below / WIND_HEIGHT) ** power
     return result

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.physics.atmosphere import WIND_EXPONENT, WIND_HEIGHT, Air
+from fieldkit.physics.atmosphere import Air
+from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Bool, Float
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -22,33 +23,6 @@ NO_SPEED = np.zeros(1)
 """No speed sideways. [m/s]"""
 MAX_REACH = 300.0
 """Gravity times time over terminal speed, beyond which a fall is at terminal speed. [1]"""
-
-
-@dataclass(frozen=True, slots=True)
-class WindProfile:
-    """Wind over height: at the pad [m/s], and if it is known aloft [m/s] at a height [m], turned by so much to the
-    right [rad]. Between them it follows a power law through both; above it is even. Without a wind aloft the law is
-    that of open ground (e.g. Panofsky and Dutton, 1984)."""
-
-    surface: float = 0.0
-    aloft: float | None = None
-    aloft_height: float | None = None
-    turn: float = 0.0
-
-    def components(self, height: Float[Array, "level"]) -> tuple[Float[Array, "level"], Float[Array, "level"]]:
-        """Wind along that at the pad and to its right, at heights above the pad. [m/s]"""
-        height = np.maximum(height, 0.0)
-        if self.aloft is None or self.aloft_height is None:
-            speed = self.surface * (1 + height / WIND_HEIGHT) ** WIND_EXPONENT
-            return np.asarray(speed), np.zeros_like(speed)
-        place = np.minimum(height / self.aloft_height, 1.0)
-        if self.surface > 0 and self.aloft > 0:
-            power = np.log(self.aloft / self.surface) / np.log1p(self.aloft_height / WIND_HEIGHT)
-            speed = self.surface * (1 + place * self.aloft_height / WIND_HEIGHT) ** power
-        else:
-            speed = self.surface + place * (self.aloft - self.surface)
-        angle = self.turn * place
-        return np.asarray(speed * np.cos(angle)), np.asarray(speed * np.sin(angle))
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ class EquationsOfMotion:
             return self._turned(height, velocity, thrust, mass)
         free = smooth_step((path - self.setup.rail_length) / self.setup.turn_length)
         through_air = velocity.copy()
-        through_air[1] -= free * wind_at(height, self.setup.wind)
+        through_air[1] -= free * self._wind(height)
         speed = np.maximum(length_of(through_air), 1e-9)
         heading = through_air / speed
         axis = self.rail + free * (heading - self.rail)
@@ -78,17 +78,21 @@ class EquationsOfMotion:
         """The same if every draw has long left its rail: thrust and drag along the path through the air."""
         if self.axes == 3:
             through_air = velocity.copy()
-            through_air[1] -= wind_at(height, self.setup.wind)
+            through_air[1] -= self._wind(height)
             speed = np.maximum(length_of(through_air), 1e-9)
             pull = through_air * ((thrust / mass - self.drag_like(height, speed, mass)) / speed)
             pull[0] -= self.setup.gravity
             return np.asarray(pull)
-        up, sideways = velocity[0], velocity[1] - wind_at(height, self.setup.wind)
+        up, sideways = velocity[0], velocity[1] - self._wind(height)
         speed = np.maximum(np.hypot(up, sideways), 1e-9)
         along = (thrust / mass - self.drag_like(height, speed, mass)) / speed
         pull = np.empty_like(velocity)
         pull[0], pull[1] = up * along - self.setup.gravity, sideways * along
         return pull
+
+    def _wind(self, height: Array) -> Array:
+        """Wind at a height. [m/s]"""
+        return wind_at(height, self.setup.wind, self.setup.wind_power, self.setup.wind_top)
 
     def _path(self, position: Array) -> Array:
         path = position[0] * self.rail[0] + position[1] * self.rail[1]

@@ -11,21 +11,22 @@ from functools import lru_cache
 
 import numpy as np
 
-from fieldkit.errors import ImpossibleFlight
+from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import rail_direction
+from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_figure, stability
 from fieldkit.motors import Found, Motor
-from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature
+from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import STEPS, Burns, burns
+from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
 """Length of a rod if none was recorded. [m]"""
 DESCENT_SPEED = 5.0
 """Descent speed under a parachute if none was recorded. [m/s]"""
-STABILITY = "stability_cal"
-"""The column of a rocket's static margin, as a design program states it. [body diameters]"""
+WIND_ALOFT_HEIGHT = 300.0
+"""Of a wind aloft of which only the speed is given. [m]"""
 USUAL_STABILITY = 2.0
 """Static margin if none was recorded. [body diameters]"""
 TURN_FACTOR = 1.39
@@ -64,6 +65,7 @@ def field_setup(
     motors = {id(item.motor): item.motor for item in found}
     row = {key: number for number, key in enumerate(motors)}
     along, across = rail_angles(flights)
+    wind_power, wind_top = wind_laws(flights)
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
         burns=_burns(tuple(motors.values()), steps, knots),
@@ -76,6 +78,9 @@ def field_setup(
         rail_angle=along,
         rail_across=across,
         turn_length=turn_lengths(flights),
+        wind_power=wind_power,
+        wind_top=wind_top,
+        opening_time=opening_times(flights),
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
@@ -96,6 +101,37 @@ def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Floa
     direction[turned] = [rail_direction(flights[row]) for row in turned]
     across = np.round(np.sin(direction), 12) * angle
     return 0.0 - angle * np.round(np.cos(direction), 12), across if across.any() else np.zeros(1)
+
+
+def wind_profile(flight: Flight) -> WindProfile:
+    """The wind of a flight over height; still if none is given. Raises BadValue."""
+    aloft, height = recovery_figure(flight, "wind_aloft"), recovery_figure(flight, "wind_aloft_height")
+    turn = recovery_figure(flight, "wind_aloft_turn") or 0.0
+    if aloft is None:
+        return WindProfile(flight.wind or 0.0)
+    return WindProfile(flight.wind or 0.0, aloft, height or WIND_ALOFT_HEIGHT, turn)
+
+
+def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
+    """Exponent of the wind's power law [1] and the height above which it is even [m], of every flight.
+
+    The climb takes the wind of all heights to blow as at the pad; the descent turns with it.
+    """
+    if not any(flight.extra for flight in flights):
+        return np.full(1, WIND_EXPONENT), np.full(1, np.inf)
+    laws = [wind_profile(flight).law for flight in flights]
+    if len(set(laws)) == 1:
+        laws = laws[:1]
+    return np.array([power for power, _ in laws]), np.array([top for _, top in laws])
+
+
+def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
+    """From the charge to an open parachute of every flight, half a second if it was not said. [s]"""
+    said = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
+    if said <= {None}:
+        return np.full(1, OPENING_TIME)
+    times = [recovery_figure(flight, "opening_time") for flight in flights]
+    return np.array([OPENING_TIME if time is None else max(time, 0.0) for time in times])
 
 
 def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence[Flight]) -> Setup:
@@ -143,10 +179,9 @@ def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 def _stability(flight: Flight) -> float:
     """Static margin in body diameters, the usual one if none is recorded that is positive."""
     try:
-        margin = float(flight.extra.get(STABILITY, "").replace(",", "."))
-    except ValueError:
+        return stability(flight) or USUAL_STABILITY
+    except BadValue:
         return USUAL_STABILITY
-    return margin if 0 < margin < np.inf else USUAL_STABILITY
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:

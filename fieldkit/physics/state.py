@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.physics.atmosphere import Air
+from fieldkit.physics.atmosphere import WIND_EXPONENT, Air
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -40,15 +40,15 @@ def _for_all(value: float) -> Any:
 class Setup:
     """Everything a flight starts from, one entry a draw (or one for all), in SI units.
 
-    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies thrust
-    [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns the rocket, measured at the
-    pad [m/s]; `rail_angle` is from vertical, positive away from the wind, and `rail_across` at right angles to it,
-    positive to its right [rad]. `turn_length` is the path off the rail over which the rocket turns into the relative
-    wind [m], `power_off_drag` the drag of the coast over that of the burn [1]. `delay` is from burnout to ejection, nan
-    for none [s]; `opening_time` from the charge to an open parachute (half a second is an assumption) [s];
-    `descent_speed` under it [m/s].
-    `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight. `stride` is how much
-    longer the steps of a slanted path are than they have to be [1].
+    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies
+    thrust [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns the rocket, measured
+    at the pad [m/s], which grows with height to the power `wind_power` [1] up to `wind_top` [m]; `rail_angle` is
+    from vertical, positive away from the wind, and `rail_across` at right angles to it, positive to its right
+    [rad]. `turn_length` is the path off the rail over which the rocket turns into the relative wind [m],
+    `power_off_drag` the drag of the coast over that of the burn [1]. `delay` is from burnout to ejection, nan for
+    none [s]; `opening_time` from the charge to an open parachute (half a second is an assumption) [s];
+    `descent_speed` under it [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in
+    flight. `stride` is how much longer the steps of a slanted path are than they have to be [1].
     """
 
     burns: Burns
@@ -63,6 +63,8 @@ class Setup:
     rail_across: Float[Array, "*#draw"] = _for_all(0.0)
     rail_friction: Float[Array, "*#draw"] = _for_all(0.0)
     wind: Float[Array, "*#draw"] = _for_all(0.0)
+    wind_power: Float[Array, "*#draw"] = _for_all(WIND_EXPONENT)
+    wind_top: Float[Array, "*#draw"] = _for_all(np.inf)
     turn_length: Float[Array, "*#draw"] = _for_all(4.0)
     power_off_drag: Float[Array, "*#draw"] = _for_all(1.0)
     delay: Float[Array, "*#draw"] = _for_all(np.nan)

@@ -73,6 +73,8 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
         return f"its kind, a {motor.kind}"
     if motor.designation.upper().startswith(tuple(limit["designations"])):
         return "the HP in its designation"
+    if motor.propellant in limit.get("sparky", ()):
+        return f"its propellant, {motor.propellant}, which throws sparks"
     return ""
 
 

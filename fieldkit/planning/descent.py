@@ -4,27 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldkit.flight import Flight
-from fieldkit.flight.recovery import recovery_figure, recovery_of
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend, filling
+from fieldkit.physics.descent import DescentResult, Devices, descend, filling
+from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
-
-
-def wind_profile(plan: Flight) -> WindProfile:
-    """The wind of a plan over height; still if none is given. Raises BadValue."""
-    aloft, height = recovery_figure(plan, "wind_aloft"), recovery_figure(plan, "wind_aloft_height")
-    turn = recovery_figure(plan, "wind_aloft_turn") or 0.0
-    if aloft is None:
-        return WindProfile(plan.wind or 0.0)
-    return WindProfile(plan.wind or 0.0, aloft, height or WIND_ALOFT_HEIGHT, turn)
-
-
-WIND_ALOFT_HEIGHT = 300.0
-"""Of a wind aloft of which only the speed is given. [m]"""
 
 
 def descents(

@@ -12,9 +12,11 @@ from fieldkit.flight import Flight
 from fieldkit.flight.recovery import DIRECTIONS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
-from fieldkit.physics.descent import DescentResult, WindProfile
+from fieldkit.physics.descent import DescentResult
+from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.air import air_of
-from fieldkit.planning.descent import descents, wind_profile
+from fieldkit.planning.descent import descents
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts

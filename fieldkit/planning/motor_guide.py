@@ -152,6 +152,11 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
     return max(diameters or [found.motor.diameter for found in rocket.motors], default=None)
 
 
+def widest_motor(rocket: Rocket, plan: Flight) -> float | None:
+    """The mount of a rocket as in `mount_of`; of one that has not flown its body, for no motor is wider. [m]"""
+    return mount_of(rocket, plan.config) or plan.diameter
+
+
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     """The motors that fit, from the catalog and the flyer's own. Raises UnknownMotor if none does."""
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE

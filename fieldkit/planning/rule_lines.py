@@ -56,7 +56,13 @@ class Governed:
     def reminders(self) -> list[Rule]:
         """The rules that no figure of a plan is held against."""
         every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES]
-        return [rule for rule in every if not rule.classes or self.legal in rule.classes]
+        burned = {motor.propellant for motor in self.build.motors}
+        return [
+            rule
+            for rule in every
+            if (not rule.classes or self.legal in rule.classes)
+            and (not rule.propellants or burned & set(rule.propellants))
+        ]
 
 
 def governed(

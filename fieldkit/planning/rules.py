@@ -65,8 +65,9 @@ class RuleRow:
 class Rule:
     """What one set demands of one thing: rows of figures by installed impulse [N s] or altitude [m], or a single one.
 
-    `most` says whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
-    the expected altitude [1]. A rule without rows is words alone. `only` are bounds of what it applies to.
+    `propellants` are those of the motors that it is for, empty for all. `most` says whether figures are the most
+    that is allowed, or the least; `of_altitude` is the least as a fraction of the expected altitude [1]. A rule
+    without rows is words alone. `only` are bounds of what it applies to.
     """
 
     check: str
@@ -78,6 +79,7 @@ class Rule:
     only: Mapping[str, float]
     text: RuleText
     of: str
+    propellants: tuple[str, ...] = ()
 
     def row(self, impulse: float, altitude: float) -> RuleRow | None:
         """The row for an installed impulse [N s] and an expected altitude [m]; None beyond the table."""
@@ -222,4 +224,5 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
         only=only,
         text=text,
         of=printable(title),
+        propellants=tuple(map(str, table.get("propellants", ()))),
     )

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from fieldkit.flight.recovery import Recovery, recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.planning.descent import wind_profile
+from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three

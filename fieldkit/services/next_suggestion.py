@@ -11,7 +11,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.paths import data_folder
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, mount_of, suitable_motors
+from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, suitable_motors, widest_motor
 from fieldkit.services.after_flight import Interval, Outcome
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
@@ -92,7 +92,7 @@ def _nearest_motor(
     rocket = rocket_of(ledger, motors, flight.rocket)
     again = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", date_time=None)
     plan = completed_plan(ledger, motors, again, settings)
-    wanted = Wanted(mount_of(rocket, plan.config), adapter=True, dry_mass=plan.dry_mass)
+    wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
     rules, site = limits(data_folder() / "limits.toml"), site_of(ledger, plan.site)
     choices = guide(rocket, plan, suitable_motors(motors, wanted), rules, site, COMPARED_DRAWS)
     return next((one for one in by_closeness(choices, target) if one.fits), None)

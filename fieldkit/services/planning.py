@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import STABILITY
 from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
@@ -55,8 +56,9 @@ INHERITED_RECOVERY = (
     "main_speed",
     "parachute_diameter",
     "opening_time",
+    STABILITY,
 )
-"""The recovery of a plan, from the last flight of its configuration that has one."""
+"""The recovery and the stability of a plan, from the last flight of its configuration that has one."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:

@@ -1,20 +1,13 @@
-"""The designs that OpenRocket comes with, by their figures: every Cd on the area of the design, and forecasts from it.
+"""The designs that OpenRocket comes with, by their figures: every Cd on the area of the design.
 
 The stored reference area of these files has one digit for most, so that a Cd scaled by it is off by up to 20%.
 """
 
 import math
-from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from fieldkit.flight import Flight
-from fieldkit.motors import Found, catalogue
 from fieldkit.openrocket import Design, read_design
-from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
-from fieldkit.physics.state import FlightResult
 from tests.openrocket.designs import Example, decimals, design, examples
 
 CHECK_SHAPES = False
@@ -119,97 +112,3 @@ def test_motors_of_clusters_and_pods_are_counted() -> None:
         tube = f"<subcomponents>{inside}</subcomponents></podset></subcomponents></bodytube>"
         found = read_design(content.replace("</bodytube>", tube, 1).encode(), "a.ork")
         assert [one.count for one in found.motors] == [count]
-
-
-FLOWN = (
-    ("3D printable nose cone and fins", "Estes B6-4", 1),
-    ("3D printable nose cone and fins", "Estes C6-3", 1),
-    ("3D printable nose cone and fins", "Estes C6-5", 1),
-    ("3D printable nose cone and fins", "Estes C6-7", 1),
-    ("A simple model rocket", "Estes B4-4", 1),
-    ("A simple model rocket", "Estes C6-3", 1),
-    ("A simple model rocket", "Estes C6-5", 1),
-    ("A simple model rocket", "Estes C6-7", 1),
-    ("Base drag hack (short-wide)", "Estes C11-5", 1),
-    ("Clustered motors", "Estes B4-4", 4),
-    ("Clustered motors", "Estes C6-3", 4),
-    ("Clustered motors", "Estes C6-5", 4),
-    ("Clustered motors", "Estes C6-7", 4),
-    ("Deployable payload", "Estes B4-4", 1),
-    ("Deployable payload", "Estes C6-3", 1),
-    ("Deployable payload", "Estes C6-5", 1),
-    ("Deployable payload", "Estes C6-7", 1),
-    ("Dual parachute deployment", "AeroTech H669N-P", 1),
-    ("Dual parachute deployment", "AeroTech J570W-P", 1),
-    ("Dual parachute deployment", "AeroTech H999N-P", 1),
-    ("Dual parachute deployment", "AeroTech I1299N-P", 1),
-    ("Dual parachute deployment", "AeroTech G64W-P", 1),
-    ("Pods--airframes and winglets", "Estes B6-4", 1),
-    ("Pods--airframes and winglets", "Estes C6-5", 1),
-    ("Pods--airframes and winglets", "Quest C12-6", 1),
-    ("Pods--airframes and winglets", "Quest D16-6", 1),
-    ("Simulation extensions", "HyperTEK 2800CC172L-L540-P (No controlling)", 1),
-    ("Tube fin rocket", "Estes D12-7", 1),
-)
-"""Of the simulations of one stage those whose motor has the same curve here: it ends within 0.02 s of OpenRocket's
-burnout. The short wide design is slower on D12 and E12 than on these curves, before any charge."""
-DELAY_GATE = 0.3
-"""On the delay that brings the charge to apogee. [s]"""
-PARTS_EARLY = ("Deployable payload", "Estes C6-3")
-"""Its payload leaves it while it climbs, and the best delay stored is that of what is left."""
-CHARGED = [one for one in FLOWN if "-P" not in one[1] and one[:2] != PARTS_EARLY]
-"""With a charge in the motor, so that there is a delay to choose."""
-TRANSONIC = 270.0
-"""Above it the Cd of a burn is no one number: of such a flight that of the coast serves throughout. [m/s]"""
-
-
-def _row(name: str, motors: str) -> tuple[float, Example]:
-    """The Cd of the coast that a design says, and the figures of its simulation."""
-    place, row = next((place, row) for place, row in enumerate(dict(EXAMPLES)[name]) if row["motors"] == motors)
-    cd = _read(name).simulations[place].cd
-    assert cd is not None
-    return cd, row
-
-
-@pytest.mark.parametrize(("name", "motors", "count"), FLOWN)
-def test_a_forecast_from_a_design_reaches_the_apogee_of_its_simulation(name: str, motors: str, count: int) -> None:
-    """Also where the charge fires while it climbs fast, as every C6-3 here: there the parachute stops it at once."""
-    cd, row = _row(name, motors)
-    flown = simulated(row, cd, count)
-    assert float(flown.apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=GATE)
-
-
-@pytest.mark.parametrize(("name", "motors", "count"), CHARGED)
-def test_the_delay_that_brings_the_charge_to_apogee_is_that_of_its_simulation(
-    name: str, motors: str, count: int
-) -> None:
-    """OpenRocket counts it from the end of the thrust curve."""
-    cd, row = _row(name, motors)
-    best = float(simulated(row, cd, count, delay=60.0).rise_time[0]) - float(row["burnout_s"])
-    assert best == pytest.approx(float(row["best_delay_s"]), abs=DELAY_GATE)
-
-
-def simulated(row: Example, cd: float, count: int = 1, delay: float | None = None) -> FlightResult:
-    """A simulation's rocket by the physics of the field in the wind of the examples, 2 m/s; the delay is the motor's
-    own unless one is given [s]."""
-    found = catalogue().resolve(row["motors"].split(" (")[0])
-    one = found.motor
-    motor = replace(
-        one,
-        thrust=one.thrust * count,
-        total_impulse=one.total_impulse * count,
-        propellant_mass=one.propellant_mass * count,
-        casing_mass=one.casing_mass * count,
-    )
-    assert motor.time[-1] == pytest.approx(float(row["burnout_s"]), abs=0.02)
-    plan = Flight(
-        dry_mass=float(row["lift_off_kg"]) - motor.loaded_mass,
-        diameter=float(row["diameter_mm"]) / 1e3,
-        rail_length=float(row["rod_m"]),
-        descent_speed=float(row["landing_mps"]),
-        delay=delay,
-    )
-    burning = float(row["cd_thrust"]) if float(row["top_speed_mps"]) < TRANSONIC else cd
-    area = np.pi / 4 * float(row["diameter_mm"]) ** 2 * 1e-6
-    setup = field_setup([plan], [Found(motor, found.delay)], np.array([burning * area]))
-    return fly(setup.with_changes(wind=np.array([2.0]), power_off_drag=np.array([cd / burning])))

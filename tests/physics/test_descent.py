@@ -11,10 +11,9 @@ from scipy.integrate import quad, solve_ivp
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import rail_direction, recovery_figure, recovery_of
 from fieldkit.motors import catalogue
-from fieldkit.physics.atmosphere import Air, pad_air
+from fieldkit.physics.atmosphere import Air, pad_air, wind_at
 from fieldkit.physics.descent import (
     Devices,
-    WindProfile,
     descend,
     fall_by,
     fall_speed,
@@ -27,6 +26,7 @@ from fieldkit.physics.descent import (
 )
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
+from fieldkit.physics.wind import WindProfile
 from fieldkit.units import DEGREE
 
 pytestmark = pytest.mark.fast
@@ -204,17 +204,22 @@ def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
     assert calm_below == pytest.approx([4.0])
 
 
+ALOFT = {"wind_aloft": "mps", "wind_aloft_height": "m"}
+
+
 def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     """A case of the reference in fieldkit's own physics."""
     found = catalogue().resolve(case["motor"])
     area = np.pi / 4 * case["diameter"] ** 2
     direction = np.arctan2(case["rail_across"], case["rail_into"])
+    aloft = {f"{name}_{unit}": f"{case[name]}" for name, unit in ALOFT.items() if name in case}
     flight = Flight(
+        wind=case["wind"],
         dry_mass=case["dry_mass"],
         diameter=case["diameter"],
         rail_length=case["rail_length"],
         rail_angle=float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE,
-        extra={"rail_direction": f"{np.degrees(direction):.6f}", "stability_cal": stability},
+        extra={"rail_direction": f"{np.degrees(direction):.6f}", "stability_cal": stability} | aloft,
     )
     setup = field_setup([flight], [found], np.array([case["cd"] * area])).with_changes(wind=np.array([case["wind"]]))
     up = fly(setup)
@@ -235,7 +240,11 @@ def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     }
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+CHOSEN = [case for case in CASES if not case["name"].startswith("drawn")]
+DRAWN = [case for case in CASES if case["name"].startswith("drawn")]
+
+
+@pytest.mark.parametrize("case", CHOSEN, ids=[case["name"] for case in CHOSEN])
 def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> None:
     """Source: RocketPy 6-DOF flights, `python -m bench.recovery_reference`; the rocket's static margin is known.
 
@@ -248,7 +257,7 @@ def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> Non
     assert _miss(own, reference) < 0.10
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+@pytest.mark.parametrize("case", CHOSEN, ids=[case["name"] for case in CHOSEN])
 def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: dict[str, Any]) -> None:
     """Two calibers are assumed and these have three to six, so that they turn into the wind sooner than forecast."""
     own, reference = _flown(case), case["flown"]
@@ -259,6 +268,50 @@ def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: di
 
 USUAL_MOST = 3.5
 """Static margin up to which a rocket is one of the usual ones. [body diameters]"""
+
+
+@pytest.mark.parametrize(("known", "near"), [(True, 35), (False, 32)])
+def test_rockets_at_random_land_as_far_away_as_in_rocketpy(known: bool, near: int) -> None:
+    """Of 36 of usual stability, known or not: the distance from the pad within 15 % but for few that land near it, and
+    no landing off by a fifth of the way drifted."""
+    assert len(DRAWN) == 36
+    far = []
+    for case in DRAWN:
+        reference = case["flown"]
+        own = _flown(case, f"{reference['stability']:.2f}" if known else "")
+        assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
+        assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
+        assert _miss(own, reference) < 0.20
+        away = [float(np.hypot(one["along"], one["across"])) for one in (own, reference)]
+        far.append(abs(away[0] / away[1] - 1))
+    assert np.sum(np.array(far) < 0.15) >= near
+    assert np.median(far) < 0.03
+
+
+def test_the_climb_and_the_descent_are_in_the_wind_of_the_plan() -> None:
+    """More wind aloft sends the rocket further upwind as it climbs; both follow one profile."""
+    found = catalogue().resolve("F39T")
+    plan = Flight(dry_mass=0.4, diameter=0.066, wind=3.0)
+    aloft = plan.with_changes(extra={"wind_aloft_mps": "12", "wind_aloft_height_m": "200"})
+    setups = [
+        field_setup([one], [found], np.array([0.002])).with_changes(wind=np.full(1, 3.0)) for one in (plan, aloft)
+    ]
+    drifts = [float(fly(one).drift[0]) for one in setups]
+    assert drifts[1] < 1.05 * drifts[0] < 0
+    height = np.array([0.0, 50.0, 200.0, 500.0])
+    law = wind_at(height, np.full(1, 3.0), setups[1].wind_power, setups[1].wind_top)
+    assert law == pytest.approx(WindProfile(3.0, 12.0, 200.0).components(height)[0])
+    assert law[2:] == pytest.approx([12.0, 12.0])
+
+
+def test_an_early_charge_opens_in_the_time_that_was_said() -> None:
+    found = catalogue().resolve("F39T")
+    plan = Flight(dry_mass=0.4, diameter=0.066, delay=3.0)
+    quick = plan.with_changes(extra={"opening_time_s": "0"})
+    flown = fly(field_setup([plan, quick], [found] * 2, np.array([0.002])))
+    half, at_once = flown.apogee
+    assert at_once < half
+    assert flown.eject_altitude == pytest.approx(flown.eject_altitude[:1].repeat(2))
 
 
 def _miss(own: dict[str, float], reference: dict[str, float]) -> float:

@@ -234,6 +234,28 @@ def test_the_day_of_a_contest_is_kept_by_its_season(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("year", "target", "window"),
+    [
+        (2019, 856, (43, 46)),
+        (2020, 800, (40, 43)),
+        (2021, 800, (40, 43)),
+        (2022, 835, (41, 44)),
+        (2023, 850, (42, 45)),
+        (2024, 820, (43, 46)),
+        (2025, 790, (41, 44)),
+        (2026, 750, (36, 39)),
+        (2027, 800, (37, 40)),
+    ],
+)
+def test_every_season_has_its_target_and_window(year: int, target: float, window: tuple[float, float]) -> None:
+    rule = season(year)
+    assert rule.target / FOOT == pytest.approx(target)
+    assert rule.window == window
+    assert (rule.per_second, rule.best, rule.declared) == (4.0, 2, 3)
+    assert rule.per_metre * FOOT == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
     ("year", "mass", "length", "eggs"),
     [(year, 0.65, 0.65, eggs) for year, eggs in ((2019, 3), (2020, 1), (2021, 1), (2022, 2), (2023, 1))]
     + [(year, 0.65, 0.65, eggs) for year, eggs in ((2024, 1), (2025, 2), (2026, 1), (2027, 2))],

@@ -73,3 +73,43 @@ def test_what_fits_is_safe_and_sensible_and_the_rest_says_why(
     assert any(one["fits"] for one in found)
     assert main([*ledger, "motors", "--fit", "Fresh", *body]) == 0
     assert "excluded by ceiling" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_rocket_of_unknown_mount_takes_every_motor_no_wider_than_its_body(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = [
+        "--ledger",
+        str(tmp_path / "ledger.db"),
+        "motors",
+        "--fit",
+        "Fresh",
+        "--dry-mass",
+        "80g",
+        "--class",
+        "B-D",
+    ]
+    assert main([*command, "--diameter", "25mm", "--json"]) == 0
+    found = {one["motor"] for one in json.loads(capsys.readouterr().out)["motors"]}
+    assert {"C6", "D12"} <= found
+    assert main([*command, "--diameter", "20mm"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "motors of up to 20 mm" in out
+    assert "mount not given" in out
+    assert "D12" not in out
+    assert main(command) == 1
+    assert "no diameter, expected --mount" in capsys.readouterr().err
+
+
+def test_a_stable_rocket_turns_into_the_wind_sooner_and_lands_nearer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = ["landing", "--motor", "F39T-6", "--wind", "5m/s", "--dry-mass", "400g", "--diameter", "66mm"]
+    command = ["--ledger", str(tmp_path / "ledger.db"), *plan, "--rocket", "Fresh", "--json"]
+    away = []
+    for margin in ("1", "5"):
+        assert main([*command, "--stability-cal", margin]) == 0
+        away.append(json.loads(capsys.readouterr().out)["landing"]["away_m"]["p50"])
+    assert away[1] < away[0]
+    assert main([*command, "--stability-cal", "stable"]) == 1
+    assert "body diameters above zero" in capsys.readouterr().err

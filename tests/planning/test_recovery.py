@@ -17,9 +17,10 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
 from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
-from fieldkit.physics.descent import Devices, WindProfile, descend, filling
+from fieldkit.physics.descent import Devices, descend, filling
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
+from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual

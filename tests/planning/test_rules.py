@@ -84,12 +84,25 @@ def test_figures_of_the_codes_are_as_written() -> None:
     assert wind == pytest.approx([8.9408] * 4)
     assert rule("nar_model", "mass").rows[0].value == 1.5
     assert rule("nar_model", "propellant").rows[0].value == 0.125
+    assert rule("nar_model", "impulse").rows[0].value == 320
+    assert rule("nar_high_power", "weight over thrust").rows[0].value == pytest.approx(1 / 3)
+    assert rule("nar_contest", "pad to the edge of the field").rows[0].value == 10
+    assert np.degrees(rule("nar_contest", "launch angle").rows[0].value) == pytest.approx(30)
+    assert (rule("nar_high_power", "occupied buildings").least(0.0, 0.0) or 0) / FOOT == pytest.approx(1500)
+    several = [rule("nar_model", "complex rocket").least(impulse, 0.0) or 0 for impulse in (20.0, 20.01)]
+    assert np.array(several) / FOOT == pytest.approx([15, 30])
+    assert rule("ukra", "odd rockets").rows[0].value == 2
+    for key in ("nar_high_power", "tripoli"):
+        levels = [rule(key, "certification").least(impulse, 0.0) for impulse in (640, 640.01, 5120, 5120.01, 40960)]
+        assert levels == [1, 2, 2, 3, 3]
     assert rule("nar_high_power", "impulse").rows[0].value == 40960
     assert (rule("tripoli", "pad distance").least(160.0, 0.0) or 0) / FOOT == pytest.approx(50)
     research = [rule("tripoli_research", "pad distance").least(one, 0.0) or 0 for one in (1280, 2560, 40960, 50000)]
     assert np.array(research) / FOOT == pytest.approx([200, 250, 1500, 2000])
     canada = rule("car", "field size")
     assert [canada.least(100.0, feet * FOOT) for feet in (3000, 6000, 10000, 12000)] == [500, 1000, 2000, 3000]
+    assert canada.least(100.0, 9999 * FOOT) == 2000
+    assert canada.of_altitude == 0.5
     assert rule("nar_contest", "field size").least(50.0, 200.0) == 50.0
 
 
@@ -135,7 +148,7 @@ def test_what_no_figure_of_a_plan_is_held_against_is_said_in_the_words_of_the_co
     key: str, check: str, words: str
 ) -> None:
     assert words in rule(key, check).text.words
-    name = "H128W" if key == "nar_high_power" else "C6"
+    name = ("93G80-14A" if check == "sparky motors" else "H128W") if key == "nar_high_power" else "C6"
     rules = "UKRA" if key == "ukra" else ""
     lines = {line.name: line for line in rule_lines.reminder_lines(held(name, rules=rules))}
     assert words in lines[check].text
@@ -153,6 +166,32 @@ def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet()
     assert legal_class(build_of(motors.resolve("F24W").motor, 1.6), laws) == 2
 
 
+def test_a_motor_that_throws_no_sparks_is_told_nothing_of_them() -> None:
+    told = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
+    assert "sparky motors" not in told
+    assert "throws sparks" in held("60F50-13A", 0.5).why
+
+
+def test_the_law_of_classes_2_and_3_is_in_its_words() -> None:
+    classes = SETS["faa"].classes
+    assert [classes[name] for name in ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")] == [
+        125,
+        1500,
+        40960,
+    ]
+    words = rule("faa", "sky").text.words
+    for part in ("five-tenths cloud", "five miles", "sunset and sunrise", "five nautical miles", "18 years"):
+        assert part in words
+    assert rule("faa", "bystanders").classes == rule("faa", "sky").classes == (2, 3)
+
+
+def test_what_makes_a_rocket_high_power_are_the_figures_of_the_pages() -> None:
+    limit = SETS["nar_high_power"].definition
+    names = ("impulse_of_several_ns", "impulse_of_one_ns", "average_thrust_n", "propellant_g", "mass_g")
+    assert [limit[name] for name in names] == [320, 160, 80, 125, 1500]
+    assert limit["kinds"] == ["hybrid"]
+
+
 def test_every_figure_says_its_words_its_source_and_how_sure_it_is() -> None:
     for one in SETS.values():
         for own in one.rules:
@@ -165,7 +204,16 @@ def test_every_figure_says_its_words_its_source_and_how_sure_it_is() -> None:
 
 @pytest.mark.parametrize(
     ("name", "mass", "high"),
-    [("G80T", 0.5, False), ("G72DM", 0.5, True), ("G75M-11", 0.5, True), ("F24W", 1.6, True), ("H128W", 0.9, True)],
+    [
+        ("G80T", 0.5, False),
+        ("G72DM", 0.5, True),
+        ("G75M-11", 0.5, True),
+        ("F24W", 1.6, True),
+        ("H128W", 0.9, True),
+        ("HP-G75M", 0.5, True),
+        ("60F50-13A", 0.5, True),
+        ("G76G", 0.5, False),
+    ],
 )
 def test_the_code_is_chosen_by_motor_and_mass(name: str, mass: float, high: bool) -> None:
     """G80T is certified at 77.99 N and no high-power motor, though its curve averages more than 80 N."""
@@ -286,12 +334,14 @@ def test_a_site_keeps_its_distances_and_whose_rules_govern_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = str(tmp_path / "ledger.db")
-    assert main(["--ledger", file, "sites", "Moor", "--people", "100ft", "--rules", "UKRA", "--ceiling", "500m"]) == 0
+    assert (
+        main(["--ledger", file, "sites", "Moor", "--people", "100ft", "--rules", "UKRA", "--field-size", "500m"]) == 0
+    )
     assert main(["--ledger", file, "sites", "Moor", "--rules", "XYZ"]) == 1
     assert "expected one of" in capsys.readouterr().err
     with Ledger.open(file) as ledger:
         site = site_of(ledger, "Moor")
-        assert (site.people, site.rules) == (pytest.approx(30.48), "UKRA")
+        assert (site.people, site.size, site.rules) == (pytest.approx(30.48), pytest.approx(500.0), "UKRA")
         keep_site(ledger, "Moor", size=400.0)
         put_site(ledger, site_of(ledger, "Moor"))
         assert site_of(ledger, "Moor").rules == "UKRA"

@@ -14,9 +14,9 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import median
+from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
-from fieldkit.planning.descent import wind_profile
 from fieldkit.planning.landing import profile_in_words
 from fieldkit.planning.planned_flight import PlannedFlight
 from fieldkit.planning.quantiles import three

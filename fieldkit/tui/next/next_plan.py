@@ -62,7 +62,8 @@ class Plan:
             return "no longer made"
         if self.full.dry_mass is not None and not lifts(motor, self.full.dry_mass):
             return "too weak to lift the rocket"
-        return f"{motor.diameter * 1e3:g} mm, and the widest flown is {(self.wanted.mount or 0.0) * 1e3:g} mm"
+        widest = "the widest flown is" if self.rocket.motors else "the body has"
+        return f"{motor.diameter * 1e3:g} mm, and {widest} {(self.wanted.mount or 0.0) * 1e3:g} mm"
 
     def next_build(self) -> Flight | None:
         """The plan for the next rocket and configuration that have flown; None if none has."""
@@ -94,7 +95,7 @@ def read_plan(resources: "Resources") -> Plan | None:
     from fieldkit.errors import ImpossibleFlight
     from fieldkit.paths import data_folder
     from fieldkit.planning.limits import limits
-    from fieldkit.planning.motor_guide import Wanted, mount_of
+    from fieldkit.planning.motor_guide import Wanted, widest_motor
     from fieldkit.services import launch_day
     from fieldkit.services.planning import completed_plan, rocket_of
     from fieldkit.services.sites import site_of
@@ -116,7 +117,7 @@ def read_plan(resources: "Resources") -> Plan | None:
         site_of(ledger, full.site),
         limits(data_folder() / "limits.toml"),
         tuple(builds.values()),
-        Wanted(mount_of(rocket, plan.config), adapter=True, dry_mass=full.dry_mass),
+        Wanted(widest_motor(rocket, full), adapter=True, dry_mass=full.dry_mass),
         rests_on(ledger, plan.rocket, rocket.flights),
     )
 
