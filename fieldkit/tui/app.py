@@ -229,7 +229,7 @@ class FieldkitApp(Surviving):
         self.changed()
 
     async def open_flight(self, id: str) -> None:
-        """Open a flight over the page Flights."""
+        """Open a flight over the Flights page."""
         await self.action_page("flights")
         if isinstance(page := self.screen, FlightsScreen):
             page.open_flight(id)

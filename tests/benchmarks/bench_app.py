@@ -205,7 +205,7 @@ def test_an_empty_app_hears_a_key(benchmark: BenchmarkFixture) -> None:
 def test_a_key_is_answered_with_five_thousand_flights(
     benchmark: BenchmarkFixture, crowded: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(crowded.parent)  # a folder with few files for the page Import
+    monkeypatch.chdir(crowded.parent)  # a folder with few files for the Import page
     answers = answer(benchmark, lambda: opened(crowded, stays=True))
     empty, ours = TOOK["test_an_empty_app_hears_a_key"], TOOK[benchmark.name]
     benchmark.extra_info |= shares("answered", answers) | shares("done", ours)

@@ -1,4 +1,4 @@
-"""What is decided for a motor on the page Next: delay, ballast and contest points, by keys, with every safety line."""
+"""What is decided for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
 
 from pathlib import Path
 from unittest.mock import patch
@@ -165,7 +165,7 @@ async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(f
         put_site(ledger, Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
-        assert "not given: p on the page Next types it" in told(pilot, "#answer")
+        assert "not given: press p on the Next page to enter it" in told(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
         await press(
             pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", "left", "left", "left"

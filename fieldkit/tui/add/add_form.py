@@ -1,4 +1,4 @@
-"""The form of the page Add without its widgets: default answers, answers, implausible values, and saving."""
+"""The form of the Add page without its widgets: default answers, answers, implausible values, and saving."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

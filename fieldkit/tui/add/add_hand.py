@@ -1,4 +1,4 @@
-"""The current field of the page Add: its number in large digits, its meaning, and the consistency of the readouts."""
+"""The current field of the Add page: its number in large digits, its meaning, and the consistency of the readouts."""
 
 from collections.abc import Iterable
 
@@ -36,7 +36,7 @@ class Hand(Horizontal):
 
     def rest(self, said: Answered, system: str) -> None:
         """No field: the flight in one line, and what Enter does with it."""
-        self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
+        self.border_title = "Enter to save" if said.flight.readouts() else "Enter to add the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")
         self._say(summary(said.flight), said, system)

@@ -1,4 +1,4 @@
-"""Saves what is typed on the page Add: at once, in order, whatever other workers are doing."""
+"""Saves what is typed on the Add page: at once, in order, whatever other workers are doing."""
 
 from asyncio import wrap_future
 from collections.abc import Mapping

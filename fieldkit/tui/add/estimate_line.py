@@ -1,4 +1,4 @@
-"""The live estimate on the page Add: Cd, alpha and the next apogee by the network."""
+"""The live estimate on the Add page: Cd, alpha and the next apogee by the network."""
 
 import asyncio
 from functools import partial

@@ -96,7 +96,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
+        Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "leave", "Cancel", priority=True),
     ]

@@ -1,4 +1,4 @@
-"""Saving the flight on the page Add: it is questioned if it may be wrong, and the result is shown."""
+"""Saving the flight on the Add page: it is questioned if it may be wrong, and the result is shown."""
 
 from functools import partial
 
@@ -50,7 +50,7 @@ class Saving:
             self._page.field_app.withdraw(mended)
         self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
-        self._page.show_notice(f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else DUPLICATE)
+        self._page.show_notice(f"Saved flight {saved.id}. u to undo.{silent}" if saved.id else DUPLICATE)
         if saved.trouble:
             self._page.complain(saved.trouble)
         self._sheet.clear()

@@ -1,4 +1,4 @@
-"""The flight under the cursor of the page Flights: its figures and, if there is room, its Cd among those of the same
+"""The flight under the cursor of the Flights page: its figures and, if there is room, its Cd among those of the same
 configuration, and its climb."""
 
 from collections.abc import Iterable, Sequence

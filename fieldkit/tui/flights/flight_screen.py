@@ -51,7 +51,7 @@ class FlightScreen(PageScreen):
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
-                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l adds a cursor.",
+                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l to add a cursor.",
             ),
             ("Other data", "Other data from the flight's file, as written there."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),

@@ -29,7 +29,7 @@ class TagScreen(PageScreen):
     ABOUT = Help(
         "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the fit. Below the list is "
         "the effect on the rocket's drag and on the forecast of its next flight on the same motor, before your "
-        "changes and now. u undoes, any number of times.",
+        "changes and now. Press u to undo, any number of times.",
         tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )

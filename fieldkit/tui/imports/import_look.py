@@ -1,4 +1,4 @@
-"""Files on the page Import: the files of a folder, the preview of one, and storing it."""
+"""Files on the Import page: the files of a folder, the preview of one, and storing it."""
 
 import re
 from collections.abc import Mapping
@@ -148,12 +148,12 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if look.start is not None:
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
-        return Content.assemble(*parts, ("\nEnter saves it as the start of this rocket", "b"))
+        return Content.assemble(*parts, ("\nEnter to save it as the start of this rocket", "b"))
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),
             printable(shortened(look.trouble)),
-            "\n\nf chooses a parser, m maps the columns of a table",
+            "\n\nF to choose a parser, m to map the columns of a table",
         ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
@@ -164,7 +164,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:
-        parts.append(("\nEnter stores it", "b"))
+        parts.append(("\nEnter to import", "b"))
     return Content.assemble(*parts)
 
 

@@ -103,7 +103,9 @@ class MappingList(ModalScreen[None]):
         """The list and its keys."""
         with Vertical() as frame:
             frame.border_title = Content("Saved mappings")
-            yield Table(id="mappings", empty="none yet: m on the page Import maps the columns of a table", enter="Edit")
+            yield Table(
+                id="mappings", empty="none yet: press m on the Import page to map the columns of a table", enter="Edit"
+            )
             yield KeyBar()
 
     def on_mount(self) -> None:

@@ -1,4 +1,4 @@
-"""The requests of the page Loop: the models of a rocket, and the search for missing effects."""
+"""The requests of the Loop page: the models of a rocket, and the search for missing effects."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -52,7 +52,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
+        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
     ]
