@@ -321,7 +321,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             assert "Nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "l")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
-            for line in ("What it is worth", in_next_flight(found.next_flight), "How sure", how_sure(found)):
+            for line in ("Effect on the next flight", in_next_flight(found.next_flight), "How sure", how_sure(found)):
                 assert line in words(pilot)
             _, before, after = miss_bars(found, 60)
             assert f"before  {before}" in shown(pilot)
