@@ -1,4 +1,4 @@
-"""`fieldkit learn`: fit how much rockets, motors and flights vary, to the exports of several flyers."""
+"""`fieldkit learn`: fit how much rockets, motors and flights vary, from the exports of several flyers."""
 
 from contextlib import nullcontext
 from datetime import datetime

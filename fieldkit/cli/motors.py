@@ -119,7 +119,8 @@ app.command()(motors)
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
-    """Add motors to a rocket's shortlist. More than fit in one table are refused as a likely mistake."""
+    """Add motors to a rocket's shortlist. A search that finds more than fit in one table is refused as a likely
+    mistake."""
     from fieldkit.planning.motor_guide import label
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.planning import keep_shortlist, shortlist

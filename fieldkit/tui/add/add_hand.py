@@ -16,7 +16,7 @@ from fieldkit.tui.widgets.big import Big
 
 
 class Hand(Horizontal):
-    """A frame titled with the question, containing the number and the text."""
+    """A frame with the question as its title, the number and the text."""
 
     DEFAULT_CSS = """
     Hand { height: 5; border: round $border; padding: 0 1; }
@@ -35,7 +35,7 @@ class Hand(Horizontal):
         self._say(_meaning(field.question, field.answer, said, system), said, system)
 
     def rest(self, said: Answered, system: str) -> None:
-        """No field: the flight in one line, and what Enter does with it."""
+        """No field: the flight in one line, and the action of Enter."""
         self.border_title = "Enter to save" if said.flight.readouts() else "Enter to add the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")

@@ -83,7 +83,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
     `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
-    raises BadValue. `names` finds what is offered as answers are typed; those that it does not know are questioned.
+    raises BadValue. `names` finds what is offered as answers are typed; names that it does not know must be confirmed.
     """
 
     DEFAULT_CSS = """
@@ -196,7 +196,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Submit the answers if all can be read; one that may be misspelled is questioned first."""
+        """Submit the answers if all can be read; one that may be misspelled must be confirmed first."""
         values: dict[str, object] = {}
         doubts: dict[Field, str] = {}
         self._picker.close()

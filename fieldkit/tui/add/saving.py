@@ -1,4 +1,4 @@
-"""Saving the flight on the Add page: it is questioned if it may be wrong, and the result is shown."""
+"""Saving the flight on the Add page: doubtful answers are confirmed first, and the result is shown."""
 
 from functools import partial
 
@@ -12,7 +12,7 @@ DUPLICATE = "Duplicate: it is already in the ledger."
 
 
 class Saving:
-    """From the answers to the ledger, and the card that then replaces the form."""
+    """Saves the answers to the ledger, and shows the card that then replaces the form."""
 
     def __init__(self, page: PageScreen, sheet: Sheet, draft: Draft) -> None:
         self._page, self._sheet, self._draft = page, sheet, draft

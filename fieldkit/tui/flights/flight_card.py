@@ -87,7 +87,7 @@ def _setup(row: Row, system: str) -> Iterable[Hanging]:
 
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
-    """Cd of one flight after the other, a vertical line at the current one; below it their numbers."""
+    """Cd of each flight in order, with a vertical line at the current one and their ids below."""
     from fieldkit.tui.widgets.plots import spaced
 
     drags = [one.drag or 0.0 for one in known]

@@ -150,7 +150,7 @@ class FlightScreen(PageScreen):
         self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:
-        """Read the flight; inferred values come when they are computed."""
+        """Read the flight; inferred values follow when they are computed."""
         self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:

@@ -35,10 +35,8 @@ UP = Path("..")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file would add: its recognized format and the receipt of a dry run, or why it cannot be read.
-
-    Of a design it is what a rocket would `start` with, in `words`.
-    """
+    """The preview of a file: its recognized format and the receipt of a dry run, or why it cannot be read; for a
+    design, the `start` of a rocket, described in `words`."""
 
     path: Path
     format: str
@@ -52,8 +50,8 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
-    """How files are read: the parser by name, None for the one that recognizes it; values that they lack; the mapping
-    of a table's columns, as typed (`altitude=Alt (ft)`)."""
+    """Options for reading files: the parser by name, None to recognize it; values for fields that files lack; the
+    mapping of a table's columns, as typed (`altitude=Alt (ft)`)."""
 
     format: str | None = None
     given: Mapping[str, str] = field(default_factory=dict)
@@ -108,7 +106,7 @@ def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
 
 
 def by_keys(trouble: str) -> str:
-    """What is wrong with a file, with the key m in place of the option of the command that does the same."""
+    """An error message with the key m instead of the equivalent command option."""
     return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
 
 

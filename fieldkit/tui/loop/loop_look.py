@@ -34,7 +34,7 @@ class Standing:
 
     @property
     def used(self) -> int:
-        """The number of the model that predicts."""
+        """The number of the model in use."""
         return next((version.number for version in self.versions if version.active), PLAIN_MODEL)
 
 

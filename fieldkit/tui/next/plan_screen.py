@@ -177,21 +177,21 @@ class PlanScreen(PageScreen):
         return decision.fared(ledger, self.resources.motors)
 
     def action_view(self, view: int) -> None:
-        """Another answer."""
+        """Show another answer."""
         self._view = view % len(VIEWS)
         self.reload()
 
     def action_turn(self, by: int) -> None:
-        """The next answer, or the one before."""
+        """The next or previous answer."""
         self.action_view(self._view + by)
 
     def action_aim(self) -> None:
-        """Ballast for something else."""
+        """Change the goal of the ballast."""
         self._aim = (self._aim + (self._view == 1)) % len(AIMS)
         self.action_view(1)
 
     def action_season(self, by: int) -> None:
-        """The season after, or before."""
+        """The next or previous season."""
         from fieldkit.paths import data_folder
         from fieldkit.planning.contest import seasons
 
@@ -200,12 +200,12 @@ class PlanScreen(PageScreen):
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
 
     def action_area(self, by: int) -> None:
-        """Larger parachute, or a smaller one."""
+        """A larger or smaller parachute."""
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 
     def action_day(self) -> None:
-        """Type what was announced and declared, and how large the field is."""
+        """Enter the announcements and declarations of the day, and the size of the field."""
         from fieldkit.services.contest_day import day_of
         from fieldkit.services.sites import site_of
 

@@ -159,12 +159,12 @@ class LoopScreen(PageScreen):
         self.set_focus(self.panels.front(self._panel))
 
     def action_panel(self, panel: int) -> None:
-        """Another panel."""
+        """Show another panel."""
         self._panel = panel
         self._front()
 
     def action_turn(self, by: int) -> None:
-        """The next panel, or the one before."""
+        """The next or previous panel."""
         self.action_panel((self._panel + by) % len(PANELS))
 
     def action_covariate(self) -> None:

@@ -133,7 +133,7 @@ class SetupScreen(PageScreen):
         self._search_now()
 
     def redraw(self) -> None:
-        """The list in front, in other units."""
+        """Show the current list in other units."""
         self._show()
 
     def _read(self) -> LedgerNames:
@@ -164,7 +164,7 @@ class SetupScreen(PageScreen):
 
     @on(Table.Sized)
     def _show(self) -> None:
-        """The list in front, in the columns that fit."""
+        """Show the current list with the columns that fit."""
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
@@ -221,14 +221,14 @@ class SetupScreen(PageScreen):
                 return settings_listed(resources.settings, resources.name)
 
     def action_kind(self, kind: int) -> None:
-        """Another list."""
+        """Show another list."""
         self._kind = kind
         self.query_one(Table).by_hand = False
         self._show()
         self.set_focus(self.query_one(Table))
 
     def action_turn(self, by: int) -> None:
-        """The next list, or the one before."""
+        """The next or previous list."""
         self.action_kind((self._kind + by) % len(KINDS))
 
     def action_search(self) -> None:
