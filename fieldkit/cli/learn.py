@@ -35,7 +35,7 @@ def learn(
         ),
     ] = False,
     from_start: Annotated[
-        bool, typer.Option("--afresh", help="Start from the expert priors, not from the card in use.")
+        bool, typer.Option("--from-scratch", help="Start from the expert priors, not from the card in use.")
     ] = False,
     cluster: Annotated[
         str,
