@@ -311,7 +311,7 @@ def test_no_command_reaches_for_a_network_or_lets_a_terminal_obey_a_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    monkeypatch.setenv("TERM", "dumb")  # no colours of our own
+    monkeypatch.setenv("TERM", "dumb")  # no colors of the terminal
     for command, words in COMMANDS.items():
         assert main(asked(command, words)) == 0, (command, capsys.readouterr())
         assert not sockets, command

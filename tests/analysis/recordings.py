@@ -1,4 +1,4 @@
-"""Flights that are known to the last metre, and logs of them by sensors that are not."""
+"""Flights that are known exactly, and logs of them by imperfect sensors."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -140,7 +140,7 @@ def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) 
 
 @dataclass(frozen=True)
 class Logger:
-    """A barometer, and what is wrong with it; heights in metres, times in seconds."""
+    """A barometer and its errors; heights in meters, times in seconds."""
 
     rate: float = 20.0
     noise: float = 0.4
@@ -152,9 +152,9 @@ class Logger:
     late: float = 0.0
     """The log begins so long after lift-off."""
     early: float = 0.0
-    """The log ends at this share of the way to apogee; 0 for after landing."""
+    """The log ends at this fraction of the way to apogee; 0 for after landing."""
     spikes: float = 0.0
-    """Share of samples that are far off."""
+    """Fraction of samples that are far off."""
     shock: float = 0.0
     """Height that the ejection charge fakes, for a fifth of a second."""
     dip: bool = False
@@ -162,7 +162,7 @@ class Logger:
     drift: float = 0.0
     """Of the zero, in an hour on the pad and after; also where it stands at lift-off."""
     jitter: float = 0.0
-    """Of the clock, as a share of the step."""
+    """Jitter of the clock, as a fraction of the step."""
     rest: float = 10.0
     """Of samples after landing."""
     accelerometer: float = 0.0

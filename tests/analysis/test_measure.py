@@ -1,4 +1,4 @@
-"""What is measured in the samples of flights that are known to the last metre."""
+"""Measurements in the samples of flights that are known exactly."""
 
 import tracemalloc
 from dataclasses import replace
@@ -233,7 +233,7 @@ def test_a_boost_between_two_samples_has_no_figures() -> None:
 
 
 def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
-    """It goes on along its course, falls by thirty metres, and comes back to the rocket in a second."""
+    """It continues on its course, falls by thirty meters, and returns to the rocket within a second."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=10, noise=0.2), np.random.default_rng(2))
     since = series.time - 100
@@ -246,7 +246,7 @@ def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
     assert "top_speed" not in recorded.figures
     assert abs(off(recorded, truth, "apogee")) < 3
     barometer = measure((Series(time=series.time, altitude=lost),))
-    assert "top_speed" in barometer.figures  # what a barometer shows there may be the air, and the rest tells the speed
+    assert "top_speed" in barometer.figures  # the barometer may react to the air there; the rest determines the speed
 
 
 def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
@@ -333,7 +333,7 @@ def test_a_handful_of_samples_is_no_crash(count: int) -> None:
 
 
 def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
-    """Ten metres a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
+    """Ten meters a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
     time = np.arange(0, 40_000, 5.0)
     height = np.minimum(np.clip(10 * (time - 30_000), 0, 3000), np.clip(40_000 - time, 0, None))
     tracemalloc.start()

@@ -1,4 +1,4 @@
-"""What motors have beyond the mean of a window: worked out again from the catalogue."""
+"""The peak of motors above the mean of a window, computed again from the catalog."""
 
 import numpy as np
 import pytest

@@ -273,7 +273,7 @@ def lines_for(log: bytes, format: str | None) -> list[str]:
 
 
 def must_hold(log: bytes, format: str | None) -> int:
-    """Check one bad log, read by the parser it was made for or by whatever recognises it; how many lines it brings.
+    """Check one bad log, read by the parser it was made for or by the one that recognizes it; how many lines it brings.
 
     Messages are single lines without control characters; series have whole clocks that never run backwards, and
     channels of one length without infinities.

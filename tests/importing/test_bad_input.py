@@ -103,19 +103,21 @@ import resource, sys, time
 from pathlib import Path
 from fieldkit.errors import FieldkitError
 from fieldkit.services.imports import gather
-begun = time.monotonic()
+start = time.monotonic()
 try:
     got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])
     said = f"{len(got.arrivals)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
 except FieldkitError as error:
     said = str(error)[:100]
 used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
+print(f"{used:.0f} MB, {time.monotonic() - start:.1f} s, {said}")
 """
 """Reads a file as `fieldkit import` does, before a ledger is opened."""
 
 
-in_kilobytes = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere peaks are told otherwise, or not at all")
+in_kilobytes = pytest.mark.skipif(
+    sys.platform != "linux", reason="other systems report peaks differently, or not at all"
+)
 
 
 CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
@@ -149,7 +151,7 @@ def write_repeated(file: Path, log: bytes, size: int) -> None:
 
 
 def write_going_on(file: Path, log: bytes, size: int) -> None:
-    """A log of a size whose rows come over and over while its clocks, the columns that grow all along, go on."""
+    """A log of a given size whose rows repeat, while its clocks, the columns that always grow, continue."""
     separator, rows, clocks = clocks_of(log)
     head = log[: log.index(separator.join(rows[0]))]
     span = [float(rows[-1][c]) - float(rows[0][c]) + float(rows[1][c]) - float(rows[0][c]) for c in clocks]
@@ -200,12 +202,12 @@ def biggest(name: str) -> bytes:
     return max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size).read_bytes()
 
 
-WHOLE = [*parsers(), *(f"{name} that goes on" for name in parsers() if clocks_of(biggest(name))[2])]
-"""Every parser, and again those of logs with a clock in their rows, for one that goes on."""
+WHOLE = [*parsers(), *(f"{name} without an end" for name in parsers() if clocks_of(biggest(name))[2])]
+"""Every parser, and again those of logs with a clock in their rows, for one that does not end."""
 
 
 def write_waiting(file: Path, size: int, flown: bool = False) -> None:
-    """A logger that waited on the pad for hours, and may have flown in the end: one table that goes on."""
+    """A logger that waited on the pad for hours, and may have flown in the end: one table without an end."""
     with file.open("wb") as stream:
         stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
         waited = size // 26
@@ -257,7 +259,7 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     file = tmp_path / "big.log"
     if name in parsers():
         write_repeated(file, biggest(name), size)
-    elif name.endswith("goes on"):
+    elif name.endswith("without an end"):
         write_going_on(file, biggest(name.split()[0]), size)
     elif name.endswith("is torn"):
         write_torn(file, biggest(name.split()[0]), CAPPED.get(name.split()[0], size))

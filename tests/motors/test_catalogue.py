@@ -1,4 +1,4 @@
-"""The catalogue of motors: what it holds, and how a written name finds its motor."""
+"""The motor catalog: its contents, and how a written name finds its motor."""
 
 import csv
 import math

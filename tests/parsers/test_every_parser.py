@@ -61,7 +61,7 @@ def unmeasured() -> Iterator[None]:
 
 
 def troubles(log: bytes, source: str, format: str | None) -> list[str]:
-    """What a flyer is told is wrong with a log; anything but a FieldkitError is ours and comes out."""
+    """The error shown to a flyer for a log; anything but a FieldkitError is a bug and is raised."""
     try:
         with unmeasured():
             intake = read(log, source, any_motor, format)

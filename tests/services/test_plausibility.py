@@ -47,7 +47,7 @@ FITS = {
 
 
 def season(count: int, **changes: object) -> list[dict[str, object]]:
-    """Flights of a rocket that scatter by some metres."""
+    """Flights of a rocket that scatter by a few meters."""
     apogees = np.random.default_rng(1).normal(250, 6, count)
     return [
         {

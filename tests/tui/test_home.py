@@ -228,7 +228,7 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
             "One more flight on AeroTech F24W-4 narrows the interval by",
         ):
             assert text in seen
-        assert "Burn time: found" not in seen, "what was mended is no longer said"
+        assert "Burn time: found" not in seen, "a corrected error is no longer shown"
         await press(pilot, "0", "_")
         assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
         assert "low, inside" in told(pilot, "#last .words")

@@ -27,7 +27,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def said(pilot: Pilot[None]) -> str:
-    """The answer in hand and what stands beside it."""
+    """The current answer and the text next to it."""
     return f"{told(pilot, '#answer')} {told(pilot, '#beside')}"
 
 
