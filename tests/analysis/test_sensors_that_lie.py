@@ -32,7 +32,7 @@ def recording(truth: Truth, seed: int = 2, **settings: float) -> tuple[Series, .
 
 
 def misses(recorded: Recorded, truth: Truth, *names: str, sds: float = 3.0) -> list[str]:
-    """The figures that are further from the truth than so many of their standard deviations, or are not there."""
+    """The figures with an error of more than this number of standard deviations, or that are missing."""
     right = truth.readouts()
     figures = recorded.figures
     return [n for n in names if n not in figures or abs(figures[n].value - right[n]) > sds * figures[n].sd]

@@ -1,4 +1,4 @@
-"""What is counted in a file from elsewhere has a bound, and neither pipe nor device is waited for."""
+"""Counts from files of unknown origin are bounded, and neither a pipe nor a device is waited for."""
 
 import contextlib
 import gzip
@@ -49,7 +49,7 @@ def simulated(titles: str, points: str) -> str:
 
 
 def nested(depth: int) -> str:
-    """A design whose parts are in parts."""
+    """A design with nested parts."""
     inside = "<subcomponents><innertube>" * depth + "</innertube></subcomponents>" * depth
     return design().replace("</subcomponents>", f"{inside}</subcomponents>", 1)
 
@@ -66,7 +66,7 @@ HOSTILE: dict[str, Callable[[], bytes]] = {
     "encoding": lambda: b'<?xml version="1.0" encoding="cp037"?>' + ("<a>" * 100).encode("cp037"),
     "a name without end": lambda: zipped(design().replace("Skylark", "x" * 3_000_000)),
 }
-"""Designs that count too much of something, by what."""
+"""Designs with too much of something, by its name."""
 
 
 READ_ALL = """

@@ -1,4 +1,4 @@
-"""The flight table: what its cells mean, and what goes out comes in again."""
+"""The flight table: the meaning of its cells, and exported tables import unchanged."""
 
 import csv
 import io

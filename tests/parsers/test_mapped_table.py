@@ -1,4 +1,4 @@
-"""Tables that no logger's parser knows: names, units, physics, and what the flyer says."""
+"""Tables that no parser of a logger recognizes: names, units, physics, and the flyer's mapping."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Planning: plans say what predictions say, physics and limits act on all of them, and every limit has its line."""
+"""Planning: plans agree with predictions, physics and limits apply to all of them, and every limit has a line."""
 
 import json
 from dataclasses import replace

@@ -82,7 +82,7 @@ IMPOSSIBLE = {
     "all at 200 km": season(5, apogee_m=200_000),
 }
 WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
-"""Those that the commands which take their time are tried with too."""
+"""Flights that slow commands are tested with too."""
 Told = Callable[..., tuple[int, str, str]]
 
 

@@ -1,4 +1,4 @@
-"""What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
+"""The next flight, importing, the loop, the setup and capturing, by keys alone, with errors along the way."""
 
 import gc
 import re
@@ -28,7 +28,7 @@ from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, 
 CHECK_SHAPES = False
 
 SURE = ("y", "_", "enter", "_")
-"""A rocket that has not flown is questioned; Enter then stores the file."""
+"""A rocket that has not flown must be confirmed; Enter then stores the file."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What is decided for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
+"""The decisions for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
 
 from pathlib import Path
 from unittest.mock import patch
@@ -32,7 +32,7 @@ def said(pilot: Pilot[None]) -> str:
 
 
 async def front(pilot: Pilot[None], name: str) -> None:
-    """Click on the name of an answer, past those between."""
+    """Click on the name of an answer, skipping those between."""
     tabs = pilot.app.screen.query_one(TabLine)
     await pilot.click(TabLine, offset=(str(tabs.content).index(name) + 1, 0))
     await calm(pilot)
