@@ -13,6 +13,8 @@ CHECK_SHAPES = False
     [
         ("fieldkit/tui/screens/home.py", "No flights yet. a to add the first one"),
         ("fieldkit/cli/motors.py", "Total impulse range, in N s."),
+        ("fieldkit/tui/screens/loop.py", "Accept"),
+        ("models/effects/wear.py", "wear"),
         ("fieldkit/services/sites.py", "{...}: found a {...} that is not above zero, expected a positive length"),
     ],
 )
