@@ -19,13 +19,13 @@ app = typer.Typer()
 @app.command()
 def predictions(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="Predictions of this rocket only.", show_default=False)] = None,
+    rocket: Annotated[str | None, typer.Option(help="Forecasts of this rocket only.", show_default=False)] = None,
     every: Annotated[
-        bool, typer.Option("--all", help="Include predictions that were replaced or that expired without a flight.")
+        bool, typer.Option("--all", help="Include forecasts that were replaced or that expired without a flight.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List saved predictions: open, stale (with the reason), and flown."""
+    """List saved forecasts: open, stale (with the reason), and flown."""
     from fieldkit.quantities import ShownUnits
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
@@ -39,7 +39,7 @@ def predictions(
         print_json({"predictions": [one.json() for one in shown]})
         return
     if not found:
-        complain(f"no predictions saved in {where} yet; `fieldkit predict` saves one")
+        complain(f"no forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in found}
     units = ShownUnits(system())
@@ -74,7 +74,7 @@ def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
 
 
 def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
-    """The prediction that a flight is compared with, or None."""
+    """The forecast that a flight is compared with, or None."""
     if not ledger.predictions(flight.rocket):
         return None
     from fieldkit.services.saved_forecasts import of_flight
@@ -89,6 +89,6 @@ def print_prediction(said: "SavedForecast | None") -> None:
     from fieldkit.services.saved_forecasts import in_words
 
     first, *others = in_words(said, system())
-    say_wrapped(f"Prediction  {first}", " " * 12)
+    say_wrapped(f"Forecast    {first}", " " * 12)
     for line in others:
         say_wrapped(f"{'':12}{line}")

@@ -35,7 +35,7 @@ def score(
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
+    """Score saved forecasts, and forecasts of each flight from the earlier ones, against simpler methods."""
     from fieldkit.services.scores import score_forecasts
 
     if out is not None:

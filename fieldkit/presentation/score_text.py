@@ -20,7 +20,7 @@ DIFFERENCES = ("fieldkit's advantage", "error", "CRPS", "interval score")
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
     """The reports with at least one flight, each with its title."""
     if found.saved is not None:
-        yield found.saved, f"Saved predictions, made before the flight: {len(found.saved.rows)} flown and clean"
+        yield found.saved, f"Saved forecasts, made before the flight: {len(found.saved.rows)} flown and clean"
     if found.later.rows:
         yield (
             found.later,

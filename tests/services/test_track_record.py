@@ -44,7 +44,7 @@ def test_a_kept_prediction_is_scored_against_what_was_known_then(
     arguments = ["--ledger", str(tmp_path / "ledger.db"), "score"]
     assert main([*arguments, "--out", str(picture)]) == 0
     out = capsys.readouterr().out
-    assert "Saved predictions, made before the flight: 1" in out
+    assert "Saved forecasts, made before the flight: 1" in out
     assert "Not clearly different from the scalar correction" in " ".join(out.split())
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert picture.read_bytes().startswith(b"<?xml")

@@ -344,7 +344,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             await press(pilot, "right")
             assert "▸  0" in shown(pilot)
             await press(pilot, "enter")
-            assert "Astra predicts with the plain model. u to undo" in words(pilot)
+            assert "Astra forecasts with the plain model. u to undo" in words(pilot)
             with Ledger.open(file) as ledger:
                 assert ledger.active_version("Astra") is None
             await press(pilot, "u")

@@ -44,7 +44,7 @@ class FlightReport:
         rows = [(str(len(self.cards)), "flights")]
         if apogees:
             rows.append((shown.length(max(apogees)), "highest apogee"))
-        rows.append((str(predicted), "predicted"))
+        rows.append((str(predicted), "forecast"))
         if predicted:
             rows += [(shown.length(miss, 1), "mean miss"), (f"{inside} of {predicted}", "inside 90%")]
         return tuple(rows)
@@ -127,14 +127,14 @@ def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The flights of a report as a table: headers, and one row per flight."""
     shown = ShownUnits(found.system)
     mass, height = shown.mass(0.0).split()[1], shown.length_unit
-    heights = (f"predicted {height}", f"flown {height}", f"miss {height}")
+    heights = (f"forecast {height}", f"flown {height}", f"miss {height}")
     headers = ("flight", "rocket", "motor", f"mass {mass}", f"wind {shown.speed_unit}", *heights, "")
     rows: list[tuple[str, ...]] = []
     for card in found.cards:
         flight, said = card.flight, card.forecast
         mark = ", ".join(flight.tags)
         if said and said.kept and said.changes:
-            mark = ", ".join(filter(None, ("stale prediction", mark)))
+            mark = ", ".join(filter(None, ("stale forecast", mark)))
         rows.append(
             (
                 card.id,

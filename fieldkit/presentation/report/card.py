@@ -89,7 +89,7 @@ def cards(
         if one is not None:
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
-            words = f"predicted {when} by model {one.made.payload.get('model', '')}"
+            words = f"forecast {when} by model {one.made.payload.get('model', '')}"
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
             forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)

@@ -92,7 +92,7 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
         rows.append((shown.length(card.flight.apogee, 1), "apogee"))
     if card.forecast is not None:
         low, middle, high = card.forecast.interval
-        what = "predicted" if card.forecast.kept else "afterwards"
+        what = "forecast" if card.forecast.kept else "computed later"
         rows.append((shown.length(middle), f"{what}, {shown.lengths(low, high)}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high
@@ -105,7 +105,7 @@ def remarks(card: Card) -> list[str]:
     lines = []
     if card.forecast is not None:
         lines.append(card.forecast.by[:1].upper() + card.forecast.by[1:] + ".")
-        lines += [f"The prediction was stale: {'; '.join(card.forecast.changes)}."] if card.forecast.changes else []
+        lines += [f"The forecast was stale: {'; '.join(card.forecast.changes)}."] if card.forecast.changes else []
     if card.learned:
         lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value in card.learned) + ".")
     if card.flight.tags:

@@ -27,7 +27,7 @@ Draw = Callable[["Figure | SubFigure"], None]
 def forecast(figure: "Figure | SubFigure", card: Card) -> None:
     """The density of the forecast apogee with its 90% interval, and the flown apogee."""
     panel = figure.subplots()
-    panel.set_title("Predicted and flown")
+    panel.set_title("Forecast and flown")
     shown = ShownUnits(card.system)
     panel.set_xlabel(f"apogee [{shown.length_unit}]")
     panel.set_yticks([])
@@ -139,7 +139,7 @@ def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -
     panel.set_yticks(range(len(cards)), names)
     panel.set_ylim(len(cards) - 0.4, -0.6)
     unit = shown.length_unit
-    panel.set_xlabel(f"apogee [{unit}]: bars are 90% intervals (dashed: computed afterwards), dots are flown apogees")
+    panel.set_xlabel(f"apogee [{unit}]: bars are 90% intervals (dashed: computed later), dots are flown apogees")
     panel.grid(axis="y", visible=False)
     panel.margins(x=0.06)
 

@@ -37,7 +37,7 @@ def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> No
 
     check_picture(path)
     reports = {
-        "saved predictions": found.saved,
+        "saved forecasts": found.saved,
         "replayed forward in time": found.later,
         "first flights": found.first,
     }

@@ -121,7 +121,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         headers, rows = table(book)
         lines += [f"# {as_markdown(book.title)}", "", as_markdown(book.subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} {what}" for value, what in book.figures) + ".", ""]
-        yield beside("flights", _overview(book, "png"), "Predicted and flown")
+        yield beside("flights", _overview(book, "png"), "Forecast and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
     for number, card in enumerate(_told(book.cards, on_progress), start=1):
@@ -129,7 +129,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
         yield beside(
-            f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Predicted"
+            f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Forecast"
         )
         told = "The log" if card.trace else "Flights of this rocket so far"
         yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)

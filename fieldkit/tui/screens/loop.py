@@ -110,7 +110,7 @@ class LoopScreen(PageScreen):
         self._standing, self._rocket = standing, standing.rocket
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {standing.used}" if standing.used else "the plain model"
-        self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
+        self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · forecasts with {model}{more}")))
         self.panels.show_versions(standing, self.resources.settings.units)
         accepted = self._accepted_version is not None and self._accepted_version == standing.used
         self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
@@ -247,7 +247,7 @@ class LoopScreen(PageScreen):
             self.show_notice(f"{rocket} already uses {named}")
             return
         work = partial(self.resources.ledger.activate, rocket, number or None)
-        self.change(work, partial(self._used, f"{rocket} predicts with {named}"))
+        self.change(work, partial(self._used, f"{rocket} forecasts with {named}"))
 
     def _used(self, said: str, _: None) -> None:
         self.show_notice(f"{said}. u to undo")

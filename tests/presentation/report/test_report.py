@@ -120,11 +120,11 @@ def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flig
 
 def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
     headers, rows = table(day)
-    assert headers[5:8] == ("predicted m", "flown m", "miss m")
+    assert headers[5:8] == ("forecast m", "flown m", "miss m")
     assert rows[0][5] == ""
     assert rows[1][6] == "262.0"
-    assert rows[1][8].startswith("stale prediction")
-    assert {what: value for value, what in day.figures}["predicted"] == "1"
+    assert rows[1][8].startswith("stale forecast")
+    assert {what: value for value, what in day.figures}["forecast"] == "1"
 
 
 def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: FlightReport, tmp_path: Path) -> None:
