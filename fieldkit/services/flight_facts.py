@@ -68,10 +68,10 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> For
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
         return ForecastFacts(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
     if not flight.motor:
-        raise ImpossibleFlight("the flight names no motor; e names it: motor=F24-4W")
+        raise ImpossibleFlight("the flight has no motor; press e to enter one: motor=F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
-    return ForecastFacts(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
+    return ForecastFacts(low, middle, high, f"none saved; computed from the {made.rests_on} other clean flights")
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:

@@ -99,7 +99,7 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         await press(pilot, "6", "slash", *typed("f24"), "enter")
         assert "thrust [N] against time [s]" in words(pilot)
         await press(pilot, "right", "down")
-        assert "8, 4 of them used in the fit" in words(pilot)
+        assert "8, 4 of them used in the model" in words(pilot)
         assert "E35-5W 4 times, to between 131.1 and 174.7 m" in words(pilot)
         await press(pilot, "right")
         assert "281.3 m Astra F24-4W" in words(pilot)

@@ -336,7 +336,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             await press(pilot, "v")
             assert shown(pilot) != first
             await press(pilot, "right")
-            assert "it would leave" in words(pilot)
+            assert "in expected scatter predicted observed" in words(pilot)
             await press(pilot, "right")
             assert "wear" in shown(pilot)
             await press(pilot, "D")

@@ -81,7 +81,7 @@ def _figures(row: Row, system: str) -> Iterable[Hanging]:
 
 
 def _setup(row: Row, system: str) -> Iterable[Hanging]:
-    yield cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20)
+    yield cards.lines("Setup and conditions", cards.circumstances(row.flight, system), 20)
     if row.flight.extra:
         yield cards.lines("Other data", logged.beside(row.flight.extra, system), 20)
 

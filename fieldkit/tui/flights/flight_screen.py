@@ -159,8 +159,8 @@ class FlightScreen(PageScreen):
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
-            cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the fit"]),
+            cards.lines("Setup and conditions", cards.circumstances(flight, system), 20),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the model"]),
         ]
         if flight.extra:
             blocks.append(cards.lines("Other data", logged.beside(flight.extra, system), 20))

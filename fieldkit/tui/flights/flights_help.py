@@ -19,7 +19,7 @@ FLIGHTS_HELP = Help(
         ("miss*", "The forecast was stale: mass, motor, weather or model changed before the flight."),
         (
             "tags",
-            "Anomalies. A flight with a tag such as weak_launch stays in the ledger but is not used in the fit.",
+            "Anomalies. A flight with a tag such as weak_launch stays in the ledger but is not used in the model.",
         ),
     ),
     (

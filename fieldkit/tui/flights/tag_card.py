@@ -68,10 +68,10 @@ class TagCard(VerticalScroll):
         """The meaning of a tag, whether the flight has it, and which flights of the rocket have it."""
         more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
-            ("means", meaning(tag)),
-            ("does", f"a flight with it is {'not' if tag in TAGS else 'still'} used in the fit"),
-            ("here", "" if tag == OWN_TAG_ROW else "this flight has it" if there else "this flight does not have it"),
-            ("used by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
+            ("meaning", meaning(tag)),
+            ("effect", f"a flight with it is {'not' if tag in TAGS else 'still'} used in the model"),
+            ("now", "" if tag == OWN_TAG_ROW else "this flight has it" if there else "this flight does not have it"),
+            ("flights", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
         ]
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 
@@ -95,7 +95,7 @@ class TagCard(VerticalScroll):
             plot = Plot()
             self.mount(plot)
         marks = [(float(place), "") for place in now.forecast.apogee_quantiles()]
-        plot.border_title = Content("its next apogee as the tags are now")
+        plot.border_title = Content("next apogee with these tags")
         plot.show(draw_density(now.forecast.apogee, marks, lambda value: measure(cards.APOGEE, value, system)))
 
 

@@ -27,7 +27,7 @@ class TagScreen(PageScreen):
     NAME = "flights"
     TITLE = "Tags"
     ABOUT = Help(
-        "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the fit. Below the list is "
+        "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the model. Below the list is "
         "the effect on the rocket's drag and on the forecast of its next flight on the same motor, before your "
         "changes and now. Press u to undo, any number of times.",
         tuple(KNOWN_TAGS.items()),
@@ -98,7 +98,7 @@ class TagScreen(PageScreen):
             tag: ("" if tag == OWN_TAG_ROW else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
             for tag in (*KNOWN_TAGS, *own, OWN_TAG_ROW)
         }
-        self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
+        self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("meaning", 0)], list(rows), rows.__getitem__)
         self._moved()
 
     def _shift(self, flight: Flight) -> Shift:

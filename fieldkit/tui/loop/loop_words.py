@@ -124,7 +124,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     name, cells = (20, 3) if narrow else (22, 5)
     wide = 9 + 2 * cells
     parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
-    parts.append(f"\n{'in expected scatter':{name}}{'it would leave':^{wide}}{'there was':^{wide}}")
+    parts.append(f"\n{'in expected scatter':{name}}{'predicted':^{wide}}{'observed':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
         if mark.found != mark.found:

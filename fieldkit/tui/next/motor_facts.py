@@ -30,7 +30,7 @@ def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
         ("burn time", f"{motor.burn_time:.2f} s above 5% of the peak"),
         ("loaded mass", f"{motor.loaded_mass * 1e3:.1f} g"),
         ("propellant", " ".join((f"{motor.propellant_mass * 1e3:.1f} g", motor.propellant)).strip()),
-        ("after burnout", f"{motor.casing_mass * 1e3:.1f} g stay"),
+        ("empty mass", f"{motor.casing_mass * 1e3:.1f} g"),
         ("delays", "none listed" if delays == "-" else f"{delays} s{'; P: plugged, no charge' * ('P' in delays)}"),
         ("on sale", "yes" if motor.available else "no longer made"),
         ("case", motor.case),

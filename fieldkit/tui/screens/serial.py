@@ -106,7 +106,7 @@ class CaptureScreen(PageScreen):
     def on_mount(self) -> None:
         """Keys go to the ports."""
         self.set_focus(self.query_one(Table))
-        self._say("Enter captures; every byte is saved before it is decoded")
+        self._say("Enter to capture; every byte is saved before it is decoded")
 
     def on_unmount(self) -> None:
         """A capture ends with the app."""

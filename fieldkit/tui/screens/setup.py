@@ -66,10 +66,7 @@ class SetupScreen(PageScreen):
                 "units",
                 "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them.",
             ),
-            (
-                "theme",
-                "field for any room, sun black on white, night red on black, terminal your own. T changes it.",
-            ),
+            ("theme", "field: any room. sun: black on white. night: red on black. terminal: its own. T changes it."),
             ("target", "The target apogee for comparing motors on the Next page."),
             ("sites", "Field size and ceiling are used in the safety checks of every plan at the site."),
             ("rail", "Length and angle of your usual rail, for plans without one."),

@@ -76,7 +76,7 @@ def of_build(group: Group, system: str, length: float | None = None) -> Facts:
     """A configuration of a rocket, with its length [m] if known: drawing, mass, motors, apogees."""
     flights = group.flights
     pairs = [
-        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the fit"),
+        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the model"),
         *_dates(flights),
         ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter to set it"),
         ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter to set it"),
@@ -111,8 +111,8 @@ def of_site(place: LaunchSite, system: str) -> Facts:
         ("highest", _highest(flights, system)),
         ("elevation", measure(cards.ELEVATION, site.elevation, system) or "not known: sea level; Enter to set it"),
         ("air", f"{density(air_of(Flight(site_elevation=site.elevation)).density, system)} on a standard day"),
-        ("field size", measure(cards.APOGEE, site.size, system) or "not known: its safety line cannot be checked"),
-        ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known: its safety line cannot be checked"),
+        ("field size", measure(cards.APOGEE, site.size, system) or "not known; needed for a safety check"),
+        ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known; needed for a safety check"),
     ]
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None

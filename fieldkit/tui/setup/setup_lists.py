@@ -87,21 +87,21 @@ def settings_listed(settings: Settings, ledger: str) -> ListContents:
         "target": target,
         "rail": ", ".join(end for end in ends if end) or "none",
         "ledger": ledger,
-        "own motors": str(motor_folder()),
+        "your motors": str(motor_folder()),
         "settings": str(settings_file()),
     }
-    return ListContents([Head("setting", 10), Head("is", 0)], list(rows), lambda name: (name, rows[name]))
+    return ListContents([Head("setting", 11), Head("value", 0)], list(rows), lambda name: (name, rows[name]))
 
 
 MEANS = {
     "units": "SI: meters and grams. US: feet and ounces. mixed: feet and grams. Enter switches to the next; so does N "
     "on any page.",
-    "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colors. Enter "
-    "switches to the next; so does T on any page.",
+    "theme": "field: for any room. sun: black on white. night: red on black. terminal: your terminal's own colors. "
+    "Enter switches to the next; so does T on any page.",
     "target": "The target apogee for comparing motors on the Next page, where you can also set it with g.",
     "rail": "Length and angle of your usual rail or rod, for plans without one.",
     "ledger": "The file with your flights. To open another, use fieldkit --ledger FILE or set FIELDKIT_LEDGER.",
-    "own motors": "The folder of your own .eng and .rse files; i on the list Motors adds one.",
+    "your motors": "The folder of your own .eng and .rse files; press i in the Motors list to add one.",
     "settings": "The file with these settings.",
 }
 """The meaning of each setting and how to change it."""

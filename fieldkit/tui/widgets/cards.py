@@ -51,7 +51,7 @@ def heading(flight: Flight, id: str) -> str:
 
 def tags(flight: Flight) -> list[tuple[str, str]]:
     """The tags of a flight and what each means."""
-    return [(tag, KNOWN_TAGS.get(tag, "your own; the flight is still used in the fit")) for tag in flight.tags]
+    return [(tag, KNOWN_TAGS.get(tag, "your own; the flight is still used in the model")) for tag in flight.tags]
 
 
 def motor_name(name: str, width: int) -> str:

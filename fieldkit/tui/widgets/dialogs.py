@@ -41,7 +41,7 @@ class HelpScreen(ModalScreen[None]):
     def __init__(self, title: str, help: Help, keys: Sequence[tuple[str, str]], listed: str = "") -> None:
         super().__init__()
         self._title, self._help, self._key_list = title, help, keys
-        self._listed = listed or "What it shows and asks"
+        self._listed = listed or "Fields"
 
     def compose(self) -> ComposeResult:
         """One column of short paragraphs."""
