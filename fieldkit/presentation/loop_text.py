@@ -172,7 +172,10 @@ def what_forecasts_become(found: Findings) -> str:
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
         return "forecasts use the plain model"
-    parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
+    parts = [
+        f"{chance:.0%} {'+'.join(place.in_words for place in places) or 'the plain model'}"
+        for chance, places in averaged
+    ]
     return f"forecasts average over: {', '.join(parts)}"
 
 

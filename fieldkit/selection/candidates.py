@@ -15,6 +15,10 @@ EACH_GROUP = "each"
 """The place of an effect with a separate strength in every group."""
 
 
+SMOOTHLY = ", smoothly"
+"""Suffix of the name of a pattern that is a smooth function of a number."""
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
     """The flights on which an effect acts: one group (empty for all, `EACH_GROUP` for every group with a separate
@@ -31,6 +35,15 @@ class Place:
         if self.where == EACH_GROUP:
             group = f" of each {effects()[self.effect].per}"
         return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
+
+    @property
+    def in_words(self) -> str:
+        """The same for a flyer, a pattern in words: `a trend with the hour of the day`, `a change from flight 4 on`."""
+        if self.effect:
+            return str(self)
+        if self.where.endswith(SMOOTHLY):
+            return f"a trend with {self.where.removesuffix(SMOOTHLY)}"
+        return self.where.replace("every flight from ", "a change from flight ", 1)
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.selection.candidates import SMOOTHLY
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
 
 HOUR = "the hour of the day"
 """The name of the pattern."""
-SMOOTHLY = ", smoothly"
-"""Suffix of the name of a pattern that is a smooth function of a number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.physics.effect import Effect
+from fieldkit.selection.candidates import SMOOTHLY
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
@@ -103,7 +104,7 @@ def _unexplained(posterior: SetPosterior) -> str:
     likely = next((members for members in posterior.sets if members), frozenset[str]())
     if UNEXPLAINED in likely:
         best = posterior.best(likely)
-        where = next(place.where for place in best.places if not place.effect)
+        where = next(place.where for place in best.places if not place.effect).removesuffix(SMOOTHLY)
         return f"misses follow {where}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
     return f"the flights differ from the model, but no known effect is probable enough to name ({names})"

@@ -82,7 +82,7 @@ def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
 def version_adds(payload: Mapping[str, Any]) -> str:
     """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`."""
     sets = version_average(payload)
-    named = ["+".join(map(str, places)) or "nothing" for _, places in sets]
+    named = ["+".join(place.in_words for place in places) or "nothing" for _, places in sets]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
     return named[0] if len(named) == 1 else added
 

@@ -89,3 +89,16 @@ def test_a_forecast_follows_a_lasting_change() -> None:
 def test_single_flights_are_no_pattern(count: int) -> None:
     alone = [PLAN.with_changes(flight_id=f"F{row}", site=f"site {row}") for row in range(count)]
     assert not any("site" in where for kind in known_patterns(alone) for where in kind)
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (Place("", "the number of flights, smoothly"), "a trend with the number of flights"),
+        (Place("", "every flight from 4 on"), "a change from flight 4 on"),
+        (Place("", "the day 2026-05-01"), "the day 2026-05-01"),
+        (Place("wear", "", "4"), "wear from flight 4 on"),
+    ],
+)
+def test_a_pattern_in_an_average_is_named_in_words(place: Place, words: str) -> None:
+    assert place.in_words == words
