@@ -100,7 +100,7 @@ def _line(row: dict[str, Any]) -> str:
     group = row["group"] or ""
     given = given.removeprefix(group).lstrip("-")
     cells = [
-        ", ".join(filter(None, (group or what.replace("_", " "), given))),
+        ", ".join(filter(None, (group or what.replace("_", " ").replace("papers", "paper's"), given))),
         f"{row['min_s']:.3g}",
         f"{row['ratio']:,.{0 if row['ratio'] > 99 else 2}f} × {row['beside']}" if "ratio" in row else "",
         ", ".join([*_within(row), *(f"{row[key]:,} {unit}" for key, unit in RATES.items() if key in row)]),
