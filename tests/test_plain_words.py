@@ -107,7 +107,7 @@ def _texts() -> Iterator[tuple[str, int, str]]:
             name = file.relative_to(ROOT).as_posix()
             if name not in THIS and not name.startswith(MIGRATIONS):
                 yield from ((name, line, text) for line, text in _python_texts(file))
-    data = [*sorted((ROOT / "fieldkit").rglob("*.toml")), *sorted((ROOT / "fieldkit").rglob("*.md"))]
+    data = [file for kind in ("toml", "md", "html") for file in sorted((ROOT / "fieldkit").rglob(f"*.{kind}"))]
     for page in (ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md")), *data):
         if page != GLOSSARY:
             name = page.relative_to(ROOT).as_posix()

@@ -77,13 +77,25 @@ def _docstrings(tree: ast.Module, keep_commands: bool) -> Iterator[ast.Constant]
                 yield statement.value
 
 
+def template_strings(file: Path) -> Iterator[tuple[int, str]]:
+    """Line and text of each text of a template, tags and style left out, values as `{...}`."""
+    text = re.sub(r"<style.*?</style>", lambda one: "\n" * one[0].count("\n"), file.read_text("utf-8"), flags=re.DOTALL)
+    text = re.sub(r"\{\{.*?\}\}", "{...}", re.sub(r"\{%.*?%\}", "", text))
+    for number, line in enumerate(text.splitlines(), start=1):
+        parts = [*re.findall(r' alt="([^"]*)"', line), *re.split(r"<[^>]*>", line)]
+        yield from ((number, part.strip()) for part in parts if re.search("[A-Za-z]{2}", part.replace("...", "")))
+
+
 def listed(folders: tuple[str, ...] = FOLDERS) -> Iterator[str]:
-    """All lines, module by module."""
+    """All lines, module by module, then template by template."""
     for folder in folders:
         for file in sorted((ROOT / folder).rglob("*.py")):
             name = file.relative_to(ROOT).as_posix()
             if not name.startswith(NOT_SHOWN):
                 yield from (f"{name}:{line}: {text}" for line, text in strings(file))
+        for file in sorted((ROOT / folder).rglob("*.html")):
+            name = file.relative_to(ROOT).as_posix()
+            yield from (f"{name}:{line}: {text}" for line, text in template_strings(file))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
 
 
 def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Interval]]:
-    """The same in rows: the name of a figure, its value with its 90 % interval, and the interval; none if something is
+    """The same in rows: the name of a figure, its value with its 90% interval, and the interval; none if something is
     missing for them."""
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return []

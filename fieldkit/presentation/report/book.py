@@ -15,7 +15,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, left_out, totals
 from fieldkit.progress import ReportProgress, part
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, in_system
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
@@ -58,7 +58,7 @@ class FlightReport:
 def loop_words(found: Findings, system: str = "SI") -> list[str]:
     """The verdict on a rocket, and the leave-one-out errors, in the units of a system."""
     diagnosis, left, shown = found.diagnosis, found.left_out, ShownUnits(system)
-    lines = [f"{found.rocket}: {diagnosis.effect}: {diagnosis.why}."]
+    lines = [f"{found.rocket}: {diagnosis.effect}: {in_system(diagnosis.why, system)}."]
     before, after = left.before.score, left.after.score
     error = f"Mean leave-one-out error {shown.length(before.mae, 1)}"
     lines.append(error + (f", {shown.length(after.mae, 1)} with it." if diagnosis.effect != "none" else "."))

@@ -15,7 +15,7 @@ from fieldkit.physics.effect import effects
 from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, in_system
 from fieldkit.scoring.bootstrap import Interval
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.text import climbs_in_words
@@ -70,7 +70,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
             for row in _errors(title, compared, shown)
         ],
         "how": {"left_out": found.left_out.how, "forward": found.forward.how},
-        "parameters": _parameters(diagnosis),
+        "parameters": _parameters(diagnosis, system),
         "digest": version_payload(diagnosis)["digest"],
         "spreads": _spreads(found),
         "flights": _flights(diagnosis, shown),
@@ -86,7 +86,7 @@ def _verdict(found: Findings, system: str) -> dict[str, Any]:
     return {
         "effect": diagnosis.effect,
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
-        "why": _capitalized(diagnosis.why),
+        "why": _capitalized(in_system(diagnosis.why, system)),
         "also": ", ".join(diagnosis.also),
         "next_flight": _capitalized(in_next_flight(found.next_flight, system)),
         "accepting": [_capitalized(line) for line in what_accepting_changes(found)],
@@ -135,7 +135,7 @@ def _height(shown: ShownUnits, height: float) -> str:
     return shown.length(height, 1).split()[0]
 
 
-def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
+def _parameters(diagnosis: Diagnosis, system: str) -> list[dict[str, str]]:
     rows = []
     for trial in diagnosis.accepted:
         mean, sd = trial.strength()
@@ -144,9 +144,7 @@ def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
             {
                 "place": str(trial.candidate.place),
                 "explains": effect.explains,
-                "mean": f"{mean:.3g}",
-                "sd": f"{sd:.2g}",
-                "unit": trial.unit,
+                "strength": in_system(f"{mean:.3g} ± {sd:.2g} {trial.unit}", system),
                 "source": effect.source,
             }
         )
