@@ -50,7 +50,7 @@ class SetupScreen(PageScreen):
     ABOUT = Help(
         "Four lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
         "and a name to search it, press i to add your own .eng or .rse file. Rockets and sites come from your flights: "
-        "press Enter to edit one in every flight that has it, u to undo. Settings: press Enter to change one.",
+        "press Enter to edit one in every flight that has it, u to undo. Settings: press Enter to change a value.",
         (
             ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),
             ("burn s, grams", "Burn time of a motor, and its mass with propellant."),
