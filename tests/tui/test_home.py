@@ -8,9 +8,9 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
-from fieldkit.tui.home.rocket_strip import RocketStrip
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
