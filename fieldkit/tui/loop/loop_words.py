@@ -14,7 +14,6 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
-    from fieldkit.selection.candidates import Place
     from fieldkit.selection.diagnose import Diagnosis
     from fieldkit.services.findings import Compared, Findings
 
@@ -118,7 +117,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
     name, cells = (20, 3) if narrow else (22, 5)
     wide = 9 + 2 * cells
-    parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
+    parts: Parts = [(printable(trial.candidate.place.in_words), "b $primary")]
     parts.append(f"\n{'in expected scatter':{name}}{'it would leave':^{wide}}{'there was':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
@@ -131,14 +130,6 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     return Content.assemble(*parts)
 
 
-def in_place(place: "Place") -> str:
-    """A possible effect and its place in words: `a weak or strong motor of F24`."""
-    from fieldkit.physics.effect import effects
-
-    effect = effects().get(place.effect)
-    return str(place).replace(place.effect, effect.title, 1) if effect is not None else str(place)
-
-
 def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
     """Effects with their places, the best first: description, evidence, strength."""
     rows: dict[str, tuple[str, ...]] = {}
@@ -146,7 +137,7 @@ def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            rows[str(place)] = (in_place(place), f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g}")
+            rows[str(place)] = (place.in_words, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g}")
     return rows
 
 
@@ -158,7 +149,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
     place, (mean, sd) = item.best.candidate.place, item.best.strength()
     effect = effects().get(place.effect)
-    words = in_place(place)
+    words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
     parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
