@@ -76,7 +76,7 @@ def test_what_is_probable_enough_is_named(
     ("weights", "why"),
     [
         ({"": 0.6, "wind": 0.4}, "the flights match the model within their scatter"),
-        ({"": 0.4, "heavier_recovery": 0.35, "wind": 0.25}, "the most probable is a heavier recovery, 35%"),
+        ({"": 0.4, "heavier_recovery": 0.35, "wind": 0.25}, "the most probable is a wrong mass, 35%"),
         ({"": 0.45, "unexplained": 0.55}, "something may be missing, but nothing is probable enough to name"),
     ],
 )
