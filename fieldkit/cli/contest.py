@@ -182,7 +182,7 @@ app.command()(contest)
 
 
 def _flown(flight: "Flight") -> str:
-    """The values a flight is scored by: `706 ft, 48.3 s`."""
+    """The values that a flight is scored on: `706 ft, 48.3 s`."""
     from fieldkit.planning.contest_flight import judged_duration, whole_feet
 
     duration = judged_duration(flight)

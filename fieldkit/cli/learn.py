@@ -1,4 +1,4 @@
-"""`fieldkit learn`: fit how much rockets, motors and flights vary, to the exports of several flyers."""
+"""`fieldkit learn`: fit how much rockets, motors and flights vary, from the exports of several flyers."""
 
 from contextlib import nullcontext
 from datetime import datetime
@@ -35,7 +35,7 @@ def learn(
         ),
     ] = False,
     from_start: Annotated[
-        bool, typer.Option("--afresh", help="Start from the expert priors, not from the card in use.")
+        bool, typer.Option("--from-scratch", help="Start from the expert priors, not from the card in use.")
     ] = False,
     cluster: Annotated[
         str,

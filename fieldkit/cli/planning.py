@@ -40,7 +40,7 @@ class PlanContext:
     site: "Site"
     limits: "dict[str, Limit]"
     mount: float | None = None
-    """The kit's motor mount, if a kit was named. [m]"""
+    """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
         """The motor of the plan, by default that of the rocket's last flight. Raises UnknownMotor."""
@@ -168,7 +168,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     known = site_of(ledger, plan.site)
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
     if ceiling:
-        known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
+        known = replace(known, name="", ceiling=ceiling)  # given for the day, not a property of the site
     people, bystanders = length(given.get("people")), length(given.get("bystanders"))
     rules = given.get("rules")
     if rules is not None:
@@ -183,7 +183,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
 
 def check_rules(text: str) -> None:
-    """Raise BadValue for rules of an authority that no set is of."""
+    """Raise BadValue if there is no set of rules of a named authority."""
     import datetime
 
     from fieldkit.planning.rules import governing, read_authorities

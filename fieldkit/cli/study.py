@@ -1,4 +1,4 @@
-"""`fieldkit study`: pages in which every figure is computed."""
+"""`fieldkit study`: pages whose figures are all computed."""
 
 from pathlib import Path
 from typing import Annotated

@@ -98,7 +98,7 @@ def learn(
 
 
 def _options(from_start: bool, since: date | None) -> list[str]:
-    return ["--afresh"] * from_start + [f"--since {since}"] * (since is not None)
+    return ["--from-scratch"] * from_start + [f"--since {since}"] * (since is not None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -125,7 +125,7 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
 
     Its readouts have the source "typed".
 
-    Raises BadValue for a flight without a rocket or without anything that was observed of it.
+    Raises BadValue for a flight without a rocket or without any readout or tag.
     """
     if not flight.rocket:
         raise BadValue("input ended before the rocket was named; nothing was saved")

@@ -21,7 +21,7 @@ SHORTLIST = "shortlist"
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
-    """What a ledger has on a rocket, read once."""
+    """A rocket's flights, designs and settings in a ledger, read once."""
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
@@ -35,9 +35,9 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
 
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
-    """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
-    diameter else of its design, the rail else the flyer's usual one; the site as last, and its elevation. Weather is
-    the day's, and nothing is made up for it."""
+    """A plan with its missing values filled in: mass, diameter and rail as last flown, otherwise mass and diameter of
+    the design and the flyer's usual rail; the last site and its elevation. Weather is that of the day if it was
+    entered, and is never assumed here."""
     history = plausible(ledger.flights(plan.rocket), motors)
     plan = completed(plan, history, start_of(ledger, plan))
     last = ledger.latest()
@@ -58,7 +58,7 @@ INHERITED_RECOVERY = (
     "opening_time",
     STABILITY,
 )
-"""The recovery and the stability of a plan, from the last flight of its configuration that has one."""
+"""The recovery and stability of a plan, from the last flight of its configuration that has them."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:

@@ -1,4 +1,4 @@
-"""The flights that fits may use, each with its motor; the implausible ones by name."""
+"""The flights that fits may use, each with its motor, and notes on the implausible ones."""
 
 from collections.abc import Iterator, Sequence
 

@@ -47,7 +47,7 @@ FITS = {
 
 
 def season(count: int, **changes: object) -> list[dict[str, object]]:
-    """Flights of a rocket that scatter by some metres."""
+    """Flights of a rocket that scatter by a few meters."""
     apogees = np.random.default_rng(1).normal(250, 6, count)
     return [
         {
@@ -82,7 +82,7 @@ IMPOSSIBLE = {
     "all at 200 km": season(5, apogee_m=200_000),
 }
 WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
-"""Those that the commands which take their time are tried with too."""
+"""Flights that slow commands are tested with too."""
 Told = Callable[..., tuple[int, str, str]]
 
 

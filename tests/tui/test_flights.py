@@ -182,7 +182,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "t")
         assert "2 · Astra A" in shown(pilot)
-        assert "rests on 8 clean flights" in words(pilot)
+        assert "based on 8 clean flights" in words(pilot)
         for tag in list(TAGS)[:5]:
             assert tag in shown(pilot)
         await press(pilot, "down", "enter")
@@ -191,7 +191,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ("off_axis",)
         await hurry(pilot, "space", "space", "u", "u", "u")
-        assert "rests on 8 clean flights now" not in words(pilot)
+        assert "based on 8 clean flights now" not in words(pilot)
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ()
 
@@ -303,7 +303,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "No plan yet. p enters one" in words(pilot)
+        assert "No plan yet. p to enter one" in words(pilot)
         await press(pilot, "5")
         assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)

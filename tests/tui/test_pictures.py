@@ -133,7 +133,7 @@ def segments(pilot: Pilot[None]) -> Iterator[Segment]:
 
 
 def contrast(ink: Color, paper: Color) -> float:
-    """By the relative luminance of two colours (WCAG 2.2, 1.4.3); letters of frames and blocks count as well."""
+    """By the relative luminance of two colors (WCAG 2.2, 1.4.3); letters of frames and blocks count as well."""
     lights = sorted(luminance(one) for one in (ink, paper))
     return (lights[1] + 0.05) / (lights[0] + 0.05)
 
@@ -194,7 +194,7 @@ def test_the_terminals_theme_has_the_terminals_own_colors_alone() -> None:
 
 
 def test_style_sheets_name_no_color_of_their_own() -> None:
-    """So that a theme decides every color, and its definition tells whether a page can be read."""
+    """So that a theme decides every color, and its definition determines whether a page is readable."""
     values = []
     for path in sorted((ROOT / "fieldkit" / "tui").rglob("*.py")):
         values += re.findall(r"\b(?:color|background|border[\w-]*|tint): ([^;\n]+);", path.read_text(encoding="utf-8"))

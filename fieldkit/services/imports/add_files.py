@@ -62,10 +62,8 @@ def take_in(
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Add gathered files to a ledger as one change; `choices` are those used in gathering.
-
-    With `motors`, new flights that are impossible on their motor are named in the notes.
-    """
+    """Add gathered files to a ledger as one change. `choices` are the column choices used in gathering. With `motors`,
+    notes name new flights that are impossible on their motor."""
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
@@ -84,7 +82,7 @@ def take_in(
 
 
 def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
-    """A line for each implausible flight among new ones."""
+    """A line for each new flight that is implausible."""
     for one in arrivals:
         for line in implausible_flights([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))

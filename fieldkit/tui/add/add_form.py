@@ -1,4 +1,4 @@
-"""The form of the page Add without its widgets: default answers, answers, implausible values, and saving."""
+"""The form of the Add page without its widgets: default answers, answers, implausible values, and saving."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -47,8 +47,9 @@ class FormStart:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The number a flight was added under, empty for a duplicate, and what it lacks to constrain Cd; or the question
-    with the error and its reason; the reason no fit uses it; or what must be `confirmed` before it is added."""
+    """The result of saving: the id of the flight (empty for a duplicate) and what it lacks to constrain Cd; or the
+    question with an error, and its reason; or why no fit uses the flight; or what must be `confirmed` before it is
+    added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -109,7 +110,7 @@ def lacks(flight: Flight) -> str:
 class Draft:
     """The flight being entered, as a draft in the ledger and finally saved.
 
-    A worker saves drafts while keys are typed: a draft that comes after its flight was saved or discarded is dropped.
+    A worker saves drafts while keys are typed: a draft that arrives after its flight was saved or discarded is dropped.
     All methods may be called from any thread.
     """
 
@@ -131,7 +132,7 @@ class Draft:
         return FormStart(draft, self._units, self.offers(draft), self.names())
 
     def names(self) -> "Names":
-        """What can be picked as an answer."""
+        """Offers known names as answers."""
         return self._resources.names()
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:

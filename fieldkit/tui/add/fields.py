@@ -84,7 +84,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
     `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
-    raises BadValue. `names` finds what is offered as answers are typed; those that it does not know are questioned.
+    raises BadValue. `names` finds what is offered as answers are typed; names that it does not know must be confirmed.
     """
 
     DEFAULT_CSS = """
@@ -97,7 +97,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
+        Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "leave", "Cancel", priority=True),
     ]
@@ -207,7 +207,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Submit the answers if all can be read; one that may be misspelled is questioned first."""
+        """Submit the answers if all can be read; one that may be misspelled must be confirmed first."""
         values: dict[str, object] = {}
         doubts: dict[Field, str] = {}
         self._picker.close()

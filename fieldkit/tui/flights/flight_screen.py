@@ -54,7 +54,7 @@ class FlightScreen(PageScreen):
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
-                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l adds a cursor.",
+                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l to add a cursor.",
             ),
             ("Other data", "Other data from the flight's file, as written there."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
@@ -155,7 +155,7 @@ class FlightScreen(PageScreen):
         self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:
-        """Read the flight; inferred values come when they are computed."""
+        """Read the flight; inferred values follow when they are computed."""
         self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:

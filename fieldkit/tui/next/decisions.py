@@ -71,7 +71,7 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            return Answer(("No target yet. g on the page Next sets one.",))
+            return Answer(("No target yet. Press g on the Next page to set one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
@@ -104,7 +104,7 @@ class Decision:
 
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one.said, one.down, one.fall, one.rail, self.site, self.system)
-        words = tuple(line.replace(NO_WIND_OPTION, "not given: p on the page Next types it") for line in lines)
+        words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
         answer = Answer(words, tuple(safety_text(one.lines, self.system)))
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
@@ -114,7 +114,7 @@ class Decision:
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
-            return Answer(("No saved forecasts of this rocket yet. Enter on the page Next saves one.",))
+            return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             said = one.made.payload

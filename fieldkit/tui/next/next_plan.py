@@ -108,7 +108,7 @@ def read_plan(resources: "Resources") -> Plan | None:
     rocket = rocket_of(ledger, resources.motors, plan.rocket)
     full = completed_plan(ledger, resources.motors, plan, resources.settings)
     if full.dry_mass is None:
-        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
+        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p to enter one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}
     return Plan(
         plan,

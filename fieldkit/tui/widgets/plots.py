@@ -50,7 +50,7 @@ class Plot(PlotextPlot):
         self.refresh()
 
     def render(self) -> RenderResult:
-        """The plot as text, in this size."""
+        """The plot as text in the current size."""
         width, height = self.size
         if self._draw is None or width < 12 or height < 4:
             return ""
