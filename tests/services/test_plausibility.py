@@ -145,6 +145,30 @@ def test_no_command_fails_unforeseen_without_a_flight_to_fit(
         assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
 
 
+def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(told: Told) -> None:
+    """Five times the usual apogee, which this motor could reach without drag; only what is new is questioned."""
+    _, _, err = told(rows=with_one(apogee_m=1250))
+    assert "row 11: flight 10 of Astra: apogee 1250 m is 5 times the usual 250" in err
+    assert err.count("the usual") == 1
+    assert "the usual" not in told(rows=with_one(apogee_m=1250))[2]
+    assert "flight 11 of Astra: apogee 1250 m" in told(rows=[with_one(apogee_m=1250)[-1] | {"flight_id": 11}])[2]
+
+
+@pytest.mark.slow
+def test_no_command_fails_unforeseen_at_the_ends_of_time(
+    told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every line of the manual's session, on flights of the first and the last second that a date can have."""
+    session.furnished(tmp_path / "desk")
+    monkeypatch.chdir(tmp_path / "desk")
+    dates = ("0001-01-01T00:00:00", "9999-12-31T23:59:58", "9999-12-31T23:59:59")
+    rows = [row | {"date_time": date} for row, date in zip(season(3), dates, strict=True)]
+    for words in dict.fromkeys((*session.lines(), *session.more())):
+        if session.named(words) not in WITHOUT_A_LEDGER:
+            told(rows=rows)
+            told(*words)
+
+
 def test_a_card_is_learned_without_impossible_flights_and_names_them(told: Told, tmp_path: Path) -> None:
     told(rows=with_one(dry_mass_g=32200))
     status, _, err = told("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
