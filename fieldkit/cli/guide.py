@@ -71,13 +71,13 @@ def print_guide(
 
 def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
     """The motors by the points of a season, against the one that the rocket last flew on."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_advice import motor_advice
     from fieldkit.planning.motor_guide import label
 
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
-    approved = approved_motors(year, data_folder() / "seasons")
+    approved = approved_motors(year, data_file("seasons"))
     return motor_advice(found, season_rule(year), label(last) if last is not None else None, approved)
 
 

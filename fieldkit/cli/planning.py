@@ -105,11 +105,11 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
 
 def _kit(given: Given) -> "Kit | None":
     """The named kit. Raises BadValue."""
-    from fieldkit.paths import data_folder
-    from fieldkit.planning.kits import FILE_NAME, kit_of
+    from fieldkit.paths import data_file
+    from fieldkit.planning.kits import kit_of
 
     name = given.get("kit")
-    return kit_of(data_folder() / FILE_NAME, name) if name else None
+    return kit_of(data_file("kits.toml"), name) if name else None
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
@@ -206,18 +206,18 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
-    return season(year, data_folder() / "seasons")
+    return season(year, data_file("seasons"))
 
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the user's own replacing the shipped ones."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.limits import limits
 
-    return limits(data_folder() / "limits.toml")
+    return limits(data_file("limits.toml"))
 
 
 def safety_of(

@@ -8,8 +8,6 @@ from pathlib import Path
 from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 
-FILE_NAME = "kits.toml"
-
 
 @dataclass(frozen=True, slots=True)
 class Kit:
