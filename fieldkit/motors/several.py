@@ -42,13 +42,23 @@ def names_several(text: str) -> bool:
     return is_cluster(text) or _SEVERAL_MARKS.search(text) is not None
 
 
+def names_stages(text: str) -> bool:
+    """Whether a text names several stages, as in `D12-0/C6-7`."""
+    return len(_stages(text)) > 1
+
+
+def _stages(text: str) -> list[str]:
+    """The stages that a text names, lowest first, each as its motors; the slash of 1/2A separates none."""
+    halves = re.sub(r"\b1/(?=[248]A)", f"1{_FRACTION}", text.strip())
+    return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
+
+
 def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: float | None = None) -> Found:
     """The motors that a text names, as one; a booster's airframe without its motor weighs `booster_mass` [kg].
 
     Raises UnknownMotor for what cannot be flown as one: three stages, or a booster of unknown mass.
     """
-    halves = re.sub(r"\b1/(?=[248]A)", f"1{_FRACTION}", text.strip())
-    stages = [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
+    stages = _stages(text)
     if len(stages) == 1:
         return _cluster(text, resolve)
     if len(stages) > 2:

@@ -171,6 +171,38 @@ def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is
     assert "fieldkit simulate flies several" in capsys.readouterr().err
 
 
+def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "flights.csv"
+    header = "flight_id,date_time,rocket,dry_mass_g,diameter_mm,motor,apogee_m"
+    rows = ["1,2026-05-01T10:00,Trio,200,66,3 x C6-5,190", "2,2026-05-01T11:00,Trio,100,30,D12-0/C6-7,400"]
+    rows += ["3,2026-05-01T12:00,Trio,8000,130,K550W + 2 x I211W@1.5,1600"]
+    table.write_text("\n".join([header, *rows]))
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(table), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["imported"] == 3
+    assert main([*ledger, "flights", "--json"]) == 0
+    tags = {one["flight_id"]: one["tags"] for one in json.loads(capsys.readouterr().out)["flights"]}
+    assert {id: "staged" if "staged" in given else "cluster" for id, given in tags.items() if given} == {
+        "1": "cluster",
+        "2": "staged",
+        "3": "cluster",
+    }
+    assert main([*ledger, "predict", "--rocket", "Trio", "--motor", "C6-5", "--dry-mass", "60g", "--json"]) == 0
+    (made,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert made["flights"] == 0
+
+
+@pytest.mark.parametrize("command", ["landing", "delay"])
+def test_a_plan_on_a_cluster_says_what_is_not_modeled(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--motor", "3 x C6-5", "--lift-off-mass", "272g", "--diameter", "50mm"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), command, *body]) == 0
+    assert capsys.readouterr().err.count("failed ignitions are not modeled") == 1
+
+
 def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Trio", motor="3 x C6-5", apogee=150.0)])
