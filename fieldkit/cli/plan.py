@@ -6,7 +6,7 @@ import typer
 
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
-from fieldkit.cli.screen import complain, print_json, system
+from fieldkit.cli.screen import print_json, system
 
 app = typer.Typer()
 
@@ -40,8 +40,6 @@ def delay(
         document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
         print_json(document | {"drill": tool.json() if tool else None} | about_plan(said, lines))
         return
-    for note in found.notes:
-        complain(f"note: {note}")
     print_plan(delays_in_words(judged, fast, tool, system()), said.plan, lines, plan.rocket.starts)
 
 
