@@ -14,6 +14,7 @@ from textwrap import fill
 
 import numpy as np
 
+from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, forward
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
@@ -83,8 +84,13 @@ class Shortfall:
 
 
 def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op) -> Shortfall:
-    """Trace the shortfall of all flights of a ledger, in the order flown."""
+    """Trace the shortfall of all flights of a ledger, in the order flown.
+
+    Raises NoFlights if none is clean and has an apogee.
+    """
     simulated, inclined = _measured(flown), _measured(at_an_angle := _at_an_angle(flown))
+    if not simulated:
+        raise NoFlights("found no clean flight with an apogee that can be simulated, expected at least one")
     steps, known = [], restricted(())
     quantities: tuple[str, ...] = ()
     for number, (cause, own) in enumerate(CAUSES.items()):
@@ -96,11 +102,9 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
     bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
     on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
     joint, worth = _together(at_an_angle, known)
-    ratio = float(np.median([one.ratio for one in simulated])) if simulated else float("nan")
+    ratio = float(np.median([one.ratio for one in simulated]))
     both = zip(inclined, simulated, strict=True)
-    worth_of_angle = (
-        float(np.mean([log(one.simulated / other.simulated) for one, other in both])) if simulated else float("nan")
-    )
+    worth_of_angle = float(np.mean([log(one.simulated / other.simulated) for one, other in both]))
     return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth)
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import Given, PlanContext, field_of, own_limits, planned_table, planning
+from fieldkit.cli.plan_options import Given
+from fieldkit.cli.planning import PlanContext, field_of, own_limits, planned_table, planning
 from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import Force, settled

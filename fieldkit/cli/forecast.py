@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
+from fieldkit.cli.plan_options import plan_from_options
 from fieldkit.cli.planning import (
     about_plan,
-    plan_from_options,
     planned_table,
     print_safety,
     safety_of,

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions, season_rule
+from fieldkit.cli.plan_options import Given
+from fieldkit.cli.planning import PlanContext, length, planning, print_conditions, season_rule
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
 from fieldkit.quantities import ShownUnits
 
@@ -71,13 +72,13 @@ def print_guide(
 
 def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
     """The motors by the points of a season, against the one that the rocket last flew on."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_advice import motor_advice
     from fieldkit.planning.motor_guide import label
 
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
-    approved = approved_motors(year, data_folder() / "seasons")
+    approved = approved_motors(year, data_file("seasons"))
     return motor_advice(found, season_rule(year), label(last) if last is not None else None, approved)
 
 
@@ -133,13 +134,22 @@ def _print_json(
 
 
 def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of: int, *, every: bool) -> None:
+    from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK
     from fieldkit.presentation.forecast_text import rests_in_words
 
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {of} motors of {width} fit: safe and sensible for it")
+    say(f"{len(choices)} of {of} motors of {width} fit: safe and sensible for it, as far as is known")
+    if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
+        say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
+    if plan.site.ceiling is None:
+        say_wrapped(
+            "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "
+        )
+    if unknown := [_name(one, choices) for one in choices if EJECTION_CHECK in one.not_judged]:
+        say_wrapped(f"delay   not known of {', '.join(unknown)}", "        ")
     if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "

@@ -70,6 +70,8 @@ def learn(
     force = settled(out, force) if out else force
     motors = known_motors()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
+    for line in (line for flyer in flyers for line in flyer.left_out):
+        complain(f"note: {line}")
     with progress("learning") as on_progress:
         found = learned_from(
             flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress

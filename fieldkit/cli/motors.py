@@ -236,7 +236,7 @@ def _list(found: "list[Motor]") -> None:
             f"{motor.maker} {motor.designation}",
             f"{motor.diameter * 1e3:g}",
             f"{motor.total_impulse:.4g}",
-            f"{motor.average_thrust:.3g}",
+            f"{motor.average_thrust:.4g}",
             f"{motor.burn_time:.3g}",
             f"{motor.loaded_mass * 1e3:.4g}",
             delays_text(motor.delays),

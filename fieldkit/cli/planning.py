@@ -1,6 +1,6 @@
 """Shared by the planning commands: setting up a plan, its field, and printing the safety checks."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fieldkit.cli.options import FIELD
+from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import progress, say, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
 
@@ -22,11 +22,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
-    from fieldkit.planning.kits import Kit
     from fieldkit.planning.limits import Limit
-
-Given = Mapping[str, str | None]
-"""Options of a plan as typed, None if not given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,13 +39,20 @@ class PlanContext:
     """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
-        """The motor of the plan, by default that of the rocket's last flight. Raises UnknownMotor."""
+        """The motor of the plan, by default that of the rocket's last flight; notes on it are printed.
+
+        Raises UnknownMotor.
+        """
+        from fieldkit.cli.screen import complain
         from fieldkit.errors import UnknownMotor
 
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
             raise UnknownMotor(f"{self.flight.rocket}: found no flights to take a motor from, expected --motor")
-        return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
+        found = self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
+        for note in found.notes:
+            complain(f"note: {note}")
+        return found
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety check of a forecast."""
@@ -73,7 +76,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
         on_progress(f"forecasting {name} from its flights", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
-        kit = _kit(given)
+        kit = kit_named(given)
         site = field_of(ledger, flight, given)
         yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
 
@@ -91,72 +94,21 @@ NEW_ROCKET = "new rocket"
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan; a new one if its mass or kit is given. Raises NoFlights."""
+    """The rocket of a plan: the named one, else the kit's, else the last flown; a new one if its mass is given.
+
+    Raises NoFlights, BadValue.
+    """
     from fieldkit.errors import NoFlights
     from fieldkit.services.forecasts import which_rocket
 
+    kit = kit_named(given)
+    name = given.get("rocket") or (kit.name if kit else None)
     try:
-        return which_rocket(ledger, given.get("rocket"))
+        return which_rocket(ledger, name)
     except NoFlights:
-        if not any(given.get(name) for name in ("dry_mass", "lift_off_mass", "kit")):
+        if not (kit or given.get("dry_mass") or given.get("lift_off_mass")):
             raise
-    return given.get("rocket") or given.get("kit") or NEW_ROCKET
-
-
-def _kit(given: Given) -> "Kit | None":
-    """The named kit. Raises BadValue."""
-    from fieldkit.paths import data_folder
-    from fieldkit.planning.kits import FILE_NAME, kit_of
-
-    name = given.get("kit")
-    return kit_of(data_folder() / FILE_NAME, name) if name else None
-
-
-def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
-    """The flight described by the options; rocket, configuration, mass, rail and site are by default as last flown.
-
-    Raises BadValue.
-    """
-    from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of, stability
-    from fieldkit.importing.manual_entry import read_changes
-    from fieldkit.planning.safety import motor_temperature
-    from fieldkit.services.planning import completed_plan
-    from fieldkit.settings import read_settings
-
-    changes = {
-        name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
-    }
-    last = ledger.latest(changes.get("rocket"))
-    plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
-    plan = plan.with_changes(**read_changes(plan, changes))
-    if given.get("motor_temperature"):
-        plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
-        motor_temperature(plan)
-    if kit := _kit(given):
-        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
-        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
-    if given.get("lift_off_mass"):
-        plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
-    typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
-    plan = plan.with_changes(extra={**plan.extra, **typed})
-    plan = completed_plan(ledger, motors, plan, read_settings())
-    recovery_of(plan)
-    rail_direction(plan)
-    stability(plan)
-    return plan
-
-
-def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float:
-    """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
-    from fieldkit.errors import BadValue
-    from fieldkit.units import parse
-
-    motor = motors.resolve(plan.motor or (last.motor if last else "")).motor
-    mass = parse(text, "mass", "g") - motor.loaded_mass
-    if mass <= 0:
-        raise BadValue(f"lift_off_mass: found {text}, expected more than the mass of its motor")
-    return mass
+    return name or NEW_ROCKET
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
@@ -206,18 +158,18 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
-    return season(year, data_folder() / "seasons")
+    return season(year, data_file("seasons"))
 
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the user's own replacing the shipped ones."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.limits import limits
 
-    return limits(data_folder() / "limits.toml")
+    return limits(data_file("limits.toml"))
 
 
 def safety_of(

@@ -3,13 +3,16 @@
 from collections.abc import Iterator
 from enum import StrEnum
 from math import isnan
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
+
+if TYPE_CHECKING:
+    from fieldkit.motors.several import Booster
 
 app = typer.Typer()
 
@@ -43,7 +46,17 @@ def simulate(
     ] = Physics.field,
     booster_mass: Annotated[
         str | None,
-        typer.Option(help="Mass of the lower of two stages without its motor: 60g; for motors such as D12-0/C6-7."),
+        typer.Option(
+            help="Mass of each lower stage without its motor, lowest first: 60g, or 60g/40g; for motors such as "
+            "D12-0/C6-7."
+        ),
+    ] = None,
+    booster_cd: Annotated[
+        str | None,
+        typer.Option(
+            help="Drag coefficient of the rocket on each lower stage, lowest first, for the same diameter: 0.9; "
+            "default: that of --cd."
+        ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
@@ -53,7 +66,6 @@ def simulate(
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
-    from fieldkit.units import parse
 
     said = {name: text for name, text in given.items() if text is not None}
     for name in BODY:
@@ -68,9 +80,7 @@ def simulate(
     if physics is Physics.paper:
         result = paper_flight(plan, cd, alpha)
     else:
-        found = known_motors().resolve_several(
-            plan.motor, None if booster_mass is None else parse(booster_mass, "mass", "g")
-        )
+        found = known_motors().resolve_several(plan.motor, _boosters(booster_mass, booster_cd, cd))
         for note in found.notes:
             complain(f"note: {note}")
         result = field_flight(plan, found, cd, alpha)
@@ -85,6 +95,20 @@ def simulate(
         say_wrapped(
             "Apogee and ejection altitude are as a barometric altimeter shows them; true apogee is above the pad."
         )
+
+
+def _boosters(masses: str | None, cds: str | None, cd: float) -> "tuple[Booster, ...]":
+    """The lower stages as typed, lowest first. Raises BadValue, BadParameter."""
+    from fieldkit.motors.several import Booster
+    from fieldkit.units import parse
+
+    mass = [parse(one, "mass", "g") for one in masses.split("/")] if masses else []
+    drag = [parse(one, "number", "") for one in cds.split("/")] if cds else [cd] * len(mass)
+    if len(drag) != len(mass):
+        raise typer.BadParameter(f"found {len(drag)} --booster-cd and {len(mass)} --booster-mass, expected as many")
+    if not all(value > 0 for value in (*mass, *drag)):
+        raise typer.BadParameter("found a booster without mass or Cd, expected numbers above zero")
+    return tuple(Booster(one, other / cd) for one, other in zip(mass, drag, strict=True))
 
 
 def _figures(result: dict[str, float]) -> Iterator[tuple[str, str, float]]:

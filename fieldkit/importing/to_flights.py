@@ -91,12 +91,22 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The flight that a reading describes, with a name. Raises DamagedLog if it was never flown."""
-    flight = _weighed(_flight(reading), reading)
+    flight = _tagged(_weighed(_flight(reading), reading))
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
     _check_motor(flight, reading, check_motor)
     return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
+
+
+def _tagged(flight: Flight) -> Flight:
+    """A flight with the tag of a cluster or of stages, if its motor names several."""
+    from fieldkit.motors.several import names_several, names_stages
+
+    if not names_several(flight.motor):
+        return flight
+    tag = "staged" if names_stages(flight.motor) else "cluster"
+    return flight.with_changes(tags=tuple(dict.fromkeys((*flight.tags, tag))))
 
 
 def _weighed(flight: Flight, reading: Reading) -> Flight:

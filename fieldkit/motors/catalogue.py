@@ -19,7 +19,7 @@ from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
 from fieldkit.motors.names import tidy
 from fieldkit.motors.own_corrections import OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
-from fieldkit.motors.several import names_several, resolve_several
+from fieldkit.motors.several import Booster, names_several, resolve_several
 from fieldkit.safe_text import printable
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
@@ -34,7 +34,7 @@ class Catalogue:
     about: Mapping[str, Any]
     lots: Mapping[tuple[str, str, str], Motor] = field(default_factory=dict)
     """Motors of single lots by maker, designation and lot."""
-    _several: dict[tuple[str, float | None], Found] = field(default_factory=dict, repr=False, compare=False)
+    _several: dict[tuple[str, tuple[Booster, ...]], Found] = field(default_factory=dict, repr=False, compare=False)
     """Clusters and stages that were asked for, so that each is one object."""
 
     def __len__(self) -> int:
@@ -55,14 +55,14 @@ class Catalogue:
         found = search.resolve(self.listings, plain, maker)
         return self._of_lot(found, lot) if lot else found
 
-    def resolve_several(self, text: str, booster_mass: float | None = None) -> Found:
-        """The motor of a text, or the cluster or the two stages that it names, flown as one motor; see
+    def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
+        """The motor of a text, or the cluster or the stages that it names, flown as one motor; see
         `fieldkit.motors.several`. Raises UnknownMotor."""
         if not names_several(text):
             return self.resolve(text)
-        key = tidy(text), booster_mass
+        key = tidy(text), boosters
         if key not in self._several:
-            self._several[key] = resolve_several(text, self.resolve, booster_mass)
+            self._several[key] = resolve_several(text, self.resolve, boosters)
         return self._several[key]
 
     def _of_lot(self, found: Found, lot: str) -> Found:

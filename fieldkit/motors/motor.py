@@ -31,7 +31,8 @@ class Motor:
     the certification [N], None if unknown or only the number in the name; `corrections` are the
     figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
     of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
-    is gone at each knot [1], None if it goes with the impulse. Two motors are equal when
+    is gone at each knot [1], None if it goes with the impulse, and `drag` that of the rocket from each knot on over
+    that of its uppermost stage [1], None if it is the same throughout. Two motors are equal when
     they are the same object.
     """
 
@@ -59,6 +60,7 @@ class Motor:
     corrections: tuple[Correction, ...] = ()
     parts: tuple["Motor", ...] = ()
     spent: Float[Array, "knot"] | None = field(default=None, repr=False)
+    drag: Float[Array, "knot"] | None = field(default=None, repr=False)
 
     @property
     def burning(self) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Several motors as one: a cluster, whose thrusts add, some of it lit later, and two stages, of which the first drops.
+"""Several motors as one: a cluster, whose thrusts add, some of it lit later, or stages, all but the last of which drop.
 
 What comes out is a motor like any other, so that the same physics flies it. Written as `3 x C6-5`,
 `K550W + 2 x I211W@1.5` (lit 1.5 s after the first), or, lower stage first, `D12-0/C6-7`.
@@ -6,7 +6,7 @@ What comes out is a motor like any other, so that the same physics flies it. Wri
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,8 +21,8 @@ CLUSTER_NOTE = (
     "drag and failed ignitions are not modeled"
 )
 STAGES_NOTE = (
-    "two stages: the booster drops at its burnout and the upper motor lights then; both fly on one diameter and one "
-    "Cd, and the descent of the booster is not modeled"
+    "stages: a booster drops at its burnout and the next motor lights then; the Cd is that of the uppermost stage and, "
+    "without --booster-cd, of the whole rocket; the descent of boosters is not modeled"
 )
 DROP_TIME = 1e-3
 """In which a booster is gone. [s]"""
@@ -32,6 +32,8 @@ _FRACTION = "\N{FRACTION SLASH}"
 """Replaces the slash of a class such as 1/2A while stages are separated."""
 MAX_MOTORS = 20
 """In a cluster. [1]"""
+MAX_STAGES = 3
+"""Largest number that was checked against other programs. [1]"""
 
 
 _SEVERAL_MARKS = re.compile(r"^\s*\d{1,2}\s*[x×*]\s*\w|\s\+\s|@\s*\d", re.IGNORECASE)
@@ -42,25 +44,47 @@ def names_several(text: str) -> bool:
     return is_cluster(text) or _SEVERAL_MARKS.search(text) is not None
 
 
-def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: float | None = None) -> Found:
-    """The motors that a text names, as one; a booster's airframe without its motor weighs `booster_mass` [kg].
+def names_stages(text: str) -> bool:
+    """Whether a text names several stages, as in `D12-0/C6-7`."""
+    return len(_stages(text)) > 1
 
-    Raises UnknownMotor for what cannot be flown as one: three stages, or a booster of unknown mass.
-    """
+
+def _stages(text: str) -> list[str]:
+    """The stages that a text names, lowest first, each as its motors; the slash of 1/2A separates none."""
     halves = re.sub(r"\b1/(?=[248]A)", f"1{_FRACTION}", text.strip())
-    stages = [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
+    return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
+
+
+@dataclass(frozen=True, slots=True)
+class Booster:
+    """A lower stage without its motor [kg], and the drag of the rocket on it over that of the uppermost stage. [1]"""
+
+    mass: float
+    drag: float = 1.0
+
+
+def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequence[Booster] = ()) -> Found:
+    """The motors that a text names, as one; `boosters` are the lower stages, the lowest first.
+
+    Raises UnknownMotor for what cannot be flown as one: more than three stages, or boosters that are not known.
+    """
+    stages = _stages(text)
     if len(stages) == 1:
         return _cluster(text, resolve)
-    if len(stages) > 2:
-        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected at most two: more are not modeled")
-    if booster_mass is None:
+    if len(stages) > MAX_STAGES:
+        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected at most {MAX_STAGES}: more are not modeled")
+    if len(boosters) != len(stages) - 1:
+        wanted = "60g" if len(stages) == 2 else "60g/40g, lowest first"
         raise UnknownMotor(
-            f"{text}: found two stages, expected fieldkit simulate with --booster-mass, the booster without its motor, "
-            "as in 60g: no other command flies them"
+            f"{text}: found {len(stages)} stages, expected fieldkit simulate with --booster-mass, "
+            f"each booster without its motor, as in {wanted}: no other command flies them"
         )
-    booster, sustainer = (_cluster(stage, resolve) for stage in stages)
-    motor = two_stages(booster.motor, sustainer.motor, booster_mass)
-    return Found(motor, sustainer.delay, (*booster.notes, *sustainer.notes, STAGES_NOTE))
+    found = [_cluster(stage, resolve) for stage in stages]
+    motor = found[-1].motor
+    for one, booster in zip(found[-2::-1], reversed(boosters), strict=True):
+        motor = two_stages(one.motor, motor, booster)
+    notes = dict.fromkeys(note for one in found for note in one.notes)
+    return Found(motor, found[-1].delay, (*notes, STAGES_NOTE))
 
 
 def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
@@ -110,36 +134,48 @@ def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
     )
 
 
-def two_stages(booster: Motor, sustainer: Motor, booster_mass: float, gap: float = 0.0) -> Motor:
-    """A booster below a sustainer, which is lit so long after the booster's end [s], when its airframe [kg], without
-    its motor, and its casing are dropped. What counts as propellant is all that is gone at the end.
+def two_stages(lower: Motor, upper: Motor, booster: Booster) -> Motor:
+    """A booster below an upper motor, itself perhaps of stages, that lights when the booster's airframe and casing are
+    dropped at its burnout. What counts as propellant is all that is gone at the end.
 
     Raises BadValue for an upper motor too weak for its end to be distinguished from that of the lower.
     """
-    end = booster.thrust_end
-    if sustainer.peak_thrust < 2 * BURN_THRUST_FRACTION * booster.peak_thrust:
-        raise BadValue(f"{sustainer.designation}: found too little thrust over {booster.designation} for two stages")
-    start = end + max(gap, DROP_TIME)
-    time, thrust = _added([(booster.time, booster.thrust), (sustainer.time + start, sustainer.thrust)], [end, start])
-    dropped = booster_mass + booster.casing_mass
-    gone = booster.propellant_mass + dropped + sustainer.propellant_mass
-    burnt = np.interp(time, *_burnt(booster, 0.0)) * booster.propellant_mass
-    burnt += np.interp(time, *_burnt(sustainer, start)) * sustainer.propellant_mass
+    end = lower.thrust_end
+    if upper.peak_thrust < 2 * BURN_THRUST_FRACTION * lower.peak_thrust:
+        raise BadValue(f"{upper.designation}: found too little thrust over {lower.designation} for two stages")
+    start = end + DROP_TIME
+    time, thrust = _added([(lower.time, lower.thrust), (upper.time + start, upper.thrust)], [end, start])
+    dropped = booster.mass + lower.casing_mass
+    gone = lower.propellant_mass + dropped + upper.propellant_mass
+    burnt = np.interp(time, *_burnt(lower, 0.0)) * lower.propellant_mass
+    burnt += np.interp(time, *_burnt(upper, start)) * upper.propellant_mass
     burnt += np.interp(time, [end, end + DROP_TIME], [0.0, dropped])
     return replace(
-        sustainer,
-        designation=f"{booster.designation}/{sustainer.designation}",
-        kind="two stages",
-        total_impulse=booster.total_impulse + sustainer.total_impulse,
+        upper,
+        designation=f"{lower.designation}/{upper.designation}",
+        kind="stages",
+        total_impulse=lower.total_impulse + upper.total_impulse,
         propellant_mass=gone,
         time=time,
         thrust=thrust,
-        certified_average=booster.certified_average,
+        certified_average=lower.certified_average,
         certified_peak=None,
         corrections=(),
-        parts=((booster.parts or (booster,)) + (sustainer.parts or (sustainer,))),
+        parts=((lower.parts or (lower,)) + (upper.parts or (upper,))),
         spent=np.asarray(burnt / gone),
+        drag=_drag(time, start, booster.drag, upper),
     )
+
+
+def _drag(time: Array, start: float, below: float, upper: Motor) -> Array | None:
+    """Drag from each knot on over that of the uppermost stage [1], `below` until the upper motor lights [s]; None if
+    it is the same throughout."""
+    if below == 1 and upper.drag is None:
+        return None
+    later = np.ones(len(time))
+    if upper.drag is not None:
+        later = upper.drag[np.clip(np.searchsorted(upper.time, time - start + 1e-9, side="right") - 1, 0, None)]
+    return np.where(time < start - 1e-9, below, later)
 
 
 def _added(curves: Sequence[tuple[Array, Array]], more: Sequence[float] = ()) -> tuple[Array, Array]:
@@ -150,7 +186,9 @@ def _added(curves: Sequence[tuple[Array, Array]], more: Sequence[float] = ()) ->
 
 
 def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
-    """The fraction of a motor's propellant that is burned, against time from the first ignition."""
+    """The fraction of a motor's propellant that is gone, against time from the first ignition."""
+    if motor.spent is not None:
+        return motor.time + start, motor.spent
     fine = np.unique(np.concatenate([motor.time, np.linspace(0.0, motor.thrust_end, 200)]))
     push = np.interp(fine, motor.time, motor.thrust)
     done = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(fine) * (push[1:] + push[:-1]))])

@@ -110,12 +110,15 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
     first_pull: Array | None = None
-    for first, dt, thrust, mass in _steps(setup):
+    for step, (first, dt, thrust, mass) in enumerate(_steps(setup)):
+        held = _with_stages(setup, step)
+        if held is not setup:
+            pull, first_pull = EquationsOfMotion(held, burning=True), None
         if waits := bool(first.min() < latest):
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        _advance(track, setup, pull, dt, thrust, mass, first_pull)
+        _advance(track, held, pull, dt, thrust, mass, first_pull)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
@@ -127,6 +130,12 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
             _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
     return track
+
+
+def _with_stages(setup: Setup, step: int) -> Setup:
+    """The set-up with the drag of the stages that are still there in a step."""
+    drag = setup.burns.drag
+    return setup if drag is None else setup.with_changes(drag_area=setup.drag_area * drag[step][setup.motor])
 
 
 def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:

@@ -115,7 +115,7 @@ def wind_profile(flight: Flight) -> WindProfile:
 def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
     """Exponent of the wind's power law [1] and the height above which it is even [m], of every flight.
 
-    The climb takes the wind of all heights to blow as at the pad; the descent turns with it.
+    Climb and descent follow the wind over height; by how much it turns with height, the descent alone.
     """
     if not any(flight.extra for flight in flights):
         return np.full(1, WIND_EXPONENT), np.full(1, np.inf)

@@ -48,7 +48,8 @@ class Burns:
 
     `thrust` [N] and `spent` (fraction of the propellant burned, [1]) are those at start, middle and end of each
     step. `rise_time` and `rise_thrust` are the knots up to the highest, for lift-off. Rows are steps first,
-    so that one step of all motors lies together.
+    so that one step of all motors lies together. `drag` is that of each step over that after the last [1], None if no
+    motor drops a stage of other drag.
     """
 
     thrust: Float[Array, "step 3 motor"]
@@ -59,6 +60,7 @@ class Burns:
     burnout: Float[Array, "motor"]
     propellant_mass: Float[Array, "motor"]
     casing_mass: Float[Array, "motor"]
+    drag: Float[Array, "step motor"] | None = None
 
     @property
     def lengths(self) -> Float[Array, "motor"]:
@@ -147,8 +149,8 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = No
         if (gone := getattr(motor, "spent", None)) is not None:
             spent = np.interp(nodes, motor.time, gone)
         rise = slice(0, int(np.argmax(thrust)) + 1)
-        rows.append((edge, np.interp(nodes, time, thrust), spent, time[rise], thrust[rise]))
-    edges, pushes, shares, rise_times, rise_thrusts = (list(values) for values in zip(*rows, strict=True))
+        rows.append((edge, np.interp(nodes, time, thrust), spent, time[rise], thrust[rise], _drag(motor, edge)))
+    edges, pushes, shares, rise_times, rise_thrusts, drags = (list(values) for values in zip(*rows, strict=True))
     return Burns(
         edge=_side_by_side(edges),
         thrust=_side_by_side(pushes, 0.0),
@@ -158,4 +160,13 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = No
         burnout=np.array([motor.burnout for motor in motors], float),
         propellant_mass=np.array([motor.propellant_mass for motor in motors], float),
         casing_mass=np.array([motor.casing_mass for motor in motors], float),
+        drag=None if all((drag == 1).all() for drag in drags) else _side_by_side(drags),
     )
+
+
+def _drag(motor: Curve, edge: Array) -> Array:
+    """Drag in each step of a motor, over that of what is left at the end. [1]"""
+    drag = getattr(motor, "drag", None)
+    if drag is None:
+        return np.ones(len(edge) - 1)
+    return np.asarray(drag[np.searchsorted(motor.time, edge[:-1] + 1e-9, side="right") - 1])

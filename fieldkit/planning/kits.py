@@ -7,8 +7,10 @@ from pathlib import Path
 
 from fieldkit.errors import BadValue
 from fieldkit.files import read_own
+from fieldkit.motors.motor import Motor
 
-FILE_NAME = "kits.toml"
+DIAMETER_TOLERANCE = 0.0006
+"""Largest difference between two diameters of one mount. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,14 @@ def kit_of(file: Path, name: str) -> Kit:
         known = ", ".join(kit.name for kit in kits.values()) or f"none; add them in {file}"
         raise BadValue(f"found no kit {name!r}, expected one of: {known}")
     return kits[name.casefold()]
+
+
+def check_mount(kit: Kit, motor: Motor) -> None:
+    """Raise BadValue for a motor, or one of a cluster, that is wider than the mount of a kit."""
+    widest = max(one.diameter for one in motor.parts or (motor,))
+    if kit.mount is not None and widest > kit.mount + DIAMETER_TOLERANCE:
+        found = f"found {motor.maker} {motor.designation}, {widest * 1e3:g} mm wide"
+        raise BadValue(f"--motor: {found}, expected at most {kit.mount * 1e3:g} mm, the motor mount of {kit.name}")
 
 
 def _figure(file: Path, kit: str, table: Mapping[str, object], key: str) -> float | None:

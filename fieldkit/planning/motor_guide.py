@@ -20,19 +20,20 @@ from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays, tolerance
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
+from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
 from fieldkit.planning.safety import safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
-DIAMETER_TOLERANCE = 0.0006
-"""Largest difference between two diameters of one mount. [m]"""
 DRAWS = 64
 """Flights flown for each motor, all with common random numbers: a 5 % quantile is good to a quarter of a standard
 deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same if wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
-FIT_CHECKS = ("rail exit speed", "thrust to weight", "ejection speed", "ceiling")
+RAIL_CHECK = "rail exit speed"
+EJECTION_CHECK = "ejection speed"
+FIT_CHECKS = (RAIL_CHECK, "thrust to weight", EJECTION_CHECK, "ceiling")
 """What a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
@@ -122,6 +123,17 @@ class MotorChoice:
         return not self.why_not
 
     @property
+    def not_judged(self) -> list[str]:
+        """What a fit would depend on and the plan leaves open: the rail, a ceiling, a delay that is not known."""
+        rail = self.plan.rail_length is not None
+        return [
+            line.name
+            for line in self.lines
+            if line.name in FIT_CHECKS
+            and (line.verdict == "unknown" or (line.name == RAIL_CHECK and not rail and line.failed))
+        ]
+
+    @property
     def failed(self) -> list[SafetyCheck]:
         """The safety lines that are not well, and known."""
         return [line for line in self.lines if line.failed]
@@ -142,6 +154,7 @@ class MotorChoice:
             "flown": self.flown,
             "fits": self.fits,
             "why_not": [line.name for line in self.why_not],
+            "not_judged": self.not_judged,
             "safety": [line.json() for line in self.lines],
         }
 

@@ -51,10 +51,11 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
 def finals_basis(flown: TrialFlights) -> Iterator[str]:
     """What the table is based on, and how much one more flight would narrow it."""
     said, fall = flown.forecast, flown.fall
-    apogee, descent = 1 - said.narrowed(1), 1 - fall.relative_sd(1) / fall.relative_sd()
     yield f"based on {rests_in_words(said)}; descent: {descent_in_words(fall)}"
-    narrower = f"the apogee by {apogee:.0%} and the descent speed by {descent:.0%}"
-    yield f"one more flight with a duration would narrow {narrower}"
+    apogee = f"the apogee by {1 - said.narrowed(1):.0%}" if said.rests_on else ""
+    descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""
+    if narrower := " and ".join(part for part in (apogee, descent) if part):
+        yield f"one more flight with a duration would narrow {narrower}"
 
 
 FINALS_NOTES = (

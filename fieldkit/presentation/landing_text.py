@@ -13,6 +13,12 @@ from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.quantities import ShownUnits, counted
 from fieldkit.units import DEGREE
 
+LEAST_CHANCE = 0.01
+"""Chance that is reported. [1]"""
+OFF_AXIS = 0.05
+"""Distance of the ellipse's center to the side of the wind below which it is within the noise of the draws, over the
+short half axis. [1]"""
+
 
 def landing_in_words(
     said: Prediction, down: Landing, fall: Fall, rail: Sequence[RailChoice], site: Site, system: str = "SI"
@@ -26,7 +32,7 @@ def landing_in_words(
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery, shown)}"
-    if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
+    if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall)}"
     yield f"  based on  {rests_in_words(said)}"
@@ -52,13 +58,12 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
     low, middle, high = three(down.away)
     yield f"  lands     {shown.length(middle)} from the pad, 90% interval {shown.lengths(low, high)}"
     ellipse = down.ellipse()
-    side = "right" if ellipse.across >= 0 else "left"
     way = "downwind" if ellipse.along >= 0 else "upwind"
     axes = f"{shown.length(2 * ellipse.long)} by {shown.length(2 * ellipse.short)}"
-    yield (
-        f"  ellipse   {ELLIPSE_LEVEL:.0%} of landings: {axes}, "
-        f"centered {shown.length(abs(ellipse.along))} {way} and {shown.length(abs(ellipse.across))} to the {side}"
-    )
+    center = f"centered {shown.length(abs(ellipse.along))} {way}"
+    if abs(ellipse.across) > OFF_AXIS * ellipse.short:
+        center += f" and {shown.length(abs(ellipse.across))} to the {'right' if ellipse.across > 0 else 'left'}"
+    yield f"  ellipse   {ELLIPSE_LEVEL:.0%} of landings: {axes}, {center}"
     if site.size is not None:
         inside = float((down.away <= site.size / 2).mean())
         yield f"  field     {shown.length(site.size)} across: {inside:.0%} chance to land on it (pad in the middle)"

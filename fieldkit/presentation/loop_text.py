@@ -1,6 +1,8 @@
 """A closed loop as lines for a flyer: what is missing, its probability, and the evidence."""
 
+from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -8,6 +10,7 @@ import numpy as np
 
 from fieldkit.physics.effect import spoken
 from fieldkit.quantities import ShownUnits, in_system
+from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 
@@ -172,11 +175,17 @@ def what_forecasts_become(found: Findings) -> str:
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
         return "forecasts use the plain model"
-    parts = [
-        f"{chance:.0%} {'+'.join(place.in_words for place in places) or 'the plain model'}"
-        for chance, places in averaged
-    ]
+    chances: defaultdict[str, float] = defaultdict(float)
+    for chance, places in averaged:
+        names = dict.fromkeys(_at_any_time(place) for place in places)
+        chances[" and ".join(names) or "the plain model"] += chance
+    parts = [f"{chance:.0%} {name}" for name, chance in sorted(chances.items(), key=lambda one: -one[1])]
     return f"forecasts average over: {', '.join(parts)}"
+
+
+def _at_any_time(place: Place) -> str:
+    """An effect and its motor or site, without its first flight."""
+    return replace(place, since="").in_words if place.effect else "a pattern that no effect explains"
 
 
 def what_accepting_changes(found: Findings) -> Iterator[str]:

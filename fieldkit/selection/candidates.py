@@ -38,9 +38,11 @@ class Place:
 
     @property
     def in_words(self) -> str:
-        """The same for a flyer, a pattern in words: `a trend with the hour of the day`, `a change from flight 4 on`."""
+        """For a flyer: an effect by its title, and its flights, `a weak or strong motor of F24`; a pattern in words,
+        `a trend with the hour of the day`, `a change from flight 4 on`."""
         if self.effect:
-            return str(self)
+            title = effects()[self.effect].title if self.effect in effects() else self.effect
+            return str(self).replace(self.effect, title, 1)
         if self.where.endswith(SMOOTHLY):
             return f"a trend with {self.where.removesuffix(SMOOTHLY)}"
         return self.where.replace("every flight from ", "a change from flight ", 1)

@@ -32,8 +32,8 @@ QUANTILE_COUNT = 40
 Which = Literal["before", "after"]
 
 
-def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket that can be simulated, in order, each with its motor.
+def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[tuple[Flight, Found]]:
+    """The flights of a rocket, or of all, that can be simulated, in order, each with its motor.
 
     Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a note on
     each implausible one.
@@ -82,7 +82,9 @@ def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
 def version_adds(payload: Mapping[str, Any]) -> str:
     """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`."""
     sets = version_average(payload)
-    named = ["+".join(place.in_words for place in places) or "nothing" for _, places in sets]
+    named = [
+        "+".join(str(place) if place.effect else place.in_words for place in places) or "nothing" for _, places in sets
+    ]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
     return named[0] if len(named) == 1 else added
 

@@ -15,7 +15,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="a heavier recovery since some flight",
+    title="a heavier recovery",
     family="mass",
     explains="from some flight on the rocket carries more than the mass entered, such as a larger parachute",
     unit="fraction of the dry mass",

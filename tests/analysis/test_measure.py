@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.analysis import Recorded, columns, measure
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.compare import compare
+from fieldkit.analysis.descent import shock
 from fieldkit.analysis.forces import forces
 from fieldkit.analysis.notes import (
     CLIPPED_NOTE,
@@ -508,3 +509,15 @@ def test_slopes_and_lines_are_those_of_scipy(size: int) -> None:
     assert typical_line(x, y) == pytest.approx((slope, intercept))
     whole = savgol_filter(y, 5, 2, deriv=1, delta=0.2)
     np.testing.assert_allclose(local_slopes(y, 5, 0.2), whole[2:-2], atol=1e-12)
+
+
+def test_the_drag_of_a_fast_coast_is_no_charge() -> None:
+    random, time = np.random.default_rng(3), np.arange(0, 20, 0.05)
+    drag = -90 * np.exp(-(time - 4) / 1.5)
+    felt = np.where(time < 3, 9.8, np.where(time < 4, 260.0, np.where(time < 11.8, drag, 6.0)))
+    felt = felt + random.normal(0, 0.5, time.size)
+    felt[np.searchsorted(time, 11.8)] += 150.0
+    push = Push(time, felt, False, "acceleration")
+    found = shock(push, 4.0, 11.0)
+    assert found is not None
+    assert found.time == pytest.approx(11.8, abs=0.06)

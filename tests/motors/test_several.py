@@ -12,6 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.motors.motor import impulse
+from fieldkit.motors.several import Booster
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
@@ -23,8 +24,8 @@ CHECK_SHAPES = False
 MOTORS = catalogue()
 
 
-def several(text: str, booster_mass: float | None = None) -> Motor:
-    return MOTORS.resolve_several(text, booster_mass).motor
+def several(text: str, *booster_masses: float) -> Motor:
+    return MOTORS.resolve_several(text, tuple(map(Booster, booster_masses))).motor
 
 
 def flown(motor: Motor, dry_mass: float, drag_area: float, rail: float = 1.0, wind: float = 0.0) -> FlightResult:
@@ -94,6 +95,27 @@ def test_two_stages_gain_the_speed_that_thrust_over_mass_gives(booster_mass: flo
     assert speed == pytest.approx(gained - 9.80665 * lit, rel=0.02)
 
 
+@pytest.mark.parametrize("drag", [1.0, 2.5])
+def test_three_stages_fly_as_a_plain_integration_says(drag: float) -> None:
+    """Top speed by Euler's method in even air, each booster and its drag dropped when its motor ends."""
+    text, boosters, dry, area = "C6-0/B6-0/A8-5", (0.02, 0.01), 0.04, 4e-4
+    motor = MOTORS.resolve_several(text, tuple(Booster(mass, drag) for mass in boosters)).motor
+    stages = [MOTORS.resolve(name).motor for name in ("C6-0", "B6-0", "A8-5")]
+    speed, top, step = 0.0, 0.0, 2e-4
+    for number, one in enumerate(stages):
+        above = dry + sum(boosters[number:]) + sum(other.loaded_mass for other in stages[number + 1 :])
+        at = np.arange(0.0, one.thrust_end, step)
+        push = np.interp(at, one.time, one.thrust)
+        left = above + one.loaded_mass - one.propellant_mass * np.cumsum(push) / push.sum()
+        wide = area * (drag if number < 2 else 1.0)
+        for thrust, mass in zip(push, left, strict=True):
+            speed = max(speed + step * ((thrust - 0.5 * 1.225 * wide * speed**2) / mass - 9.80665), 0.0)
+            top = max(top, speed)
+    result = flown(motor, dry, area)
+    assert float(result.top_speed[0]) == pytest.approx(top, rel=0.01)
+    assert (motor.drag is None) is (drag == 1.0)
+
+
 def test_a_booster_that_is_kept_costs_height() -> None:
     two = flown(several("D12-0/C6-7", 0.06), 0.08, 0.0004).apogee
     one = flown(MOTORS.resolve("C6-7").motor, 0.08, 0.0004).apogee
@@ -103,7 +125,8 @@ def test_a_booster_that_is_kept_costs_height() -> None:
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ("D12-0/C6-0/B6-4", "3 stages"),
+        ("D12-0/C6-0/B6-0/A8-5", "4 stages"),
+        ("D12-0/C6-0/B6-4", "60g/40g"),
         ("D12-0/C6-7", "--booster-mass"),
         ("30 x C6-5", "30 motors"),
         ("2 x Zonk", "no such motor"),
@@ -154,6 +177,11 @@ def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[s
         assert ("cluster" in captured.err) is (name == "3 x C6-5")
     assert heights["3 x C6-5"] > 2 * heights["C6-5"]
     assert heights["D12-0/C6-7"] > 2 * heights["C6-5"]
+    wide = ["--motor", "D12-0/C6-7", "--booster-mass", "50g", "--booster-cd", "1.5"]
+    assert main(["simulate", *wide, *body]) == 0
+    assert json.loads(capsys.readouterr().out)["true_apogee_m"] < 0.99 * heights["D12-0/C6-7"]
+    assert main(["simulate", *wide, "--booster-mass", "50g/40g", *body]) == 2
+    assert "--booster-cd" in capsys.readouterr().err
     assert main(["simulate", "--motor", "D12-0/C6-7", *body]) == 1
     assert "--booster-mass" in capsys.readouterr().err
 
@@ -169,6 +197,38 @@ def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is
     assert "3 motors" in lines["complex rocket"]["text"]
     assert main([*ledger, "predict", *body]) == 1
     assert "fieldkit simulate flies several" in capsys.readouterr().err
+
+
+def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "flights.csv"
+    header = "flight_id,date_time,rocket,dry_mass_g,diameter_mm,motor,apogee_m"
+    rows = ["1,2026-05-01T10:00,Trio,200,66,3 x C6-5,190", "2,2026-05-01T11:00,Trio,100,30,D12-0/C6-7,400"]
+    rows += ["3,2026-05-01T12:00,Trio,8000,130,K550W + 2 x I211W@1.5,1600"]
+    table.write_text("\n".join([header, *rows]))
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(table), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["imported"] == 3
+    assert main([*ledger, "flights", "--json"]) == 0
+    tags = {one["flight_id"]: one["tags"] for one in json.loads(capsys.readouterr().out)["flights"]}
+    assert {id: "staged" if "staged" in given else "cluster" for id, given in tags.items() if given} == {
+        "1": "cluster",
+        "2": "staged",
+        "3": "cluster",
+    }
+    assert main([*ledger, "predict", "--rocket", "Trio", "--motor", "C6-5", "--dry-mass", "60g", "--json"]) == 0
+    (made,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert made["flights"] == 0
+
+
+@pytest.mark.parametrize("command", ["landing", "delay"])
+def test_a_plan_on_a_cluster_says_what_is_not_modeled(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--motor", "3 x C6-5", "--lift-off-mass", "272g", "--diameter", "50mm"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), command, *body]) == 0
+    assert capsys.readouterr().err.count("failed ignitions are not modeled") == 1
 
 
 def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None:

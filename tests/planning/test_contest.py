@@ -332,6 +332,25 @@ def test_points_of_teams_are_those_worked_out_by_hand() -> None:
     assert scored["Team2-05"][1] == pytest.approx(33.0)  # 783 ft, in the window
 
 
+@pytest.mark.skipif(not TEAMS.exists(), reason="no flights of teams here")
+def test_points_of_teams_come_out_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The table as teams keep it, imported and scored by the command, against plain arithmetic for every flight."""
+    with TEAMS.open(encoding="utf-8") as file:
+        rows = {row["flight_id"]: row for row in csv.DictReader(file)}
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(TEAMS)]) == 0
+    capsys.readouterr()
+    scored = {}
+    for team in {row["rocket"] for row in rows.values()}:
+        assert main([*ledger, "contest", "--rocket", team, "--season", "2026", "--json"]) == 0
+        flights = json.loads(capsys.readouterr().out)["flights"]
+        scored |= {one["flight_id"]: one["points"] for one in flights}
+    assert scored.keys() == rows.keys()
+    for name, row in rows.items():
+        feet, seconds = int(float(row["apogee_m"]) / 0.3048 + 0.5), float(row["duration_s"])
+        assert scored[name] == pytest.approx(abs(feet - 750) + 4 * max(36 - seconds, seconds - 39, 0))
+
+
 # Finals
 
 

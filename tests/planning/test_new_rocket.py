@@ -7,6 +7,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.kits import kit_of
 from fieldkit.planning.motor_guide import FIT_CHECKS
 
@@ -56,6 +57,42 @@ def test_a_kit_brings_mass_diameter_and_mount(
     (tmp_path / "kits.toml").write_text('[Alpha]\ndry_mass_g = "light"\n')
     with pytest.raises(BadValue, match="Alpha, dry_mass_g"):
         kit_of(tmp_path / "kits.toml", "Alpha")
+
+
+def test_a_kit_is_a_rocket_of_its_own_and_takes_no_motor_wider_than_its_mount(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "kits.toml").write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0
+    capsys.readouterr()
+    kit = ["--kit", "big bertha", "--json"]
+    assert main([*ledger, "predict", *kit, "--motor", "C6-5"]) == 0
+    (made,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert (made["rocket"], made["flights"]) == ("Big Bertha", 0)
+    assert main([*ledger, "delay", *kit, "--motor", "C6"]) == 0
+    assert json.loads(capsys.readouterr().out)["rocket"] == "Big Bertha"
+    for command in ("predict", "landing"):
+        assert main([*ledger, command, *kit, "--motor", "F39T-6"]) == 1
+        assert "24 mm wide, expected at most 18 mm" in capsys.readouterr().err
+
+
+def test_a_guide_without_a_rail_or_a_ceiling_says_that_neither_was_judged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "80g"]
+    command += ["--diameter", "42mm", "--mount", "18mm", "--class", "C"]
+    open_ones = {}
+    for name, more in (("open", []), ("given", ["--rail-length", "1m", "--waiver", "300m"])):
+        assert main([*command, *more, "--json"]) == 0
+        motors = json.loads(capsys.readouterr().out)["motors"]
+        open_ones[name] = {check for one in motors for check in one["not_judged"]} - {"ejection speed"}
+    assert open_ones == {"open": {"rail exit speed", "ceiling"}, "given": set()}
+    assert main(command) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "excluded by its speed off the rail" in text
+    assert "excluded by its height" in text
 
 
 def test_what_fits_is_safe_and_sensible_and_the_rest_says_why(

@@ -63,9 +63,9 @@ async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is
         for text in ("Saved flight 13", "Flown 198.0 m", "inside the 90% interval", "Cd 0.", "Next", "Suggested"):
             assert text in seen
         with Ledger.open(file) as ledger:
-            assert [change.command for change in ledger.history()[-2:]] == ["keep", "add"]
+            assert [change.command for change in ledger.history()[-2:]] == ["forecast", "add"]
         await press(pilot, "u", "_", "u", "_")
-        assert "undone: keep Astra" in words(pilot)
+        assert "undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
 
@@ -273,7 +273,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
 async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
-        assert "undone: keep Astra" in words(pilot)
+        assert "undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.predictions("Astra")) == 1
         assert len(ledger.flights()) == 12

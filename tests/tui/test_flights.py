@@ -11,7 +11,9 @@ from textual.widgets import Input
 from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
@@ -99,6 +101,26 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
         assert "flown 198.1 m: 4.1 m higher, inside the interval" in words(pilot)
         assert "◆" in shown(pilot)
+
+
+async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(file: Path) -> None:
+    async with opened(file, (250, 60)) as pilot:
+        await press(pilot, "enter")
+        assert pilot.app.screen.query_one(RocketStrip).display
+        assert "Astra B" in told(pilot, "RocketStrip Static")
+    async with opened(file, (250, 40)) as pilot:
+        await press(pilot, "enter")
+        assert not pilot.app.screen.query_one(RocketStrip).display
+
+
+async def test_a_plot_fills_its_place_in_a_terminal_that_has_grown(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter")
+        await pilot.resize_terminal(250, 40)
+        await calm(pilot)
+        plot = pilot.app.screen.query_one("#drag", Plot)
+        assert plot.size.width > 80
+        assert max(map(len, str(plot.render()).splitlines())) == plot.size.width
 
 
 async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:

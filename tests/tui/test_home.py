@@ -8,9 +8,9 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
-from fieldkit.tui.home.rocket_strip import RocketStrip
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
@@ -80,7 +80,12 @@ async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: 
 async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
     async with opened(empty, page="home") as pilot:
         assert "Describe your rocket" in words(pilot)
-        await press(pilot, "enter", *typed("Lark"), "enter", *typed("33og"), "enter", *typed("2.6in"), "enter")
+        await press(pilot, "enter")
+        assert "✗" not in words(pilot)
+        await press(pilot, "ctrl+s")
+        assert "✗ expected a name such as Astra" in words(pilot)
+        await press(pilot, *typed("Lark"), "enter", *typed("33og"), "enter", *typed("2.6in"), "enter")
+        assert "in = 66 mm" in words(pilot)
         await press(pilot, *typed("F24-W4"), "ctrl+s")
         assert "✗ found the unit 'og'" in words(pilot)
         await press(pilot, "ctrl+u", *typed("330g"), "ctrl+s")

@@ -48,7 +48,7 @@ SCENES: dict[str, tuple[str, ...]] = {
 }
 OVERLAID = ("help", "plan", "build")
 """Scenes in which the page behind is dimmed on purpose, in the theme that dims."""
-IN_EVERY_THEME = ("flight", "add", "settings")
+IN_EVERY_THEME = ("home", "flight", "add", "settings")
 """Scenes that show every kind of widget: tables, plots and densities, forms with notes, tabs."""
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
 ESTIMATE = TypedEstimate(cd=(0.39, 0.61, 0.93), alpha=(0.82, 0.92, 1.03), next_apogee=(156.2, 204.1, 262.3), flights=1)
@@ -99,7 +99,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
 
 @pytest.mark.parametrize("scene", IN_EVERY_THEME)
 async def test_a_page_can_be_read_in_every_other_theme(scene: str, file: Path) -> None:
-    async with opened(file) as pilot:
+    async with opened(file, SIZES[-1]) as pilot:
         await press(pilot, *SCENES[scene])
         for theme in set(LEAST) - {THEME}:
             pilot.app.theme = theme

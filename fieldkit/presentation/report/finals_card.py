@@ -5,13 +5,19 @@ from io import BytesIO
 from pathlib import Path
 from textwrap import fill
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
 from fieldkit.presentation.finals_text import FINALS_NOTES, finals_headers
 
-LINE = 110
-"""Length of the lines of notes. [character]"""
+WIDTH, MARGIN = 7.5, 0.25
+"""Of the card. [in]"""
+TITLE, DAY_ROW, ROW, NOTE_ROW = 0.32, 0.18, 0.29, 0.145
+"""Heights of the title, of a line of the day's air, of a row of the table, and of a line of notes. [in]"""
+DAY_LINE, LINE = 95, 110
+"""Lengths of the lines of the day's air, and of notes. [character]"""
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
@@ -29,23 +35,37 @@ def finals_card(
     system: str = "SI",
 ) -> bytes:
     """The card as a picture, with masses in the units of a system and `notes` at the end."""
-    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
-    height = 0.8 + 0.32 * len(rows) + 0.15 * len(below.splitlines())
-    figure = Figure(figsize=(7.5, height), layout="constrained")
-    axes = figure.add_subplot()
+    day = [fill(line, DAY_LINE) for line in heading[1:]]
+    below = [fill(line, LINE) for line in [*FINALS_NOTES, *notes]]
+    heights = TITLE, DAY_ROW * _lines(day), ROW * (len(rows) + 1), NOTE_ROW * _lines(below)
+    height = sum(heights) + 2 * MARGIN
+    figure = Figure(figsize=(WIDTH, height))
+    left, top = MARGIN / WIDTH, 1 - MARGIN / height
+    figure.text(left, top, heading[0], fontsize=13, fontweight="bold", va="top")
+    figure.text(left, top - heights[0] / height, "\n".join(day), fontsize=9.5, va="top")
+    bottom = top - sum(heights[:3]) / height
+    axes = figure.add_axes((left, bottom, 1 - 2 * left, heights[2] / height))
     axes.set_axis_off()
-    figure.suptitle(heading[0], fontsize=12, fontweight="bold", x=0.02, ha="left")
-    headers = list(finals_headers(system))
-    table = axes.table(cellText=[list(row) for row in rows], colLabels=headers, loc="center", cellLoc="center")
+    _draw_table(axes, finals_headers(system), rows)
+    figure.text(left, bottom - 0.5 * MARGIN / height, "\n".join(below), fontsize=8, va="top")
+    content = BytesIO()
+    figure.savefig(content, format=suffix.lstrip("."), dpi=150)
+    return content.getvalue()
+
+
+def _lines(texts: Sequence[str]) -> int:
+    """The number of lines of wrapped texts."""
+    return sum(text.count("\n") + 1 for text in texts)
+
+
+def _draw_table(axes: Axes, headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Fill axes with a table, headers bold on gray."""
+    cells = [list(row) for row in rows]
+    table = axes.table(cellText=cells, colLabels=list(headers), bbox=Bbox.unit(), cellLoc="center")
     table.auto_set_font_size(False)
     table.set_fontsize(11)
-    table.scale(1.0, 1.5)
     for (row, _), cell in table.get_celld().items():
         cell.set_linewidth(0.6)
         if row == 0:
             cell.set_text_props(fontweight="bold")
             cell.set_facecolor("0.9")
-    figure.supxlabel(below, fontsize=8, x=0.02, ha="left")
-    content = BytesIO()
-    figure.savefig(content, format=suffix.lstrip("."), dpi=150)
-    return content.getvalue()

@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
-from fieldkit.quantities import measure, significant, spelled
+from fieldkit.quantities import in_both_units, measure, significant, spelled
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -23,8 +23,6 @@ BY_NAME = {question.name: question for question in (DATE, *QUESTIONS)}
 READ = tuple(column.name for column in READOUTS)
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
 TODAY = "today"
-OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
-"""The system of units in which a value is repeated beside it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,11 +79,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
         return f"! {odd[0]}"
     column = question.column
     value = said.flight.number(question.name) if column else None
-    if column is None or value is None:
-        return spelled(unit)
-    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
-    others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
-    return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
+    return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
 
 
 def together(flight: Flight, system: str) -> Iterable[str]:

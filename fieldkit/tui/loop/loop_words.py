@@ -14,7 +14,6 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
-    from fieldkit.selection.candidates import Place
     from fieldkit.selection.diagnose import Diagnosis
     from fieldkit.services.findings import Compared, Findings
 
@@ -123,7 +122,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
     name, cells = (20, 3) if narrow else (22, 5)
     wide = 9 + 2 * cells
-    parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
+    parts: Parts = [(printable(trial.candidate.place.in_words), "b $primary")]
     parts.append(f"\n{'in expected scatter':{name}}{'predicted':^{wide}}{'observed':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
@@ -136,14 +135,6 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     return Content.assemble(*parts)
 
 
-def in_place(place: "Place") -> str:
-    """A possible effect and its place in words: `a weak or strong motor of F24`."""
-    from fieldkit.physics.effect import effects
-
-    effect = effects().get(place.effect)
-    return str(place).replace(place.effect, effect.title, 1) if effect is not None else str(place)
-
-
 def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ...]]:
     """Effects with their places, the best first: description, evidence, and strength in the units of a system."""
     rows: dict[str, tuple[str, ...]] = {}
@@ -152,7 +143,7 @@ def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ..
             mean, sd = item.best.strength()
             place = item.best.candidate.place
             strength = in_system(f"{mean:.3g} ± {sd:.2g} {item.best.unit}", system).split()[:3]
-            rows[str(place)] = (in_place(place), f"{item.log_bayes:+.1f}", " ".join(strength))
+            rows[str(place)] = (place.in_words, f"{item.log_bayes:+.1f}", " ".join(strength))
     return rows
 
 
@@ -164,7 +155,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str, system: str) -> Content:
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
     place, (mean, sd) = item.best.candidate.place, item.best.strength()
     effect = effects().get(place.effect)
-    words = in_place(place)
+    words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
     parts.append(in_system(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}", system))

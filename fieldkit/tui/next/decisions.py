@@ -49,12 +49,12 @@ class Decision:
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
         from fieldkit.motors import Found
-        from fieldkit.paths import data_folder
+        from fieldkit.paths import data_file
         from fieldkit.planning.delay import delays, drill_of
         from fieldkit.presentation.planning_text import delays_in_words
 
         fast = self.limits["eject_speed"].value
-        tool = drill_of(self.motor, data_folder() / "drills.toml")
+        tool = drill_of(self.motor, data_file("drills.toml"))
         takes_off = tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
@@ -185,7 +185,7 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
 
 def rule_of(year: int) -> "Season":
     """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
-    return season(year, data_folder() / "seasons")
+    return season(year, data_file("seasons"))

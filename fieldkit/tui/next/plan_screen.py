@@ -192,10 +192,10 @@ class PlanScreen(PageScreen):
 
     def action_season(self, by: int) -> None:
         """The next or previous season."""
-        from fieldkit.paths import data_folder
+        from fieldkit.paths import data_file
         from fieldkit.planning.contest import seasons
 
-        years = seasons(data_folder() / "seasons")
+        years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
 

@@ -14,9 +14,9 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
-from fieldkit.tui.home.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
+from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 

@@ -309,7 +309,13 @@ def test_the_page_tells_what_the_terminal_tells(html: Page, found: Findings) -> 
     words = " ".join(" ".join(html.text).split())
     assert f"{found.left_out.before.score.mae:.1f} m" in words
     assert "weathercocking" in words
-    for heading in ("Errors on held-out flights", "Forward in time", "The fingerprint", "Probabilities", "Flights used"):
+    for heading in (
+        "Errors on held-out flights",
+        "Forward in time",
+        "The fingerprint",
+        "Probabilities",
+        "Flights used",
+    ):
         assert heading in words
 
 

@@ -1,4 +1,4 @@
-"""The rocket of the row under the cursor of the Home page: what it looks like, what it flew on, and how high."""
+"""The rocket of a flight in a strip across the page: what it looks like, what it flew on, and how high."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING

@@ -1,0 +1,77 @@
+"""The plan that the options of a command describe, completed from the rocket's last flight, a kit, or the scale."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from fieldkit.cli.options import FIELD
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+    from fieldkit.planning.kits import Kit
+
+Given = Mapping[str, str | None]
+"""Options of a plan as typed, None if not given."""
+
+
+def kit_named(given: Given) -> "Kit | None":
+    """The named kit. Raises BadValue."""
+    from fieldkit.paths import data_file
+    from fieldkit.planning.kits import kit_of
+
+    name = given.get("kit")
+    return kit_of(data_file("kits.toml"), name) if name else None
+
+
+def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
+    """The flight described by the options; rocket, configuration, mass, rail and site are by default as last flown.
+
+    Raises BadValue.
+    """
+    from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of, stability
+    from fieldkit.importing.manual_entry import read_changes
+    from fieldkit.planning.kits import check_mount
+    from fieldkit.planning.safety import motor_temperature
+    from fieldkit.services.planning import completed_plan
+    from fieldkit.settings import read_settings
+
+    changes = {
+        name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
+    }
+    kit = kit_named(given)
+    if kit:
+        changes.setdefault("rocket", kit.name)
+    last = ledger.latest(changes.get("rocket"))
+    plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
+    plan = plan.with_changes(**read_changes(plan, changes))
+    if given.get("motor_temperature"):
+        plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
+        motor_temperature(plan)
+    if kit:
+        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
+        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+        if plan.motor:
+            check_mount(kit, motors.resolve_several(plan.motor).motor)
+    if given.get("lift_off_mass"):
+        plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
+    typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
+    plan = plan.with_changes(extra={**plan.extra, **typed})
+    plan = completed_plan(ledger, motors, plan, read_settings())
+    recovery_of(plan)
+    rail_direction(plan)
+    stability(plan)
+    return plan
+
+
+def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float:
+    """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
+    from fieldkit.errors import BadValue
+    from fieldkit.units import parse
+
+    motor = motors.resolve_several(plan.motor or (last.motor if last else "")).motor
+    mass = parse(text, "mass", "g") - motor.loaded_mass
+    if mass <= 0:
+        raise BadValue(f"lift_off_mass: found {text}, expected more than the mass of its motor")
+    return mass
