@@ -59,7 +59,7 @@ def print_guide(
     if fitting:
         _print_apart([choice for choice in choices if not choice.fits], choices)
     else:
-        say("  none of these is safe and sensible for this rocket")
+        say("  none of these motors passes the checks for this rocket")
     if advice is not None:
         for line in advice_in_words(advice, season_rule(season or 0)):
             say_wrapped(line, "    ")
@@ -141,7 +141,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {of} motors of {width} fit: safe and sensible for it, as far as is known")
+    say(f"{len(choices)} of {of} motors of {width} fit and pass every check that could be made")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
     if plan.site.ceiling is None:
