@@ -59,7 +59,7 @@ def print_guide(
     if fitting:
         _print_apart([choice for choice in choices if not choice.fits], choices)
     else:
-        say("  none of these motors passes the checks for this rocket")
+        say("  every one of these motors is excluded by a check")
     if advice is not None:
         for line in advice_in_words(advice, season_rule(season or 0)):
             say_wrapped(line, "    ")
@@ -141,7 +141,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {of} motors of {width} fit and pass every check that could be made")
+    say(f"{len(choices)} of {of} motors of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
     if plan.site.ceiling is None:
@@ -149,7 +149,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
             "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "
         )
     if unknown := [_name(one, choices) for one in choices if EJECTION_CHECK in one.not_judged]:
-        say_wrapped(f"delay   not known of {', '.join(unknown)}", "        ")
+        say_wrapped(f"delay   unknown: {', '.join(unknown)}", "        ")
     if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
