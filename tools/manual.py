@@ -181,25 +181,25 @@ def code_map() -> str:
 
 Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
 `fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/inference/network/flights.py`, a forecast in
-`fieldkit/forecast/predict.py`, and what it missed becomes a better model in `fieldkit/selection/diagnose.py`. A
-module imports what stands below it in this table and nothing above; `lint-imports` keeps it so. Each says in its
-first lines what it is for.
+`fieldkit/forecast/predict.py`, and its misses lead to a better model in `fieldkit/selection/diagnose.py`. A module
+imports only modules below it in this table, which `lint-imports` checks. The first lines of each module state its
+purpose.
 {WRITTEN_BY}
 
 | in `fieldkit/` | what it is |
 |---|---|
 {chr(10).join(rows)}
 
-| beside it | what it is |
+| next to it | what it is |
 |---|---|
 | `parsers/` | a file for every logger or table format ([how to add one](extending.md)) |
 | `models/effects/` | a file for every [effect](effects.md) |
 | `models/trained/` | a folder for every [ensemble](models.md) |
-| `sample_logs/` | a log or more for every parser, `PARSER__what_happened.suffix` |
+| `sample_logs/` | at least one log for every parser, `PARSER__what_happened.suffix` |
 | `studies/` | the reference paper, exact posteriors, effects in real histories; not in the wheel |
-| `bench/` | a simulator of its own, what [judges the loop](undeclared-effects.md) by it, [the fault bench](faults.md) |
-| `tools/` | what makes pages, pictures, the motor catalog and the samples |
-| `tests/` | the tree of `fieldkit/` again: laws, contracts over every plug-in, golden figures, screens; `benchmarks/` |
+| `bench/` | an independent simulator, [tests of the loop](undeclared-effects.md) with it, [the fault bench](faults.md) |
+| `tools/` | programs that write pages, pictures, the motor catalog and the samples |
+| `tests/` | organized like `fieldkit/`: laws, contracts for every plug-in, golden figures, screens; `benchmarks/` |
 """
 
 

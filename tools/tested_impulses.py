@@ -24,16 +24,16 @@ from statistics import fmean, median
 from typing import Any
 
 ROUNDING = 5e-4
-"""The source keeps four significant digits. [1]"""
+"""The source has four significant digits. [1]"""
 OTHER = 3
-"""Rank of a curve that is not of the class of certifications."""
+"""Rank of a curve whose file is not of the class of certifications."""
 
 Test = dict[str, str]
 Motor = dict[str, Any]
 
 
 def rank(test: Test) -> int:
-    """How much a test counts: 0 a letter, 1 stated figures, 2 a certified curve, 3 any other."""
+    """The rank of a test: 0 for a letter, 1 for stated figures, 2 for a certified curve, 3 for any other."""
     note = test["note"]
     for place, basis in enumerate(("basis=letter", "basis=stated")):
         if note.startswith(basis):
@@ -62,7 +62,7 @@ def scatter(tests: Iterable[Test]) -> float:
 
 
 def replacement(motor: Motor, tests: Sequence[Test], sd: float) -> Test | None:
-    """The test whose impulse replaces that of a motor, None if it stays."""
+    """The test whose impulse replaces that of a motor; None if the motor's own stays."""
     total = motor["totImpulseNs"]
     if not tests or not nominal(total):
         return None
@@ -91,7 +91,7 @@ def main() -> None:
 
 
 def _same(test: Test, motor: Motor) -> bool:
-    """Whether a test is of a motor. Makers are written in full in both."""
+    """Whether a test is of a motor; makers are written in full in both."""
     return (test["manufacturer"], test["designation"]) == (motor["manufacturer"], motor["designation"])
 
 

@@ -1,4 +1,4 @@
-"""AIM XTRA: groups of columns, each on a clock of its own."""
+"""AIM XTRA: groups of columns, each with a separate clock."""
 
 import numpy as np
 

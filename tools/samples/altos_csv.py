@@ -1,4 +1,4 @@
-"""AltOS tables: what Altus Metrum's program exports, in each of its versions."""
+"""AltOS tables: exports of Altus Metrum's program, in each of its versions."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ SATS = ",".join(f"sat{i:02}" for i in range(1, 33))
 
 
 def altos_rows(seen: Flight, *, call: str, version: int, clock: bool) -> Iterator[tuple[str, str, np.void]]:
-    """The cells up to the state, and those of what was measured, of each row."""
+    """Cells of each row: up to the state, and measured values."""
     pressure = np.round(seen.pressure + noise(4, len(seen.time), 3.0))
     height = (air(np.array([PAD]))[0] - pressure) / 11.7
     for i, time in enumerate(seen.time):
@@ -80,7 +80,7 @@ def altos_csv_5(whole: Flight) -> Iterator[tuple[str, bytes]]:
 
 
 def altos_csv_radio(whole: Flight) -> bytes:
-    """What a ground station heard: packets of two kinds in turn, some lost, and a clock that wraps."""
+    """A ground station's table: packets of two kinds alternate, some are lost, and the clock wraps."""
     lines = ["serial,tick,ptype,state,state_name,acceleration,pressure,height,speed,rssi"]
     for i, row in enumerate(range(100, len(whole.time), 10)):
         if 80 < i < 92:

@@ -1,4 +1,4 @@
-"""AltOS flash: the records of Altus Metrum's loggers as their memory holds them."""
+"""AltOS flash: the records in the memory of Altus Metrum's loggers."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,15 +13,15 @@ SENSOR = (46372, 43981, 29059, 27842, 31553, 28165)
 
 
 WARM = 8077636
-"""What that sensor counts at 20 degrees Celsius."""
+"""Counts of that sensor at 20 degrees Celsius."""
 
 
 PLUS, MINUS = 15545, 16067
-"""What the accelerometer counts with the nose up and down."""
+"""Counts of the accelerometer with the nose up and down."""
 
 
 def raw_pressure(pressure: np.ndarray) -> np.ndarray:
-    """What an MS5607 counts at 20 degrees Celsius."""
+    """Counts of an MS5607 at 20 degrees Celsius."""
     c1, c2, c3, c4, c5, _ = SENSOR
     dt = WARM - c5 * 256
     offset, sensitivity = c2 * 2**17 + c4 * dt / 64, c1 * 2**16 + c3 * dt / 128
@@ -60,7 +60,7 @@ def states(seen: Flight) -> np.ndarray:
 def logged(
     seen: Flight, size: int, first: Callable[[], bytes], sample: Callable[[int], bytes], start: int
 ) -> list[bytes]:
-    """The records of a flight: itself, its states where they change, its samples."""
+    """The records of a flight: the flight, its changes of state, its samples."""
     changes = set(states(seen).tolist())
     records = [record("F", start, first(), size)]
     for i, time in enumerate(seen.time):
@@ -112,12 +112,12 @@ def altos_eeprom() -> Iterator[tuple[str, bytes]]:
 
 
 def analogue(pressure: np.ndarray) -> np.ndarray:
-    """What the converter of a TeleMetrum 1 counts, in its steps of four."""
+    """Counts of the converter of a TeleMetrum 1, in its steps of four."""
     return np.round((pressure / 1000 * 0.009 - 0.095) * 16 * 2047 / 4).astype(int) * 4
 
 
 def telemini_words(whole: Flight) -> Iterator[int]:
-    """Pressures ten times a second, once a second below the drogue; a word before them where the state changes."""
+    """Pressures ten times a second, once a second below the drogue, with a word before them at each change of state."""
     counts, row, state = analogue(whole.pressure), 200, -1
     while row < len(whole.time):
         if int(whole.state[row]) != state:
@@ -128,7 +128,7 @@ def telemini_words(whole: Flight) -> Iterator[int]:
 
 
 def old_form(seen: Flight) -> bytes:
-    """Format 1: what a terminal shows, two numbers of each record."""
+    """Format 1 as shown in a terminal, two numbers per record."""
     counts = analogue(seen.pressure + noise(8, len(seen.time), 6.0))
     gravities = np.round(PLUS + seen.acceleration / GRAVITY * (PLUS - MINUS) / 2).astype(int)
     lines = ["~", "> E 0", "Config version: 1.11", "Main deploy: 250", f"Accel cal +1g: {PLUS} -1g: {MINUS}"]

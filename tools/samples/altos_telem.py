@@ -1,4 +1,4 @@
-"""AltOS telemetry: the packets that a ground station writes down."""
+"""AltOS telemetry: packets as saved by a ground station."""
 
 from collections.abc import Iterator
 
@@ -38,7 +38,7 @@ def altos_telem() -> Iterator[tuple[str, bytes]]:
 
 
 def heard(body: bytes, *, good: bool = True) -> str:
-    """A packet as a ground station writes it down."""
+    """A packet as saved by a ground station."""
     frame = body.ljust(32, b"\0") + bytes([30, 0x80 * good | 0x30])
     return f"TELEM {(bytes([len(frame)]) + frame + bytes([(0x5A + sum(frame)) % 256])).hex()}"
 

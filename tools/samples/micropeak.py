@@ -1,4 +1,4 @@
-"""MicroPeak's own form, blinked out by its light, and its program's table."""
+"""MicroPeak: the data that its light transmits, and its program's table."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""A vertical flight that descends steadily from its apogee on."""
+"""A vertical flight with a constant descent from apogee."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -61,5 +61,5 @@ def flight(
 
 
 def landed_at(rows: Sequence[tuple[float, float, float, float]]) -> float:
-    """Two seconds after the rocket came to rest."""
+    """Two seconds at rest after landing."""
     return next((row[0] for row in reversed(rows[-420:]) if row[1] > 0), rows[-1][0] - 3) + 2.0

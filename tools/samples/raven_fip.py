@@ -1,4 +1,4 @@
-"""Featherweight Raven: channels side by side, each on a clock of its own."""
+"""Featherweight Raven: channels next to each other, each with a separate clock."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Tables of teams and exports of simulations: one small flight, integrated with plain drag, as each would write it."""
+"""Tables of teams and exports of simulations: one small flight, integrated with plain drag, in each format."""
 
 from collections.abc import Callable, Iterable
 
@@ -11,7 +11,7 @@ ZERO_WIDTH = "\u200b"
 
 
 def flight(step: float, until: float) -> dict[str, np.ndarray]:
-    """A 100 g rocket on a 10 N motor for 1.2 s, a parachute half a second after the top. [SI]"""
+    """A 100 g rocket on a 10 N motor for 1.2 s, with a parachute half a second after apogee. [SI]"""
     t, h, v, chute = 0.0, 0.0, 0.0, None
     rows = []
     while t < until and not (t > 3 and h <= 0):
@@ -59,7 +59,7 @@ def openrocket(separator: str, mark: str, names: str, *, header_mark: bool = Tru
 
 
 def rocksim() -> bytes:
-    """Leading blanks in cells, a stray blank before a comma, units after the names."""
+    """Leading blanks in cells, an extra blank before a comma, units after the names."""
     f = flight(0.02, 80.0)
     lines = ["Time,Thrust N ,Mass Grams,Altitude Feet,Velocity Feet / Sec,Drag force N"]
     for t, h, v, thrust, drag, mass in zip(f["t"], f["h"], f["v"], f["thrust"], f["drag"], f["mass"], strict=True):
@@ -69,7 +69,7 @@ def rocksim() -> bytes:
 
 
 def rasaero() -> bytes:
-    """The columns that RASAero II is known to have, every fourth of its rows."""
+    """The known columns of RASAero II, every fourth of its rows."""
     f = flight(0.01, 80.0)
     lines = ["Time (sec),Stage,Stage Time (sec),Mach Number,Thrust (lb),Drag (lb),Vel-V (ft/sec),Altitude (ft)"]
     for i in range(0, len(f["t"]), 8):
@@ -80,7 +80,7 @@ def rasaero() -> bytes:
 
 
 def table(header: Iterable[str], row: Callable[[float, float, float, float], str], step: float, wait: float) -> bytes:
-    """A team's table: `wait` seconds on the pad, then the flight; noise of a decimetre."""
+    """A team's table: `wait` seconds on the pad, then the flight, with noise of 0.1 m."""
     random = np.random.default_rng(7)
     f = flight(step, 80.0)
     pad = int(wait / step)

@@ -1,4 +1,4 @@
-"""A vertical flight with a drogue at apogee, a main parachute at 60 m, and rest on the grass."""
+"""A vertical flight with a drogue at apogee, a main parachute at 60 m, and rest on the ground."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
 STEP = 0.01
-"""Between samples of a flight. [s]"""
+"""Time between samples of a flight. [s]"""
 PAD = 240.0
 """Elevation of the field. [m]"""
 
@@ -31,7 +31,7 @@ class Flight:
         return air(self.height + PAD)
 
     def between(self, start: float, stop: float, step: float) -> "Flight":
-        """The flight as a slower device sees it."""
+        """The flight as recorded by a slower device."""
         rows = np.arange(round((start - self.time[0]) / STEP), round((stop - self.time[0]) / STEP), round(step / STEP))
         rows = rows[rows < len(self.time)]
         return Flight(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))

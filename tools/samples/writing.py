@@ -1,4 +1,4 @@
-"""How devices write: their noise, their units, their bytes."""
+"""Output of devices: their noise, units and bytes."""
 
 from collections.abc import Sequence
 from datetime import datetime
