@@ -60,6 +60,30 @@ def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
     assert flown(file) == ["1", "2", "3"]
 
 
+@pytest.mark.parametrize("hurt", [False, True])
+def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
+    file: Path, hurt: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SQLite takes a page that a disk does not hand over, without an error, for one of zeros."""
+    add(file, "1", "2", "3")
+    first = next(one for one in backups.backups(file) if one.number == 1)
+    content, size = first.file.read_bytes(), 4096
+    twin = file.with_name("twin.db")
+    real = soundness.opened
+    monkeypatch.setattr(backups, "opened", lambda asked: real(twin if asked == first.file else asked))
+    if hurt:
+        file.write_bytes(file.read_bytes()[:5000])
+    before = file.read_bytes()
+    for at in range(size, len(content), size):
+        twin.write_bytes(content[:at] + bytes(size) + content[at + size :])
+        with pytest.raises(LedgerError, match="nothing was changed"):
+            backups.restore(file, first)
+        assert file.read_bytes() == before if hurt else flown(file) == ["1", "2", "3"]
+    twin.write_bytes(content)
+    backups.restore(file, first)
+    assert flown(file) == ["1"]
+
+
 def test_a_linked_ledger_is_restored_at_its_target_with_its_own_mode(file: Path) -> None:
     link = file.with_name("link.db")
     link.symlink_to(file)
