@@ -6,14 +6,14 @@ import typer
 
 
 def finite(value: float | None) -> float | None:
-    """The number itself. Raises BadParameter for nan and infinity."""
+    """The number itself, in the unit of its option. Raises BadParameter for nan and infinity."""
     if value is not None and not isfinite(value):
         raise typer.BadParameter(f"found {value}, expected a number")
     return value
 
 
 def not_negative(value: float | None) -> float | None:
-    """The number itself, such as a duration. Raises BadParameter for one below zero, nan and infinity."""
+    """The number itself, in the unit of its option. Raises BadParameter for one below zero, nan and infinity."""
     if value is not None and value < 0:
         raise typer.BadParameter(f"found {value:g}, expected a number above zero")
     return finite(value)
