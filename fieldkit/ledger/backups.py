@@ -218,9 +218,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
             with opened(backup.file) as then:
                 then.backup(ledger)
             if found := _miscopied(ledger, file, backup):
-                with opened(kept.file) as before:
-                    before.backup(ledger)
-                raise LedgerError(f"{backup.file}: cannot be read ({found}); nothing was changed, try again")
+                raise LedgerError(f"{backup.file}: cannot be restored ({found}); {_put_back(ledger, kept)}")
         _rotate(file)
         return kept.file
     except (OSError, sqlite3.Error) as error:
@@ -228,13 +226,24 @@ def restore(file: Path, backup: Backup) -> Path | None:
 
 
 def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
-    """What is wrong with a ledger into which a backup was copied, empty for nothing.
+    """What is wrong with a ledger into which a backup was copied, empty for nothing: SQLite copies a page that a disk
+    hands over in part only, without an error, as one of zeros."""
+    try:
+        with _claimed(file) as (_, new):
+            _copy(ledger, new)
+            return fault(new, since=backup.file)
+    except (OSError, sqlite3.Error) as error:
+        return str(error)
 
-    SQLite takes a page of which a disk or a network hands over only a part for one of zeros, and copies that.
-    """
-    with _claimed(file) as (_, new):
-        _copy(ledger, new)
-        return fault(new, since=backup.file)
+
+def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
+    """Copy what a ledger was back into it; what came of that, for the end of a message."""
+    try:
+        with opened(kept.file) as before:
+            before.backup(ledger)
+    except sqlite3.Error:
+        return f"it may be damaged; what it was is in {kept.file}"
+    return "nothing was changed"
 
 
 def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
