@@ -4,8 +4,10 @@ atomically.
 
 import errno
 import os
+import shutil
 import stat
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 from secrets import token_hex
 
@@ -236,6 +238,22 @@ def replace(file: Path, content: bytes) -> None:
             new.unlink(missing_ok=True)
     except OSError as error:
         raise _unwritten(file, error) from error
+
+
+def also_named(file: Path, name: str) -> Path:
+    """Give a file's bytes another name in the same folder, with a number if that is taken."""
+    aside = free_name(file, name)
+    try:
+        os.link(file, aside)
+    except OSError:  # a disk without hard links
+        shutil.copy2(file, aside)
+    return aside
+
+
+def free_name(file: Path, name: str) -> Path:
+    """An unused name next to a file, with a number if needed."""
+    names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
+    return next(one for one in names if not one.exists())
 
 
 def _taken(file: Path) -> FieldkitError:

@@ -86,9 +86,12 @@ def raw_step(file: Path) -> str:
 
 def unsound(file: Path) -> str:
     """What SQLite finds wrong with a file; empty for a sound one."""
-    with closing(sqlite3.connect(file)) as raw:
-        found = [row[0] for row in raw.execute("PRAGMA integrity_check")]
-        broken = raw.execute("PRAGMA foreign_key_check").fetchall()
+    try:
+        with closing(sqlite3.connect(file)) as raw:
+            found = [row[0] for row in raw.execute("PRAGMA integrity_check")]
+            broken = raw.execute("PRAGMA foreign_key_check").fetchall()
+    except sqlite3.DatabaseError as error:  # so damaged that it cannot be checked
+        return str(error)
     return "" if found == ["ok"] and not broken else f"{found} {broken}"
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.quantities import counted, in_system
@@ -33,12 +34,23 @@ def capture(
     ] = False,
     flight: Annotated[list[int] | None, typer.Option(help="Read only this flight, as listed; can be repeated.")] = None,
     live: Annotated[bool, typer.Option("--live", help="Record telemetry instead of reading the memory.")] = False,
-    frequency: Annotated[float | None, typer.Option(metavar="MHZ", help="Frequency to tune a TeleDongle to.")] = None,
+    frequency: Annotated[
+        float | None, typer.Option(callback=not_negative, metavar="MHZ", help="Frequency to tune a TeleDongle to.")
+    ] = None,
     baud: Annotated[int | None, typer.Option(help="Baud rate, if not the unit's default.")] = None,
-    wait: Annotated[float | None, typer.Option(metavar="SECONDS", help="How long to wait for the first byte.")] = None,
-    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="Silence that ends a stream.")] = None,
-    seconds: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop after this time.")] = None,
-    reconnect: Annotated[float, typer.Option(metavar="SECONDS", help="How long to wait for a lost unit.")] = 20.0,
+    wait: Annotated[
+        float | None,
+        typer.Option(callback=not_negative, metavar="SECONDS", help="How long to wait for the first byte."),
+    ] = None,
+    silence: Annotated[
+        float | None, typer.Option(callback=not_negative, metavar="SECONDS", help="Silence that ends a stream.")
+    ] = None,
+    seconds: Annotated[
+        float | None, typer.Option(callback=not_negative, metavar="SECONDS", help="Stop after this time.")
+    ] = None,
+    reconnect: Annotated[
+        float, typer.Option(callback=not_negative, metavar="SECONDS", help="How long to wait for a lost unit.")
+    ] = 20.0,
     import_: Annotated[
         bool | None,
         typer.Option("--import/--no-import", help="Import or do not import, without asking.", show_default=False),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
@@ -122,7 +123,7 @@ def contest(
     ] = None,
     reef: Annotated[str | None, typer.Option(help="Fraction of the area removed by reefing: 10%.")] = None,
     rocket_length: Annotated[str | None, typer.Option(help="Length of the rocket: 700mm.")] = None,
-    cut: Annotated[float | None, typer.Option(help="Points that qualify; needs --motor.")] = None,
+    cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -141,7 +142,9 @@ def contest(
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     rule = season_rule(season).announced(length(target), read_window(window) if window else None)
-    area = _share(parachute, 1.0) * (1 - _share(reef, 0.0))
+    if (reefed := _share(reef, 0.0)) >= 1:
+        raise typer.BadParameter(f"found --reef {reef}, expected less than 100%: that leaves no parachute")
+    area = _share(parachute, 1.0) * (1 - reefed)
     ahead, lines = None, []
     with planning(context, given) as plan:
         scored = score(rule, plan.ledger.flights(plan.flight.rocket))

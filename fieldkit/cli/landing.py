@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, planning, print_plan
 from fieldkit.cli.screen import complain, print_json, say, system
@@ -29,7 +30,9 @@ def landing(
     card: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a one-page range card: .png, .pdf, .svg.")
     ] = None,
-    wind_from: Annotated[float, typer.Option(help="Direction the wind blows from, in degrees from north.")] = 270.0,
+    wind_from: Annotated[
+        float, typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north.")
+    ] = 270.0,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,

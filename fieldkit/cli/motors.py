@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
+from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say
 from fieldkit.cli.session import known_motors, open_ledger
@@ -73,7 +74,7 @@ def motors(
         str | None, typer.Option(help="Longest motor that fits: 124mm.", rich_help_panel=GUIDE)
     ] = None,
     max_impulse: Annotated[
-        float | None, typer.Option(help="Total impulse range, in N s.", rich_help_panel=GUIDE)
+        float | None, typer.Option(callback=not_negative, help="Total impulse range, in N s.", rich_help_panel=GUIDE)
     ] = None,
     retired: Annotated[
         bool, typer.Option("--retired", help="Include motors no longer made.", rich_help_panel=GUIDE)

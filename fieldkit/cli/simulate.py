@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from enum import StrEnum
-from math import isnan
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
@@ -27,19 +27,12 @@ class Physics(StrEnum):
     field = "field"
 
 
-def _number(value: float) -> float:
-    """The number unchanged. Raises BadParameter for nan, which typer's bounds accept."""
-    if isnan(value):
-        raise typer.BadParameter("found nan, expected a number")
-    return value
-
-
 def simulate(
     cd: Annotated[
-        float, typer.Option(min=0.001, max=50.0, callback=_number, help="Drag coefficient.", show_default=False)
+        float, typer.Option(min=0.001, max=50.0, callback=finite, help="Drag coefficient.", show_default=False)
     ],
     alpha: Annotated[
-        float, typer.Option(min=0.01, max=10.0, callback=_number, help="Thrust relative to certified thrust.")
+        float, typer.Option(min=0.01, max=10.0, callback=finite, help="Thrust relative to certified thrust.")
     ] = 1.0,
     physics: Annotated[
         Physics, typer.Option(help="fieldkit's simulator (field), or the reference paper's.")

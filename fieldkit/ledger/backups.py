@@ -7,7 +7,6 @@ are numbered, for a clock may go backwards. A ledger on a server is backed up by
 
 import os
 import re
-import shutil
 import sqlite3
 import stat
 import time
@@ -15,11 +14,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import count
 from pathlib import Path
 
 from fieldkit.errors import LedgerError
-from fieldkit.files import BACKUPS
+from fieldkit.files import BACKUPS, also_named, free_name
 from fieldkit.ledger.soundness import damage_in, fault, opened
 
 MAX_BACKUPS = 10
@@ -219,10 +217,33 @@ def restore(file: Path, backup: Backup) -> Path | None:
                 return _put_aside(file, backup)
             with opened(backup.file) as then:
                 then.backup(ledger)
+            if found := _miscopied(ledger, file, backup):
+                raise LedgerError(f"{backup.file}: cannot be restored ({found}); {_put_back(ledger, kept)}")
         _rotate(file)
         return kept.file
     except (OSError, sqlite3.Error) as error:
         raise LedgerError(f"{file}: cannot be restored ({error}); nothing was changed") from error
+
+
+def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
+    """What is wrong with a ledger into which a backup was copied, empty for nothing: SQLite copies a page that a disk
+    hands over in part only, without an error, as one of zeros."""
+    try:
+        with _claimed(file) as (_, new):
+            _copy(ledger, new)
+            return fault(new, since=backup.file)
+    except (OSError, sqlite3.Error) as error:
+        return str(error)
+
+
+def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
+    """Copy what a ledger was back into it; what came of that, for the end of a message."""
+    try:
+        with opened(kept.file) as before:
+            before.backup(ledger)
+    except sqlite3.Error:
+        return f"it may be damaged; what it was is in {kept.file}"
+    return "nothing was changed"
 
 
 def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
@@ -267,27 +288,13 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
     with _claimed(file) as (_, new):
         with opened(backup.file) as then:
             _copy(then, new)
+        if found := fault(new, since=backup.file):
+            raise LedgerError(f"{backup.file}: cannot be read ({found}); nothing was changed, try again")
         if not file.exists():
             new.chmod(stat.S_IMODE(backup.file.stat().st_mode))
-        aside = _also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}") if keep else None
+        aside = also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}") if keep else None
         journal = file.with_name(f"{file.name}-journal")
         if journal.exists():  # it would be played back into the copy
-            os.replace(journal, _free(file, f"{aside.name if aside else file.name + '.damaged'}-journal"))
+            os.replace(journal, free_name(file, f"{aside.name if aside else file.name + '.damaged'}-journal"))
         os.replace(new, file)
     return aside
-
-
-def _also_named(file: Path, name: str) -> Path:
-    """Give a file's bytes another name in the same folder, with a number if that is taken."""
-    aside = _free(file, name)
-    try:
-        os.link(file, aside)
-    except OSError:  # a disk without hard links
-        shutil.copy2(file, aside)
-    return aside
-
-
-def _free(file: Path, name: str) -> Path:
-    """An unused name next to a file, with a number if needed."""
-    names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
-    return next(one for one in names if not one.exists())

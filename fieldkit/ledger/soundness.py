@@ -64,17 +64,17 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
 
     Rows that are the same in `since`, a sound copy, are skipped. So are all of a newer fieldkit with unknown columns.
     """
-    with _connected(file) as connection:
-        try:
+    try:
+        with _connected(file) as connection:
             return _first_fault(connection, _unlike(connection, since) if since else {})
-        except LedgerError:
-            return ""
-        except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
-            return str(error)
-        except DBAPIError as error:
-            if not isinstance(error.orig, sqlite3.DatabaseError):
-                raise
-            return damage_in(error.orig)
+    except LedgerError:
+        return ""
+    except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+        return str(error)
+    except DBAPIError as error:  # also one that comes when the connection is opened or closed
+        if not isinstance(error.orig, sqlite3.DatabaseError):
+            raise
+        return damage_in(error.orig)
 
 
 def damage_in(error: sqlite3.DatabaseError) -> str:

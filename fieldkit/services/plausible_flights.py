@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterator, Sequence
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.flight.plausibility import implausible, middles, unlike
+from fieldkit.flight.plausibility import far_from_usual, implausible, middles
 from fieldkit.motors import Catalogue, Found
 
-MIN_ALIKE = 3
+MIN_COMPARED = 3
 """Flights of which a median can say that one is far from the others. [1]"""
 
 
@@ -36,9 +36,9 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
     ]
 
 
-def unlike_others(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
+def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
     """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
-    a line on it. Judged among at least `MIN_ALIKE` clean flights of one rocket."""
+    a line on it. Judged among at least `MIN_COMPARED` clean flights of one rocket."""
     alike: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:
@@ -46,9 +46,9 @@ def unlike_others(flights: Sequence[Flight], new: Collection[str]) -> list[tuple
     found = []
     for several in alike.values():
         usual = {name: value for name, value in middles(several).items() if name in ("apogee", "top_speed")}
-        if len(several) >= MIN_ALIKE:
+        if len(several) >= MIN_COMPARED:
             judged = (one for one in several if one.flight_id in new)
-            found += [(one.flight_id, phrase) for one in judged for phrase in unlike(one, usual)]
+            found += [(one.flight_id, phrase) for one in judged for phrase in far_from_usual(one, usual)]
     return found
 
 

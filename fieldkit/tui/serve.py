@@ -43,7 +43,8 @@ HEADERS = {
     "Cache-Control": "no-store",
     "Server": "fieldkit",
 }
-"""Headers of every response, a refusal too; the link contains the token and is not sent anywhere else."""
+"""Headers of every response, a refusal too, but that to what is not HTTP, which no page asks for; the link contains the
+token and is not sent anywhere else."""
 MAX_LOG_LINE = 500
 """Size limit of a line of the log. [character]"""
 MAX_APPS = 8

@@ -3,11 +3,14 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
-from fieldkit.cli.main import main
+from fieldkit.cli.main import app, main
 from fieldkit.ledger import Ledger
 
 ROOT = Path(__file__).parents[2]
@@ -49,6 +52,29 @@ def test_a_value_that_nothing_has_is_refused_in_a_line(
     (said,) = capsys.readouterr().err.splitlines()
     assert "expected" in said
     assert len(said) < 300
+
+
+def numbers(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Every command of the tree with an option that takes a number of any size, and that option."""
+    for one in tree.params:
+        if one.type.name.startswith("float"):
+            yield (*names, one.opts[0])
+    for name, child in getattr(tree, "commands", {}).items():
+        yield from numbers(child, (*names, name))
+
+
+@pytest.mark.parametrize("words", numbers(typer.main.get_command(app)), ids=" ".join)
+def test_no_option_takes_a_number_that_is_none(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    for number in ("nan", "inf", "-inf"):
+        assert main([*words[:-1], f"{words[-1]}={number}"]) == 2
+        assert f"found {number}" in (said := capsys.readouterr().err) or "is not in the range" in said
+
+
+@pytest.mark.parametrize("reef", ["100%", "200%", "-10%", "nan"])
+def test_a_parachute_reefed_to_nothing_is_refused(reef: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["contest", "--season", "2026", "--motor", "F24-4W", f"--reef={reef}"]
+    assert main(["--ledger", ledger, *words]) in (1, 2)
+    assert "expected" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("url", ["sqlite://", "sqlite:///", "sqlite:///:memory:"])

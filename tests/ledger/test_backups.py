@@ -60,6 +60,57 @@ def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
     assert flown(file) == ["1", "2", "3"]
 
 
+@pytest.mark.parametrize("hurt", [False, True])
+def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
+    file: Path, hurt: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SQLite takes a page that a disk does not hand over, without an error, for one of zeros."""
+    add(file, "1", "2", "3")
+    first = next(one for one in backups.backups(file) if one.number == 1)
+    content, size = first.file.read_bytes(), 4096
+    twin = file.with_name("twin.db")
+    real = soundness.opened
+    monkeypatch.setattr(backups, "opened", lambda asked: real(twin if asked == first.file else asked))
+    if hurt:
+        file.write_bytes(file.read_bytes()[:5000])
+    before = file.read_bytes()
+    for at in range(size, len(content), size):
+        twin.write_bytes(content[:at] + bytes(size) + content[at + size :])
+        with pytest.raises(LedgerError, match="nothing was changed"):
+            backups.restore(file, first)
+        assert file.read_bytes() == before if hurt else flown(file) == ["1", "2", "3"]
+    twin.write_bytes(content)
+    backups.restore(file, first)
+    assert flown(file) == ["1"]
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_restore_that_cannot_be_checked_is_taken_back_and_says_so(
+    file: Path, times: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`times` 2: nor can it be taken back."""
+    add(file, "1", "2", "3")
+    first, real, calls = next(one for one in backups.backups(file) if one.number == 1), backups.opened, []
+
+    def full(ledger: sqlite3.Connection, target: Path) -> None:
+        raise sqlite3.OperationalError("disk I/O error")
+
+    def failing(asked: Path) -> Any:
+        calls.append(asked)
+        if asked == first.file:  # all is kept: the next copy is that for the check
+            monkeypatch.setattr(backups, "_copy", full)
+        elif times == 2 and first.file in calls:
+            raise sqlite3.OperationalError("disk I/O error")
+        return real(asked)
+
+    monkeypatch.setattr(backups, "opened", failing)
+    expected = "disk I/O error.*nothing was changed" if times == 1 else "may be damaged; what it was is in .*000"
+    with pytest.raises(LedgerError, match=expected):
+        backups.restore(file, first)
+    monkeypatch.undo()
+    assert flown(file) == (["1", "2", "3"] if times == 1 else ["1"])
+
+
 def test_a_linked_ledger_is_restored_at_its_target_with_its_own_mode(file: Path) -> None:
     link = file.with_name("link.db")
     link.symlink_to(file)

@@ -13,7 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.imports.view import FileView
-from fieldkit.services.plausible_flights import implausible_flights, unlike_others
+from fieldkit.services.plausible_flights import implausible_flights, outlying
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -72,7 +72,7 @@ def take_in(
         added.new,
         added.duplicates + sorting.there,
         (*gathered.rejected, *conflicts),
-        (*gathered.notes, *sorting.notes, *implausible, *_unlike_others(ledger, sorting.new, set(added.new))),
+        (*gathered.notes, *sorting.notes, *implausible, *_outlying(ledger, sorting.new, set(added.new))),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,
@@ -88,7 +88,7 @@ def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _unlike_others(ledger: "Ledger", arrivals: Sequence[Arrival], added: Collection[str]) -> Iterator[str]:
+def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: Collection[str]) -> Iterator[str]:
     """A line for each added flight that is far from the others of its rocket on the same motor."""
     rockets: dict[str, dict[str, Arrival]] = {}
     for one in arrivals:
@@ -97,6 +97,6 @@ def _unlike_others(ledger: "Ledger", arrivals: Sequence[Arrival], added: Collect
     for rocket, new in rockets.items():
         known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
         known |= {name: one.flight for name, one in new.items()}
-        for name, phrase in unlike_others(list(known.values()), new):
+        for name, phrase in outlying(list(known.values()), new):
             one = new[name]
             yield str(DamagedLog(f"flight {name} of {rocket}: {phrase}; check it", row=one.row, source=one.source))
