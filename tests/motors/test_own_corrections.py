@@ -52,7 +52,7 @@ def test_a_lot_has_its_own_figures_and_an_unknown_one_says_so(tmp_path: Path) ->
 
 
 def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_path: Path) -> None:
-    fields = {"total_impulse_ns": "44", "loaded_g": "62", "burn_s": "1.9", "delays": "4,7", "length_mm": "71"}
+    fields = {"total_impulse_ns": "44", "loaded_g": "62", "burn_s": "1.9", "delays": '"4,7,9"', "length_mm": "71"}
     (tmp_path / FILE_NAME).write_text(
         HEADER + "".join(f"AeroTech,F24W,{field},,{fields[field]},,,L1,\n" for field in fields)
     )
