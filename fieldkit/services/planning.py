@@ -39,7 +39,9 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
     """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
     diameter else of its design or of the flyer's kit of its name, the rail else the flyer's usual one; the site as
-    last, and its elevation. Weather is the day's, and nothing is made up for it. Raises BadValue for a damaged file of kits.
+    last, and its elevation. Weather is the day's, and nothing is made up for it.
+
+    Raises BadValue for a damaged file of kits.
     """
     history = plausible(ledger.flights(plan.rocket), motors)
     plan = _of_kit(completed(plan, history, start_of(ledger, plan)))
