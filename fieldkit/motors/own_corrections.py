@@ -34,7 +34,7 @@ class OwnCorrection:
     correction: Correction
 
     def text(self) -> str:
-        """The correction in a line; what it was only if its row says so."""
+        """The correction in a line; what it was only if its row has that."""
         return self.correction.text(before=bool(self.correction.was))
 
 
