@@ -1,4 +1,4 @@
-# What stays open, or computes for longer than a look-up takes: the tests check how it is written, and run the commands elsewhere.
+# Commands that stay open or compute for long: the tests check their options here, and run them elsewhere.
 
 fieldkit tui
 # in a browser on this computer
@@ -23,5 +23,5 @@ fieldkit track flight-dd2afbb08f --out track.kml
 fieldkit train --recipe history --schedule published --seed 1 --n-train 14000 --out DIR
 # the reference paper's ensemble again: needs the extra `train`
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
-# one that includes wind and a wrong mass
+# one trained with wind and a wrong mass
 fieldkit train --recipe field --effects wind,mass_offset --out field-wind

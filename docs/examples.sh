@@ -1,4 +1,4 @@
-# A session that has every command in it. The tests run it line by line, in the folder of the checkout, on an empty ledger.
+# A session with every other command. The tests run it line by line in the checkout, with an empty ledger.
 
 # show what a file contains, without storing anything
 fieldkit inspect sample_logs/perfectflite__drogue_and_main.pf2
@@ -10,7 +10,7 @@ fieldkit import --dry-run fieldkit/data/reference_flights.csv
 fieldkit import sample_logs/perfectflite__drogue_and_main.pf2 --set rocket=Comet --set motor=F24-4W --set dry_mass=300g --set diameter=66mm
 # the saved column mappings
 fieldkit mappings
-# a flight in one line, each figure in the unit that it was read in
+# a flight in one line, each figure with the unit of the altimeter
 fieldkit add --rocket Astra --config A --motor F24-4W --dry-mass 322g --diameter 66mm --apogee 935ft --wind 5mph
 
 fieldkit flights
@@ -50,7 +50,7 @@ fieldkit ballast --rocket Astra --motor F24-4W --target 800ft
 fieldkit contest --rocket Astra --season 2026
 # the score of the declared flights
 fieldkit contest --rocket Astra --season 2026 --declared 2,3,9
-# mass and parachute for every target that the finals may announce, in the day's air, on one card
+# mass and parachute for every target that the finals may announce, with the day's weather, on one card
 fieldkit finals --rocket Astra --season 2027 --motor F39T-6 --temperature 25c --wind 3m/s --card finals.png
 # where a plan lands, and which rail angle lands it nearest the pad
 fieldkit landing --rocket Astra --motor F24-4W --wind 4m/s --wind-aloft 9m/s --field-size 400m

@@ -6,7 +6,7 @@ mount()
 
 
 def __getattr__(name: str) -> str:
-    """`__version__`, looked up when asked for: the look-up costs more than a small command."""
+    """`__version__`, looked up on first use: the lookup costs more than a small command."""
     if name == "__version__":
         from importlib.metadata import PackageNotFoundError, version
 
@@ -18,7 +18,7 @@ def __getattr__(name: str) -> str:
 
 
 def _version_here() -> str:
-    """The version that the project file beside this package states, marked as that of a checkout."""
+    """The version in the project file next to this package, marked as that of a checkout."""
     import tomllib
     from pathlib import Path
 

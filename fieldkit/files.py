@@ -10,7 +10,7 @@ from pathlib import Path
 from secrets import token_hex
 
 from fieldkit.errors import FieldkitError
-from fieldkit.paths import own_files
+from fieldkit.paths import is_own
 
 MAX_FILE_SIZE = 1 << 30
 """Size limit of a log or table. [byte]"""
@@ -23,7 +23,7 @@ _DATABASE = b"SQLite format 3\0"
 _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83")
 """First bytes of SQLite's rollback journal, and of its write-ahead log in both orders of bytes."""
 COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
-"""Suffixes of the files that SQLite and fieldkit keep beside a ledger."""
+"""Suffixes of the files that SQLite and fieldkit store next to a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would change line endings."""
 
@@ -186,7 +186,7 @@ def _kept(target: Path) -> str:
         return "a ledger's name"
     if any(_belongs_to_ledger(place) or _holds_copies(place) for place in (target, *target.parents)):
         return "a file that belongs to a ledger"
-    if any(_same(target, own) or own in target.parents for own in own_files()):
+    if is_own(target):
         return "a file that fieldkit manages"
     return ""
 
@@ -220,13 +220,6 @@ def _head(file: Path) -> bytes:
         return b""
     with file.open("rb") as opened:
         return opened.read(16)
-
-
-def _same(one: Path, other: Path) -> bool:
-    try:
-        return one.samefile(other)
-    except OSError:
-        return one == other
 
 
 def replace(file: Path, content: bytes) -> None:

@@ -2,15 +2,31 @@
 fieldkit."""
 
 import os
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Literal, get_args
 
 REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
 """Twelve flights of one rocket, for trying things out."""
 HOME = "FIELDKIT_HOME"
 """The environment variable for another data folder."""
-DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures", "crashes")
-"""Files and folders in the data folder besides the ledger."""
+DataFile = Literal[
+    "captures",
+    "crashes",
+    "drills.toml",
+    "hyperprior.json",
+    "kits.toml",
+    "ledger.db",
+    "limits.toml",
+    "mappings.json",
+    "motors",
+    "rules",
+    "seasons",
+    "settings.json",
+]
+"""Files and folders that fieldkit looks for in the data folder."""
+DATA_FILES: tuple[DataFile, ...] = get_args(DataFile)
 
 
 def data_folder() -> Path:
@@ -32,42 +48,83 @@ def _data_path() -> Path:
     return user_data_path("fieldkit", appauthor=False)
 
 
+def data_file(name: DataFile) -> Path:
+    """A file or folder in the data folder, which is created if possible; the file may not exist."""
+    return data_folder() / name
+
+
 def motor_folder() -> Path:
     """The folder of the flyer's motor files, which may not exist."""
-    return data_folder() / "motors"
+    return data_file("motors")
 
 
 def hyperprior_file() -> Path:
     """The file of a hyperprior that the flyer learned from a club's flights; it and its folder may not exist."""
-    return _data_path() / "hyperprior.json"
+    name: DataFile = "hyperprior.json"
+    return _data_path() / name
 
 
 def settings_file() -> Path:
     """The file of the app's settings, which may not exist."""
+    return _settings_path() / "settings.json"
+
+
+def _settings_path() -> Path:
     if home := _home():
-        return home / "settings.json"
+        return home
     from platformdirs import user_config_path
 
-    return user_config_path("fieldkit", appauthor=False) / "settings.json"
+    return user_config_path("fieldkit", appauthor=False)
 
 
 def capture_folder() -> Path:
     """The folder of captures from loggers, which may not exist."""
-    return data_folder() / "captures"
+    return data_file("captures")
 
 
 def crash_folder() -> Path:
     """The folder of crash reports of the app, for its developers; it may not exist."""
-    return data_folder() / "crashes"
+    return data_file("crashes")
 
 
-def own_files() -> list[Path]:
-    """The files and folders of a flyer's settings and additions, if the data folder can be used."""
+def is_own(file: Path) -> bool:
+    """Whether a resolved path is one of fieldkit's own: anything in its folders, and a name that it looks for there.
+
+    What a link in a folder leads to belongs to it, and so does a file with another name outside (a hard link).
+    """
     try:
-        folder = data_folder().resolve()
-        return [settings_file().resolve(), *(folder / name for name in DATA_FILES)]
-    except (OSError, RuntimeError):
-        return []
+        folders = {data_folder().resolve(), _settings_path().resolve()}
+    except (OSError, RuntimeError):  # a loop of links
+        return False
+    named = [folder / name for folder in folders for name in DATA_FILES]
+    if any(file == own or own in file.parents for own in named):
+        return True
+    return file.exists() and any(_holds(folder, file) for folder in folders)
+
+
+def _holds(folder: Path, file: Path) -> bool:
+    """Whether an existing file is in a folder, by any name and through links."""
+    places = {_identity(place) for place in (file, *file.parents)}
+    return any(one in places for one in _identities(folder))
+
+
+def _identities(folder: Path) -> Iterator[tuple[int, int]]:
+    """The device and inode of a folder and of all that is in it, what links lead to included."""
+    seen: set[tuple[int, int]] = set()
+    left = [folder]
+    while left:
+        place = left.pop()
+        with suppress(OSError):  # it is not there, or a link leads nowhere
+            identity = _identity(place)
+            if identity not in seen:
+                seen.add(identity)
+                yield identity
+                left += place.iterdir() if place.is_dir() else []
+
+
+def _identity(file: Path) -> tuple[int, int]:
+    about = file.stat()
+    return about.st_dev, about.st_ino
 
 
 def _home() -> Path | None:

@@ -1,8 +1,8 @@
 """Finding plug-ins: every module in a plug-in folder that binds one upper-case name.
 
-The plug-in folders have no `__init__.py`. In a checkout they stand beside `fieldkit/`, in the installed wheel inside
-it; in both they are mounted as `fieldkit.parsers` and `fieldkit.models`, so another package named `models` is never
-imported instead.
+The plug-in folders have no `__init__.py`. They are next to `fieldkit/` in a checkout and inside it in an installed
+wheel; in both cases they are mounted as `fieldkit.parsers` and `fieldkit.models`, so another package named `models` is
+never imported instead.
 """
 
 import json

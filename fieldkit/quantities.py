@@ -17,6 +17,9 @@ SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 )
 """The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
+OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
+"""The system of units in which a typed value is repeated beside it."""
+
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
     | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2}
@@ -51,9 +54,9 @@ QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "
 
 
 def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
-    """A figure [SI] that is shown in one unit with SI, in that of a system: `written(304.8, "m", "US")` is `1000 ft`.
+    """A figure [SI] in the unit of a system, given its SI unit: `written(304.8, "m", "US")` is `1000 ft`.
 
-    `digits` after the point count for the unit that is shown with SI; other units have one less, but not below none.
+    `digits` is the number of decimals in SI; other units have one less, but not fewer than none.
     """
     shown = SYSTEMS[system].get(unit, unit)
     places = DECIMALS.get(shown, 0)
@@ -64,13 +67,35 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
 
 
 _NOTE_FIGURE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+_FIGURE = r"\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+_NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) (\+/-|±) ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
+_OF_SI = {"m": ("ft", 1 / units.FOOT), "m/s": ("mph", 1 / units.MILE * 3600), "m/s^2": ("ft/s^2", 1 / units.FOOT)}
+_OF_SI["K"] = ("°F", 1.8)
+"""Feet-based units of estimates with a standard deviation, and their number in one SI unit; kelvins are differences."""
 
 
 def in_system(note: str, system: str) -> str:
-    """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`."""
+    """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`.
+
+    In estimates with a standard deviation, such as `13.7 +/- 14 m/s^2`, accelerations and temperature differences [K]
+    are converted too.
+    """
     if "m" not in SYSTEMS[system]:
         return note
+    note = _NOTE_ESTIMATE.sub(_estimate, note)
     return _NOTE_FIGURE.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
+
+
+def _estimate(found: re.Match[str]) -> str:
+    unit, factor = _OF_SI[found[4]]
+    return f"{float(found[1]) * factor:.3g} {found[2]} {float(found[3]) * factor:.2g} {unit}"
+
+
+def density(value: float, system: str) -> str:
+    """A density of the air [kg/m^3] with its unit: `1.225 kg/m³` or `0.0765 lb/ft³`."""
+    if "m" not in SYSTEMS[system]:
+        return f"{value:.3f} kg/m³"
+    return f"{value * units.FOOT**3 / units.POUND:.4f} lb/ft³"
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,3 +160,10 @@ def measure(column: Column, value: float | None, system: str) -> str:
     if value is None:
         return ""
     return f"{number(column, value, system)} {spelled(unit_of(column, system))}"
+
+
+def in_both_units(column: Column, value: float, unit: str, system: str) -> str:
+    """The unit of a typed number, and its value [SI] in the flyer's other unit: `ft  = 281.3 m`."""
+    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
+    others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
+    return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)

@@ -112,7 +112,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
-    """The histories as a page of Markdown; `unnamed` numbers the rockets and leaves out the places of effects.
+    """The histories as a page of Markdown; `unnamed` numbers the rockets and omits the places of effects.
 
     `forecasts` are those of every flight from the earlier ones, by the model and its rivals.
     """
@@ -126,34 +126,32 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     found = judged_report(forecasts)
     yield ""
     yield fill(
-        f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, "
-        "forecast from those and from the flights of all other rockets before them, next to simpler ways "
-        "(`fieldkit score`):",
+        f"All {len(forecasts)} flights with at least one earlier clean flight of their rocket, forecast from those and "
+        "from the earlier flights of all other rockets, compared with simpler methods (`fieldkit score`):",
         118,
     )
     yield ""
-    yield "| forecast by | flights | median error | mean error | CRPS |"
+    yield "| method | flights | median error | mean error | CRPS |"
     yield "|---|---|---|---|---|"
     for way in found.ways:
         yield f"| {way.name} | {way.flights} | {way.median_share:.1%} | {way.mean_share:.1%} | {way.crps:.1%} |"
     yield ""
-    yield f"Of these flights {found.coverage90:.0%} lay in the 90% interval."
+    yield f"Of these flights, {found.coverage90:.0%} are in the 90% interval."
 
 
 def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
-    yield "# What real histories call for"
+    yield "# Effects in real histories"
     yield ""
     yield fill(
         f"Every rocket with at least {MIN_CLEAN_FLIGHTS} clean flights that have an apogee. The verdict is the "
-        "loop's on all of them. Each flight that came after the first "
-        f"{MIN_CLEAN_FLIGHTS} was forecast from those before it alone, by the plain model (*before*) and by what the "
-        "loop, closed "
-        "again on those before it, made of that (*after*). Errors are fractions of the flown apogee.",
+        f"loop's on all of them. Each flight after the first {MIN_CLEAN_FLIGHTS} is forecast from the earlier ones "
+        "only: by the plain model (*before*), and with what the loop finds in those earlier flights (*after*). Errors "
+        "are fractions of the flown apogee.",
         118,
     )
     yield ""
     if not found:
-        yield "No rocket has flights enough."
+        yield "No rocket has enough flights."
         return
     headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90% interval", "after"
     yield f"| {' | '.join(headers)} |"
@@ -182,8 +180,7 @@ def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[s
     old, new = np.abs(before), np.abs(after)
     yield fill(
         f"Over {len(old)} later flights the mean error is {old.mean():.1%} before and {new.mean():.1%} after, the "
-        "median "
-        f"{np.median(old):.1%} and {np.median(new):.1%}. {_changed(found, old, new)}",
+        f"median error {np.median(old):.1%} and {np.median(new):.1%}. {_changed(found, old, new)}",
         118,
     )
 
@@ -191,12 +188,11 @@ def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[s
 def _changed(found: Sequence[History], old: Array, new: Array) -> str:
     named = np.array([name not in ("none", "unexplained") for one in found for name in one.said])
     if not named.any():
-        return "At none of them had the flights before called for an effect, so nothing was added."
-    fell = (old - new)[named]
-    low, high = 100 * np.quantile(fell[resampled(len(fell))].mean(axis=1), LEVELS)
+        return "For none of them had the loop found an effect in the earlier flights, so the forecasts are the same."
+    rise = (new - old)[named]
+    low, high = 100 * np.quantile(rise[resampled(len(rise))].mean(axis=1), LEVELS)
     return (
-        f"At {named.sum()} of them the flights before called for an effect: there it is {old[named].mean():.1%} "
-        "before and "
-        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90% "
-        "bootstrap interval)."
+        f"For {named.sum()} of them the loop had found an effect in the earlier flights: their mean error is "
+        f"{old[named].mean():.1%} before and {new[named].mean():.1%} after, a change of {100 * rise.mean():+.1f} "
+        f"percentage points (90% bootstrap interval {low:+.1f} to {high:+.1f})."
     )

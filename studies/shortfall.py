@@ -14,6 +14,7 @@ from textwrap import fill
 
 import numpy as np
 
+from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, forward
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
@@ -83,8 +84,13 @@ class Shortfall:
 
 
 def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op) -> Shortfall:
-    """Trace the shortfall of all flights of a ledger, in the order flown."""
+    """Trace the shortfall of all flights of a ledger, in the order flown.
+
+    Raises NoFlights if none is clean and has an apogee.
+    """
     simulated, inclined = _measured(flown), _measured(at_an_angle := _at_an_angle(flown))
+    if not simulated:
+        raise NoFlights("found no clean flight with an apogee that can be simulated, expected at least one")
     steps, known = [], restricted(())
     quantities: tuple[str, ...] = ()
     for number, (cause, own) in enumerate(CAUSES.items()):
@@ -96,11 +102,9 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
     bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
     on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
     joint, worth = _together(at_an_angle, known)
-    ratio = float(np.median([one.ratio for one in simulated])) if simulated else float("nan")
+    ratio = float(np.median([one.ratio for one in simulated]))
     both = zip(inclined, simulated, strict=True)
-    worth_of_angle = (
-        float(np.mean([log(one.simulated / other.simulated) for one, other in both])) if simulated else float("nan")
-    )
+    worth_of_angle = float(np.mean([log(one.simulated / other.simulated) for one, other in both]))
     return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth)
 
 
@@ -178,10 +182,10 @@ def _causes(found: Shortfall) -> Iterator[str]:
     yield "# Why flights fall short of their simulation"
     yield ""
     yield fill(
-        f"{found.flights} clean flights with an apogee reach {found.ratio:.2f} of the uncalibrated simulation (Cd "
-        f"{NOMINAL_CD:g}, certified thrust, recorded mass), in the median. Below, each cause is added to those "
-        "above it, and every flight is forecast from the flights before it. Bias is the mean of the log of forecast "
-        "over flown, with its standard error.",
+        f"The median ratio of flown to simulated apogee is {found.ratio:.2f} over {found.flights} clean flights "
+        f"(uncalibrated simulation: Cd {NOMINAL_CD:g}, certified thrust, recorded mass). In the table, each row adds a "
+        "cause to those above it, and every flight is forecast from the earlier ones. Bias is the mean log ratio of "
+        "forecast to flown apogee, with its standard error.",
         118,
     )
     yield ""
@@ -202,15 +206,15 @@ def _apart(found: Shortfall) -> Iterator[str]:
     yield "## What all rockets have in common"
     yield ""
     yield fill(
-        "With every cause included, from all flights together: how far each quantity is off, and what that changes in "
-        "the apogee. Several of these have the same effect on flights; the last column names the one that each is "
-        "hardest to distinguish from, with their posterior correlation.",
+        "The deviation of each quantity with every cause included, fitted to all flights together, and its effect on "
+        "the apogee. Several quantities have the same effect on flights; the last column names the one that is hardest "
+        "to distinguish from each, with their posterior correlation.",
         118,
     )
     yield ""
-    yield "| quantity | off by | change of the apogee | hardest to distinguish from |"
+    yield "| quantity | deviation | change of the apogee | hardest to distinguish from |"
     yield "|---|---|---|---|"
-    angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, taken as given"
+    angle = f"{np.degrees(ASSUMED_LAUNCH_ANGLE):.0f}°, assumed"
     yield f"| launch angle | {angle} | {100 * found.launch_angle_worth:+.1f}% | |"
     sds = np.sqrt(np.diag(found.joint.covariance))
     correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
@@ -221,7 +225,7 @@ def _apart(found: Shortfall) -> Iterator[str]:
         start = log(NOMINAL_CD) if name == fleet_term("drag") else 0.0
         other = int(np.abs(correlation[i]).argmax())
         rival = found.joint.names[other].removesuffix(fleet_term("")).replace("_", " ")
-        unit = " s" if quantity == "apogee to eject" else " %"
+        unit = " s" if quantity == "apogee to eject" else "%"
         scale = 1.0 if unit == " s" else 100.0
         off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
         yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f}% | {rival} ({correlation[i, other]:+.2f}) |"
@@ -235,7 +239,7 @@ def _prior_sd(name: str) -> float:
 def _rockets(found: Shortfall, unnamed: bool) -> Iterator[str]:
     yield "## Rocket by rocket"
     yield ""
-    yield "Mean error of every flight of a rocket, forecast from those before it, as causes are added."
+    yield "Mean error of the forecasts of a rocket's flights, each from the earlier ones, as causes are added."
     yield ""
     yield f"| rocket | flights | {' | '.join(step.cause for step in found.steps)} | not worse |"
     yield f"|{'---|' * (len(found.steps) + 3)}"

@@ -7,7 +7,7 @@ SAMPLES = sorted((Path(__file__).parent.parent / "sample_logs").iterdir())
 
 def any_motor(name: str) -> str | None:
     """A catalog with every motor but one."""
-    return f"found {name!r}, expected a motor of the catalogue" if name == "ZZ99-1" else None
+    return f"found {name!r}, expected a motor of the catalog" if name == "ZZ99-1" else None
 
 
 def owner(sample: Path) -> str:

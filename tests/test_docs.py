@@ -1,4 +1,4 @@
-"""README and manual are right: commands run, paths exist, examples work, generated pages are up to date."""
+"""README and manual are correct: commands run, paths exist, examples work, generated pages are up to date."""
 
 import json
 import re
@@ -30,15 +30,15 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
 RUN = ("start", "predictions", "installing")
-"""Pages whose commands are run, each as a session of its own; those of others are examples of the sessions, too,
-but for those of real flights, which are not ours to ship."""
+"""Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
+those with real flights, which are not shipped."""
 TO_BE_MADE = {
     "parsers/skylark.py",
     "models/effects/sticky_altimeter.py",
     "fieldkit/tui/screens/weather.py",
     ".venv/bin",
 }
-"""Paths that a reader makes."""
+"""Paths that the reader creates."""
 MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "sheet.pdf"}
 """Files that the examples write."""
 
@@ -68,7 +68,7 @@ def lines_of(name: str) -> list[str]:
 
 @pytest.fixture
 def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A flyer's shell in the checkout, with an empty ledger of their own."""
+    """A shell in the checkout with an empty ledger."""
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     monkeypatch.setenv("COLUMNS", "80")

@@ -1,4 +1,4 @@
-"""Names say what things are: no private words, no type name twice, no constant that is a bare adjective."""
+"""Names are meaningful: no private words, no type name twice, no constant that is a bare adjective."""
 
 import ast
 import re
@@ -42,7 +42,7 @@ BARE = _set(
     WORST WORTH
     """
 )
-"""Superlatives, adjectives and adverbs that say nothing alone."""
+"""Superlatives, adjectives and adverbs that are not meaningful alone."""
 
 
 def _files() -> list[Path]:

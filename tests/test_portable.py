@@ -64,7 +64,7 @@ def test_what_only_unix_has_is_asked_for_where_it_may_be_missing() -> None:
 
 
 def unguarded(tree: ast.AST) -> list[str]:
-    """Names that only Unix has, outside of what expects that they are not there."""
+    """Unix-only names, except in code that handles their absence."""
     if isinstance(tree, ast.Try) and any("ImportError" in ast.unparse(one.type or tree) for one in tree.handlers):
         return []
     if isinstance(tree, ast.With) and "suppress(ImportError)" in ast.unparse(tree.items[0]):

@@ -13,8 +13,8 @@ ROOT = Path(__file__).parent.parent
 FILES = sorted(file for folder in ("fieldkit", "parsers", "models") for file in (ROOT / folder).rglob("*.py"))
 
 ALLOWED = {"fieldkit/tui/serve.py: super()._make_app"}
-"""The one place where a guard comes before every answer of `textual_serve`, files included: its public handlers leave
-out one of the four routes, and without it 40 lines of the server stand here again."""
+"""The only exception: a guard that runs before every answer of `textual_serve`, including files. Its public handlers
+omit one of the four routes; without it, 40 lines of the server would be repeated here."""
 
 
 def _own_names(trees: Iterable[ast.Module]) -> set[str]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fieldkit.quantities import in_system
+from fieldkit.quantities import density, in_system
 
 pytestmark = pytest.mark.fast
 
@@ -13,9 +13,18 @@ pytestmark = pytest.mark.fast
         ("a gap between 30 m, as recorded, and 61 m", "a gap between 98 ft, as recorded, and 200 ft"),
         ("off the rail at 10 m/s", "off the rail at 22 mph"),
         ("the missing 25 m/s² are filled in", "the missing 25 m/s² are filled in"),
+        ("friction: 13.7 +/- 14 m/s^2", "friction: 44.9 +/- 46 ft/s^2"),
+        ("a site: -120 ± 60 m", "a site: -394 ± 2e+02 ft"),
+        ("days: 5 +/- 2.5 K", "days: 9 +/- 4.5 °F"),
+        ("4.57 +/- 7.4 deg at 15 m/s off the rail", "4.57 +/- 7.4 deg at 34 mph off the rail"),
         ("row 7 m2 has 3 mm and version 1.5 meters", "row 7 m2 has 3 mm and version 1.5 meters"),
     ],
 )
 def test_a_note_states_lengths_and_speeds_in_the_units_of_the_system(note: str, shown: str) -> None:
     assert in_system(note, "US") == shown
     assert in_system(note, "SI") == note
+
+
+def test_a_density_is_in_pounds_per_cubic_foot_if_lengths_are_in_feet() -> None:
+    assert density(1.225, "SI") == "1.225 kg/m³"
+    assert density(1.225, "mixed") == "0.0765 lb/ft³"

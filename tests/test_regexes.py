@@ -1,4 +1,4 @@
-"""Every regular expression of the program takes time at most linear in the length of its text."""
+"""Every regular expression of the program takes at most linear time in the length of its text."""
 
 import ast
 import importlib
@@ -16,10 +16,9 @@ CHECK_SHAPES = False
 ROOT = Path(__file__).parents[1]
 ASKED = ("match", "search", "fullmatch", "finditer", "findall", "sub", "split")
 LENGTHS = (20, 400, 1500)
-"""Of hostile texts: what takes twice as long with every character shows at the first, what grows with a power at the
-last. [characters]"""
+"""Lengths of hostile texts: exponential time shows at the first, polynomial time at the last. [characters]"""
 ENOUGH = 0.1
-"""No expression takes longer on any of them, where one that looks at each character once takes microseconds. [s]"""
+"""Maximum time of an expression for any of them; a linear one takes microseconds. [s]"""
 PIECES = (
     *"1 .,-+a_\"'()[]:;/=\t\\#%!*<>$@~&",
     *("1,", "1.", "a ", "1 ", "a1", ", ", "- ", "(a", "a.", "1e", ".1", "\n ", " \n", "Event ", "ab:", "00 ", "0a"),
@@ -28,7 +27,7 @@ ENDS = ("", "x", "!", "\n", "é", "0", " 1", ",,x", "\n1")
 
 
 def expressions() -> Iterator[tuple[str, "re.Pattern[Any]", str]]:
-    """Every compiled expression that a module keeps, with the name and each way in which it is asked."""
+    """Every compiled expression of a module, with its name and each way in which it is used."""
     for file in sorted((*(ROOT / "fieldkit").rglob("*.py"), *(ROOT / "parsers").glob("*.py"))):
         text = file.read_text(encoding="utf-8")
         if "re." not in text:
@@ -73,7 +72,7 @@ def test_expressions_are_found() -> None:
 
 
 def hostile(length: int) -> Iterator[str]:
-    """Texts of one piece over and over, that an expression nearly takes."""
+    """Texts that repeat one piece and nearly match an expression."""
     for piece in PIECES:
         for start in ("", "1", "a"):
             yield from (start + piece * (length // len(piece)) + end for end in ENDS)
@@ -93,7 +92,7 @@ def test_no_expression_takes_long_over_a_long_text(name: str, pattern: "re.Patte
 
 
 def asked(pattern: "re.Pattern[Any]", way: str, text: Any) -> None:
-    """Look through a text in one of the ways."""
+    """Search a text in one of the ways."""
     empty: Any = ""
     if isinstance(pattern.pattern, bytes):
         text, empty = text.encode(), b""

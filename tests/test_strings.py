@@ -11,8 +11,10 @@ CHECK_SHAPES = False
 @pytest.mark.parametrize(
     ("file", "text"),
     [
-        ("fieldkit/tui/screens/home.py", "No flights yet. a adds the first one"),
+        ("fieldkit/tui/screens/home.py", "No flights yet. a to add the first one"),
         ("fieldkit/cli/motors.py", "Total impulse range, in N s."),
+        ("fieldkit/tui/screens/loop.py", "Accept"),
+        ("models/effects/wear.py", "wear"),
         ("fieldkit/services/sites.py", "{...}: found a {...} that is not above zero, expected a positive length"),
     ],
 )

@@ -230,7 +230,7 @@ COMMANDS: dict[str, list[str]] = {
     "predict": ["--motor", "F24-4W", "--config", "A"],
     "predictions": [],
 }
-"""Every command, as far as it takes moments, in an order in which each finds what it needs."""
+"""Every fast command, in an order in which each finds what it needs."""
 LONG = {
     "demo": [],
     "loop": [],
@@ -248,8 +248,8 @@ LONG = {
     "daysheet": ["--motor", "F24-4W", "--wind", "3m/s", "--out", "sheet.png"],
 }
 APART = {"serve", "tui", "train", "track"}
-"""Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask
-for a log with satellite positions (`tests/presentation/test_kml.py`)."""
+"""Commands that listen, need a terminal, run for hours in other processes, or need a log with satellite positions
+(`tests/presentation/test_kml.py`)."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
 _forbidden: list[str] | None = None
 
@@ -262,7 +262,7 @@ def _watch(event: str, arguments: tuple[object, ...]) -> None:
 
 @pytest.fixture
 def sockets() -> Iterator[list[str]]:
-    """What was tried with a socket; each try fails."""
+    """Attempts to use a socket; each fails."""
     global _forbidden
     sys.addaudithook(_watch)  # it stays, and does nothing after this test
     _forbidden = []
@@ -271,7 +271,7 @@ def sockets() -> Iterator[list[str]]:
 
 
 def leaves(command: Any, words: tuple[str, ...] = ()) -> Iterator[str]:
-    """Every command that does something, with the words that lead to it."""
+    """Every command with an effect, with the arguments that lead to it."""
     below = getattr(command, "commands", {})
     if words and (not below or command.invoke_without_command):
         yield " ".join(words)
@@ -285,7 +285,8 @@ def test_every_command_is_tried_here() -> None:
 
 @pytest.fixture
 def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, list[str]], list[str]]:
-    """The words of a command, of flights of a rocket with a hostile name, in a folder where all it names is there."""
+    """The arguments of a command about flights of a rocket with a hostile name, in a folder with everything that it
+    needs."""
     monkeypatch.chdir(tmp_path)
     log = next((ROOT / "sample_logs").glob("perfectflite__drogue*")).read_bytes()
     odd = "".join(c for c in ROCKET if c not in "<>/" and (c >= " " or sys.platform != "win32"))
@@ -311,7 +312,7 @@ def test_no_command_reaches_for_a_network_or_lets_a_terminal_obey_a_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    monkeypatch.setenv("TERM", "dumb")  # no colours of our own
+    monkeypatch.setenv("TERM", "dumb")  # no colors of the terminal
     for command, words in COMMANDS.items():
         assert main(asked(command, words)) == 0, (command, capsys.readouterr())
         assert not sockets, command

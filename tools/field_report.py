@@ -1,19 +1,15 @@
 """Writes `docs/field-ensemble.md` from what was measured: `python tools/field_report.py`.
 
 Reads the card of the shipped ensemble and the files in `docs/measured/`, each of which names the command that made it.
-`python tools/field_report.py --journal LEDGER` first scores the flights of a ledger into `docs/measured/journal.json`:
-shares and counts alone, no flight.
+`python tools/field_report.py --journal LEDGER` first counts the warnings about the flights of a ledger, and saves only
+the counts in `docs/measured/journal.json`.
 """
 
 import argparse
 import json
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-
-import numpy as np
 
 from fieldkit.inference.network import outliers
 from fieldkit.inference.network.ensemble import read_card
@@ -29,21 +25,9 @@ ROOT = Path(__file__).parents[1]
 REPORT = ROOT / "docs" / "field-ensemble.md"
 
 
-def score_journal(ledger: str) -> None:
-    """Save the scores of a ledger's forecasts, and the number of flights with a warning."""
-    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger, "score", "--json"]
-    said = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    rows = said.pop("flights")
-    error = np.array([abs(row["p50"] / row["flown"] - 1) for row in rows])
-    earlier = np.array([row["earlier"] for row in rows])
-    said["by_earlier"] = {
-        name: {"flights": int(which.sum()), "median_share": float(np.median(error[which]))}
-        for name, which in (("1", earlier == 1), ("2", earlier == 2), ("3 or more", earlier >= 3))
-        if which.any()
-    }
-    said["within"] = {f"{level:g}": float((error < level).mean()) for level in (0.05, 0.1, 0.2, 0.5)}
-    said["guard"] = _guarded(ledger)
-    (MEASURED / "journal.json").write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+def count_warnings(ledger: str) -> None:
+    """Save the number of a ledger's flights with a warning."""
+    (MEASURED / "journal.json").write_text(json.dumps(_guarded(ledger), indent=2) + "\n", encoding="utf-8")
 
 
 def _guarded(ledger: str) -> dict:
@@ -62,7 +46,7 @@ def report(card: dict) -> Iterator[str]:
     yield ""
     yield from prose(
         "Five small networks estimate the density of drag area and thrust scale from any set of readouts. They are",
-        "trained on simulated flights only. The command that printed a figure stands with it; this page is written by",
+        "trained on simulated flights only. Each figure has the command that printed it; this page is written by",
         "`python tools/field_report.py`.",
     )
     yield "```sh"
@@ -195,51 +179,18 @@ def rivals() -> Iterator[str]:
 
 
 def journal() -> Iterator[str]:
+    """The warnings of the guard on real flights."""
     found = measured("journal")
     if found is None:
         return
-    yield "## Real flights, forward in time"
+    which = ", ".join(f"{name} {count}" for name, count in found["by_readout"].items())
+    yield "## Warnings on real flights"
     yield ""
     yield from prose(
-        "A public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal). Each flight of a rocket is",
-        "forecast from its earlier ones; clusters and staged flights are left out; weather and diameters are not",
-        "recorded. `fieldkit import launches.csv rockets.csv && fieldkit score`.",
+        "In a public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal, without weather and diameters),",
+        f"the guard warns about {found['warned']} of {found['flights']} clean flights ({which}). Forecasts of these",
+        "flights are on [a page of their own](journal.md).",
     )
-    rows = [
-        [
-            one["name"],
-            str(one["flights"]),
-            percent(one["median_share"]),
-            percent(one["mean_share"]),
-            f"{one['mae']:.1f} m",
-        ]
-        for one in found["errors"]
-    ]
-    yield from table(["method", "flights", "median error", "mean", "MAE"], rows)
-    groups = found["by_earlier"].items()
-    by = ", ".join(f"{percent(one['median_share'])} with {name} ({one['flights']})" for name, one in groups)
-    told = [
-        f"Median error by the number of earlier flights: {by}. In the 90% interval: {percent(found['coverage90'])}."
-    ]
-    if later := found["corrected"]:
-        told.append(
-            f"Of the {later['flights']} intervals corrected by earlier forecasts, {percent(later['coverage90'])}"
-        )
-        told.append(f"contain the flight; without the correction it would be {percent(later['own_coverage90'])}.")
-    yield from prose(*told)
-    again = next(one["median_share"] for one in found["errors"] if one["name"] == "the last flight on the same motor")
-    yield from prose(
-        "The error of `the last flight on the same motor` is the difference of two flights. If flights scatter equally",
-        "and independently, it is larger than the scatter of one flight by the square root of two. So a forecast with",
-        f"perfect knowledge of rocket and motor would still have a median error of {percent(again / 2**0.5)}, and one",
-        f"from the mean of two flights {percent(again / 2**0.5 * 1.5**0.5)}.",
-        "The rule for a missing diameter and the discrepancies of simulator and device were chosen with these flights",
-        "in view, so the result is in-sample to that extent.",
-    )
-    warned = found["guard"]
-    which = ", ".join(f"{name} {count}" for name, count in warned["by_readout"].items())
-    yield f"The guard warns about {warned['warned']} of {warned['flights']} of these flights ({which})."
-    yield ""
 
 
 def bench() -> Iterator[str]:
@@ -259,13 +210,13 @@ def bench() -> Iterator[str]:
 
 
 def main() -> None:
-    """Score a ledger if requested, and write the report."""
+    """Count the warnings about a ledger if requested, and write the report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--journal", default=None, help="a ledger with the journal's flights")
     options = parser.parse_args()
     MEASURED.mkdir(exist_ok=True)
     if options.journal:
-        score_journal(options.journal)
+        count_warnings(options.journal)
     text = "\n".join(report(dict(read_card(trained_folder("field"))))).rstrip() + "\n"
     REPORT.write_text(text, encoding="utf-8")
     print(f"{REPORT}: {len(text.splitlines())} lines")

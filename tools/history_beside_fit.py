@@ -126,7 +126,7 @@ def network_before() -> Iterator[str]:
             )
         )
     yield from prose(
-        "The previous network was replaced so that `infer`, the page Flights and quick forecasts use the same",
+        "The previous network was replaced so that `infer`, the Flights page and quick forecasts use the same",
         "hyperprior as `predict`. The shipped network forecasts the journal's flights and simulated ones from the",
         "learned hyperprior better, and has no false alarms on the sets without an effect. On the bench, whose rockets",
         "have effects more often than the prior expects, its intervals contain fewer flights, and it detects effects a",

@@ -58,7 +58,7 @@ def asked() -> Iterator[str]:
     yield from ("## Uses", "")
     yield from prose(
         "`loop --quick` gives the probability of every effect, and `predict --quick` the next apogee, Cd and alpha. On",
-        "the page Add, Cd, alpha and the next apogee follow each readout as it is typed; flights are simulated again",
+        "the Add page, Cd, alpha and the next apogee follow each readout as it is typed; flights are simulated again",
         "only if the setup changes. Many motors are forecast in one batch (`forecasts_at_once`). [Speed](speed.md)",
         "compares the run times with the fit's (`python tools/benchmarks.py history`).",
     )

@@ -196,7 +196,7 @@ first lines what it is for.
 | `models/effects/` | a file for every [effect](effects.md) |
 | `models/trained/` | a folder for every [ensemble](models.md) |
 | `sample_logs/` | a log or more for every parser, `PARSER__what_happened.suffix` |
-| `studies/` | the reference paper, exact posteriors, what histories call for; not in the wheel |
+| `studies/` | the reference paper, exact posteriors, effects in real histories; not in the wheel |
 | `bench/` | a simulator of its own, what [judges the loop](undeclared-effects.md) by it, [the fault bench](faults.md) |
 | `tools/` | what makes pages, pictures, the motor catalog and the samples |
 | `tests/` | the tree of `fieldkit/` again: laws, contracts over every plug-in, golden figures, screens; `benchmarks/` |

@@ -30,10 +30,10 @@ class Known:
 
 
 KNOWN = {
-    "raven_fip_variant__ndrt_2020": Known("Cesaroni L1395", 18.998, None, "whether the mass holds the motor case"),
+    "raven_fip_variant__ndrt_2020": Known("Cesaroni L1395", 18.998, None, "the mass may include the motor case"),
     "generic__ncsu_firm_jackpot_launch_1": Known("AeroTech L1390G", 16.848, 0.1524, "air brakes opened in the coast"),
     "featherweight_gps__adventurer": Known("J510W"),
-    "altos_csv__2012-05-28": Known(caveat="its boost returns after the coast"),
+    "altos_csv__2012-05-28": Known(caveat="it shows a second boost after the coast"),
     "entacore_aim_xtra": Known("E190 / H148R", None, None, "two stages"),
 }
 """By the start of a file's name."""
@@ -74,12 +74,12 @@ def main() -> None:
 HEAD = [
     "# The force along real climbs",
     "",
-    "Computed by `python tools/real_forces.py LOGS docs/real-forces.md`, LOGS being a folder of published recordings.",
-    "A missing force needs the mass of the rocket and the motor; drag area over mass in the coast needs none of them:",
-    "median and central 80% between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
-    "flights of one rocket, and no two of these are of one rocket or by one logger; `top_shot` and `juno3` are one",
-    "flight each by two loggers, `hedy` one logger's raw and filtered files. Where heights alone were recorded, the",
-    "push is their second derivative, and the spread is that of smoothing.",
+    "Computed by `python tools/real_forces.py LOGS docs/real-forces.md` from a folder LOGS of published recordings.",
+    "The missing force requires the motor and the mass of the rocket. Drag area over mass in the coast requires",
+    "neither; the table has its median and central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts. A",
+    "law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are single",
+    "flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only heights were",
+    "recorded, the push is their second derivative, and the spread is that of the smoothing.",
     "",
     "| log | push from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
     "|---|---|---|---|---|---|",
@@ -127,7 +127,7 @@ def told(one: FlightForce) -> list[str]:
         for found in one.law.terms
     ]
     said = "; ".join(terms) or nothing(one)
-    lines = [f"## {one.flight_id}", "", f"Alone, which decides nothing: {said}."]
+    lines = [f"## {one.flight_id}", "", f"From this flight alone, which is not conclusive: {said}."]
     lines += ["", "| phase | s from lift-off | m/s | missing m/s² | ± |", "|---|---|---|---|---|"]
     return lines + [
         f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
@@ -139,8 +139,8 @@ def told(one: FlightForce) -> list[str]:
 def nothing(one: FlightForce) -> str:
     """The meaning of a law without terms: nothing is missing, or scatter would hide it."""
     left, drag = one.law.left, float(one.missing.drag.max())
-    said = f"{left:.2g} m/s² are left beside a drag of {drag:.2g} m/s² at the most"
-    return f"too noisy to say, {said}" if left > NOISY * drag else f"nothing is missing, {said}"
+    said = f"the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
+    return f"too noisy for a result: {said}" if left > NOISY * drag else f"nothing is missing: {said}"
 
 
 if __name__ == "__main__":

@@ -20,6 +20,10 @@ STEP = 0.005
 """Of the path that is recorded. [s]"""
 PEAK_WINDOW = 0.05
 """Over so long a time a peak of acceleration lasts. [s]"""
+GUST, GUST_TIME = 0.5, 3.0
+"""Vertical gusts near the ground on a day for rockets [m/s], and how long one lasts [s]."""
+UNDER_WAY, EXTENSION = 1.0, 30.0
+"""From so long after apogee and ejection they lift, and by how much they make a flight longer at most. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +81,7 @@ def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: flo
     """Flights as sport flyers make them, or such as pass Mach 1; from rails at this angle, or at a random one. [rad]"""
     launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
     launches = [replace(one, tilt=lean or one.tilt) for one in launches]
-    return [_path(launch, track) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
+    return [_path(launch, track, rng) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
 
 
 def _sport(rng: np.random.Generator) -> Launch:
@@ -143,12 +147,15 @@ def _launch(
     return replace(launch, delay=max(1.0, quick.coast + float(rng.normal(0.5, 1.0))))
 
 
-def _path(launch: Launch, track: Track) -> Path:
+def _path(launch: Launch, track: Track, rng: np.random.Generator) -> Path:
     begin = track.liftoff
     end = float(track.time[-1])
     time = np.arange(0.0, end - begin, STEP)
     above = np.interp(time + begin, track.time, track.height)
-    height = np.interp(time + begin, track.time, barometric_height(track.height, launch.air))
+    if track.ejection is not None:
+        time, above = _in_gusts(time, above, track.ejection - begin, rng)
+        end = begin + float(time[-1])
+    height = barometric_height(above, launch.air)
     push = np.interp(time + begin, track.time, np.where(np.isnan(track.push), GRAVITY, track.push))
     return Path(
         time,
@@ -162,6 +169,29 @@ def _path(launch: Launch, track: Track) -> Path:
         launch.air.elevation,
         station_pressure(launch.air.qnh, launch.air.elevation),
     )
+
+
+def _in_gusts(
+    time: Float[Array, "step"], above: Float[Array, "step"], ejection: float, rng: np.random.Generator
+) -> tuple[Float[Array, "step"], Float[Array, "step"]]:
+    """Times [s] and heights [m] of a flight whose descent gusts lift and sink, to where it meets the ground."""
+    top, second = float(time[np.argmax(above)]), round(1 / STEP)
+    sinks = max(float(above[-second] - above[-1]), 1.0)
+    later = np.arange(time[-1] + STEP, time[-1] + EXTENSION, STEP)
+    longer = np.append(time, later)
+    height = np.append(above, above[-1] - sinks * (later - time[-1]))
+    height = height + _lifted(longer - max(ejection, top) - UNDER_WAY, rng)
+    last = int(np.argmax((height <= 0) & (longer > top))) or longer.size - 1
+    return longer[: last + 1], height[: last + 1]
+
+
+def _lifted(since: Float[Array, "step"], rng: np.random.Generator) -> Float[Array, "step"]:
+    """By how much the air lifts what hangs from a parachute: gusts that follow an Ornstein-Uhlenbeck process. [m]"""
+    from scipy.signal import lfilter
+
+    part = STEP / GUST_TIME
+    gusts = lfilter([1.0], [1.0, part - 1], rng.normal(0, GUST * np.sqrt(2 * part), since.size))
+    return np.asarray(np.cumsum(np.where(since > 0, gusts, 0.0)) * STEP)
 
 
 def sampled(

@@ -20,8 +20,6 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 DRAWS = 200
-BAROMETRIC = ("barometric altitude", "pressure")
-"""Sources of heights that such an error makes wrong."""
 _KNOTS = 1200
 _TIME_AFTER_APOGEE, _LONG_AFTER = 2.0, 20.0
 """How far past apogee the curve goes, and that of a log with few samples. [s]"""
@@ -93,7 +91,7 @@ def ascend(
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         start = _fit_start(track, seen, grid, slow, push, marks, sighted)
-    ascent = _fitted(start, marks, pressed=track.source in BAROMETRIC)
+    ascent = _fitted(start, marks, pressed=track.pressed)
     return replace(ascent, sighted=sighted) if ascent else None
 
 

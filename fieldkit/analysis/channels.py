@@ -26,6 +26,8 @@ CHANNEL_TITLES = {
     "acceleration": "acceleration",
     "inertial_speed": "inertial speed",
 }
+BAROMETRIC = ("barometric altitude", "pressure")
+"""Titles of channels that are made of pressures."""
 _SENSORS = {"inertial": "accel", "acceleration": "accel", "GPS": "gps", "barometric": "baro", "pressure": "baro"}
 """Words of `CHANNEL_TITLES` and the sensor that each means; of two sensors the first of these shaped what was
 measured."""
@@ -60,6 +62,11 @@ class Heights:
     source: str
     disturbed: bool = False
     lag: float = 0.0
+
+    @property
+    def pressed(self) -> bool:
+        """Whether these heights are made of pressures, which are off in a fast airframe."""
+        return self.source in BAROMETRIC
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,11 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.analysis.records import Figure, MeasuredClimb, Recorded
 from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    import pandas
 
 _REACH = 3.0
 """How far lift-offs may be found apart that are one. [s]"""
@@ -66,7 +70,8 @@ def _aligned(
     start = first.events[mark].time - second.events[mark].time if mark else float(one.time[-1] - other.time[-1])
 
     def mean_square(shift: float) -> float:
-        return float(np.mean(_gaps(one, other, shift) ** 2)) if _gaps(one, other, shift).size > 4 else np.inf
+        gaps = _gaps(one, other, shift)
+        return float(np.mean(gaps**2)) if gaps.size > 4 else np.inf
 
     tries = start + np.linspace(-_REACH, _REACH, 61)
     best = float(tries[np.argmin([mean_square(shift) for shift in tries])])
@@ -79,9 +84,18 @@ def _aligned(
 
 
 def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array, "time"]:
-    """Differences of height where both climb, at the first's times, most of the shorter one at least."""
-    inside = (one.time >= other.time[0] + shift) & (one.time <= other.time[-1] + shift)
+    """Differences of height where both climb, at the first's times, most of the shorter one at least. [m]"""
     shorter = min(np.ptp(one.time), np.ptp(other.time))
-    if inside.sum() * np.median(np.diff(one.time)) < 0.6 * shorter:
+    both = _joined(one, other, shift)
+    if len(both) * np.median(np.diff(one.time)) < 0.6 * shorter:
         return np.empty(0)
-    return np.asarray(np.interp(one.time[inside] - shift, other.time, other.height) - one.height[inside])
+    return np.asarray(both["second"] - both["first"], float)
+
+
+def _joined(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> "pandas.DataFrame":
+    """The heights of both at the first's times, the second's clock put forward and between its samples by lines. [m]"""
+    import pandas
+
+    first, second = pandas.Series(one.height, one.time), pandas.Series(other.height, other.time + shift)
+    whole = pandas.concat({"first": first, "second": second}, axis=1).sort_index()
+    return whole.interpolate("index", limit_area="inside").loc[first.index].dropna()

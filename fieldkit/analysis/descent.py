@@ -16,6 +16,11 @@ _CHARGES = ("ejection", "drogue")
 """Events of a logger that are the first charge to bring a parachute out."""
 _SHOCK = 4 * GRAVITY
 """A push this strong after burnout is no drag: a charge, or a line that goes taut. [m/s^2]"""
+_RISE = 0.02
+"""How long a blow takes to become one. [s]"""
+_TIME_BEFORE_APOGEE, _BRAKED_SLACK = 1.0, 2.0
+"""How long before apogee a charge that no sensor shows may have gone [s]; and a fall that was braked when it was not
+much faster than the descent after it, by half of that and so much [m/s], shows none."""
 _BASELINE_TIME = 0.4
 """So long before a blow drag is looked at, which a blow stands out from. [s]"""
 
@@ -32,7 +37,7 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     blow = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
     if blow.size == 0:
         return None
-    return Event(float(time[blow[0]]), max(median_step(time), 0.05), push.source)
+    return Event(float(time[blow[0]]), float(np.hypot(median_step(time) / 2, _RISE)), push.source)
 
 
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
@@ -132,8 +137,21 @@ def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "tim
     return 3 * mad_sd((smooth[reach:] - smooth[:-reach]) / (reach * step))
 
 
-def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None) -> Figure | None:
-    """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
+def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[float, float]:
+    """Mean speed from an ejection that no sensor shows, and its standard deviation, from what it is from apogee. [m/s]
+
+    Until then the rocket fell freely, and after more of a fall its braking would have shown.
+    """
+    latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY, lasts / 2)
+    after = np.linspace(-_TIME_BEFORE_APOGEE, latest, 41)
+    speeds = (height - GRAVITY * after**2 / 2) / (lasts - after)
+    return float(speeds.mean()), float(speeds.std())
+
+
+def descent_speed(
+    track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None, *, known: bool
+) -> Figure | None:
+    """Mean speed from ejection, or apogee if it is not `known`, to landing, as the AltimeterTwo gives it.
 
     In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent
     speed in the median of 47 flights. Without landing it is the mean over what the log has, if it has a fifth of
@@ -143,8 +161,13 @@ def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None
     upper = float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
-        sd = np.hypot(2 * track.noise / (end.time - start), value * np.hypot(begin.sd, end.sd) / (end.time - start))
-        return Figure(value, float(np.hypot(sd, 0.01 * value)), track.source) if value > 0 else None
+        if known:
+            sd = value * np.hypot(begin.sd, end.sd) / (end.time - start)
+        else:
+            value, sd = _from_unseen_ejection(value, upper - level, end.time - start)
+            sd = np.hypot(sd, value * end.sd / (end.time - start))
+        sd = np.hypot(sd, 2 * track.noise / (end.time - start))
+        return Figure(value, float(sd), track.source) if value > 0 else None
     last = float(np.median(track.height[track.time > track.time[-1] - 1]))
     gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
     if gone < 2 or upper - last < 0.2 * way:

@@ -161,7 +161,7 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
     begin = ejected or replace(apogee, sd=2.0)
     if heard is not None and begin.time < heard:
         begin = Event(heard, 0.1 if ejected else begin.sd, track.source)
-    speed = descent_speed(track, seen, begin, landed, level)
+    speed = descent_speed(track, seen, begin, landed, level, known=ejected is not None or begin.time > apogee.time)
     if speed:
         figures["descent_speed"] = speed
     return _FlightPart(events, figures, () if landed else (NO_LANDING,))

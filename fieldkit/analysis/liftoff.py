@@ -3,6 +3,7 @@
 import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.hard_boost import checked_by_climb
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
@@ -12,7 +13,11 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     """Lift-off by the accelerometer if it saw it, else by the rise from the pad; None if neither did."""
-    return (_by_push(push, seen) if push else None) or _by_rise(track, seen)
+    felt = _by_push(push, seen) if push else None
+    if felt is not None:
+        return felt
+    corner = _by_rise(track, seen)
+    return checked_by_climb(corner, track, seen) if corner is not None and track.pressed else corner
 
 
 def _by_push(push: Push, seen: Outline) -> Event | None:

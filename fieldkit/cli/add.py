@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, say_wrapped, system
+from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
 
 
 def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
-    """Continue a draft if the user wants to; a script that does not ask for it leaves it alone."""
+    """Continue a draft if the user wants to; without a terminal it is continued only on request."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)
@@ -139,5 +139,5 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     if found := outcome(ledger, MotorCheck().catalogue, flight):
         say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
     for line in implausible_flights([flight], MotorCheck().catalogue):
-        complain(f"note: {line}")
+        remark(line)
     complain(f"Saved flight {added.new[0]}. `fieldkit undo` to undo.")

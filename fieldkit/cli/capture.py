@@ -127,7 +127,9 @@ def _port(names: Sequence[str], device: str | None) -> "Port":
         real = str(Path(names[0]).resolve())
         return next((port for port in here if port.name in (names[0], real)), Port(names[0]))
     proven = [port for port in here if port.device and port.device == (device or port.device)]
-    likely = proven or [port for port in here if port.vendor is not None]  # others are sockets, with nothing in them
+    likely = proven or [
+        port for port in here if port.vendor is not None
+    ]  # others are legacy ports with nothing attached
     if len(likely) != 1:
         found = ", ".join(port.name for port in likely) or "no serial port"
         raise PortTrouble(f"found {found}, expected one; name the port, `fieldkit capture --list` shows what is known")
@@ -194,7 +196,8 @@ def _tell(end: "Ended") -> None:
 def _received(
     context: typer.Context, end: "Ended", wanted: bool | None, defaults: dict[str, object], json: bool
 ) -> "Receipt | None":
-    """Import a capture, if that is wanted; a damaged log stays in the capture, which the message names."""
+    """Import a capture if the user wants it; a log that cannot be read stays in the capture, which the message
+    names."""
     from fieldkit.services.imports import bring_in
 
     if wanted is None and end.whole and sys.stdin.isatty() and not json:

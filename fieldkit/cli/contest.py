@@ -37,7 +37,7 @@ def finals(
     from dataclasses import replace
 
     from fieldkit import files
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import finals_table, finals_targets, trials
@@ -63,7 +63,7 @@ def finals(
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
-        approved = approved_motors(season, data_folder() / "seasons")
+        approved = approved_motors(season, data_file("seasons"))
         lines = plan.safety(flown.forecast) + allowed(rule, flown.forecast.plan, found, approved=approved)
         table = finals_table(flown, rule, finals_targets(rule))
     chosen = system()
@@ -129,7 +129,7 @@ def contest(
     **given: str | None,
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import why_no_score
@@ -137,7 +137,7 @@ def contest(
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:
-        complain(f"your own rule, in use from now on: {copy_season(season, data_folder() / 'seasons')}")
+        complain(f"your own rule, in use from now on: {copy_season(season, data_file('seasons'))}")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     rule = season_rule(season).announced(length(target), read_window(window) if window else None)
@@ -148,7 +148,7 @@ def contest(
         if plan.flight.motor:
             ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
             said = ahead.forecast
-            approved = approved_motors(season, data_folder() / "seasons")
+            approved = approved_motors(season, data_file("seasons"))
             lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"), approved)
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
@@ -182,7 +182,7 @@ app.command()(contest)
 
 
 def _flown(flight: "Flight") -> str:
-    """The values a flight is scored by: `706 ft, 48.3 s`."""
+    """The values that a flight is scored on: `706 ft, 48.3 s`."""
     from fieldkit.planning.contest_flight import judged_duration, whole_feet
 
     duration = judged_duration(flight)

@@ -58,8 +58,8 @@ app.command()(daysheet)
 
 @contextmanager
 def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> Iterator[list[PlanContext]]:
-    """The plans of a table, each for its rocket, with the conditions, site, and descent that are given if a row says
-    nothing; without a table the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
+    """The plans of a table, each for its rocket; conditions, site and descent given on the command line fill gaps in a
+    row. Without a table, the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
     from fieldkit.errors import BadValue
     from fieldkit.services.planning import rocket_of
 

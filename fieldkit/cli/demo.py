@@ -56,7 +56,8 @@ def _named_ledger(context: typer.Context) -> str | None:
 
 
 def _put(made: Path, new: Path) -> None:
-    """Put a ledger that was made elsewhere in its place. Raises FieldkitError if another has come there meanwhile."""
+    """Move a finished ledger to its path. Raises FieldkitError if another one has been created there in the
+    meantime."""
     from fieldkit.errors import LedgerError
     from fieldkit.files import replace
 

@@ -15,7 +15,7 @@ from fieldkit.cli.planning import (
     safety_of,
     way_down,
 )
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, say, system
+from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
     from fieldkit.presentation.forecast_text import in_words
 
     for note in prediction.found.notes:
-        complain(f"note: {note}")
+        remark(note)
     for line in prediction.left_out:
         if line not in said:
             complain(line)

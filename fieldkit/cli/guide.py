@@ -72,13 +72,13 @@ def print_guide(
 
 def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
     """The motors by the points of a season, against the one that the rocket last flew on."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_advice import motor_advice
     from fieldkit.planning.motor_guide import label
 
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
-    approved = approved_motors(year, data_folder() / "seasons")
+    approved = approved_motors(year, data_file("seasons"))
     return motor_advice(found, season_rule(year), label(last) if last is not None else None, approved)
 
 
@@ -189,14 +189,14 @@ def _unknown(choice: "MotorChoice", name: str) -> bool:
 
 
 def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
-    """The designation, and the maker if another has one of the same name."""
+    """The designation, with the maker if another maker has one of the same name."""
     motor = choice.motor
     alone = sum(one.motor.designation == motor.designation for one in choices) == 1
     return motor.designation if alone else f"{motor.designation} {motor.maker}"
 
 
 def _ejections(choice: "MotorChoice", most: int) -> str:
-    """When the delays nearest to apogee would fire, the shortest first: `5:-0.2 6:+0.8`."""
+    """When the delays nearest to apogee would fire, shortest delay first: `5:-0.2 6:+0.8`."""
     nearest = sorted(choice.ejections, key=lambda one: abs(one[1]))[:most]
     return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
 

@@ -83,7 +83,7 @@ def inspect(
 def _gathered(
     files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
 ) -> "tuple[Gathered, list[ColumnChoice], Catalogue]":
-    """The contents of files as for an import, the column mappings used, and the motors."""
+    """The contents of files, as for an import, with the column mappings used and the motors."""
     from fieldkit.importing.tables.mapping import read_choice, remembered
     from fieldkit.services.imports import gather
 
@@ -228,7 +228,9 @@ def export(
         say_lines(text)
     elif file is None:
         if isinstance(sys.stdout, TextIOWrapper):
-            sys.stdout.reconfigure(encoding="utf-8", newline="")  # whatever the terminal: it is a file on its way
+            sys.stdout.reconfigure(
+                encoding="utf-8", newline=""
+            )  # UTF-8 even if the terminal differs: this output goes to a file or a pipe
         sys.stdout.write(text)
     else:
         write(file, text.encode(), force=force)

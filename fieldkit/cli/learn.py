@@ -1,4 +1,4 @@
-"""`fieldkit learn`: fit how much rockets, motors and flights vary, to the exports of several flyers."""
+"""`fieldkit learn`: fit how much rockets, motors and flights vary, from the exports of several flyers."""
 
 from contextlib import nullcontext
 from datetime import datetime
@@ -35,7 +35,7 @@ def learn(
         ),
     ] = False,
     from_start: Annotated[
-        bool, typer.Option("--afresh", help="Start from the expert priors, not from the card in use.")
+        bool, typer.Option("--from-scratch", help="Start from the expert priors, not from the card in use.")
     ] = False,
     cluster: Annotated[
         str,
@@ -70,6 +70,8 @@ def learn(
     force = settled(out, force) if out else force
     motors = known_motors()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
+    for line in (line for flyer in flyers for line in flyer.left_out):
+        complain(f"note: {line}")
     with progress("learning") as on_progress:
         found = learned_from(
             flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress

@@ -1,6 +1,6 @@
-"""`fieldkit`: its options, its groups of commands, and the one place where errors become a line.
+"""`fieldkit`: its options, its groups of commands, and the one place that turns errors into a line of text.
 
-Commands live in modules of this package that bind `app`, and a module is read when one of its commands is named:
+Commands live in modules of this package that bind `app`. A module is imported only when one of its commands is used, so
 nothing heavy is imported before a command runs.
 """
 
@@ -134,10 +134,10 @@ def options(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command line, that of the process by default, and return its exit status."""
+    """Run a command line, by default that of the process, and return its exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a terminal that lacks a letter still gets the line
+            stream.reconfigure(errors="replace")  # print the line even if the terminal lacks a character
     try:
         status = _status(arguments)
         sys.stdout.flush()
@@ -145,7 +145,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except FieldkitError as error:
         found = str(error)
     except BrokenPipeError:
-        return 1  # who read along has seen enough
+        return 1  # the reader of the pipe has closed it
     except OSError as error:
         found = f"{error.filename or 'the output'}: found {error.strerror}, expected a file that can be read or written"
         if not error.filename:
@@ -165,18 +165,18 @@ def _status(arguments: Sequence[str] | None) -> int:
 
 
 def run() -> NoReturn:
-    """Run the command line of the process and leave it without freeing its memory, which is the system's to do.
+    """Run the command line of the process, and exit without freeing its memory; the system does that faster.
 
-    To free it takes the interpreter 0.1 to 0.2 s of processor time: with it `flights` takes 1.3 times and `predict` 1.8
-    times what a bare import of the same libraries does, without it 1.0 and 1.4 times.
+    Freeing it takes the interpreter 0.1 to 0.2 s of processor time: `flights` would take 1.3 times and `predict` 1.8
+    times as long as a bare import of the same libraries, instead of 1.0 and 1.4 times.
     """
-    status = 1  # of an error that nothing has caught
+    status = 1  # if an exception is not caught
 
     def leave() -> None:
         sys.stderr.flush()
         os._exit(status)
 
-    atexit.register(leave)  # what is registered later is done before, and threads have ended
+    atexit.register(leave)  # runs after handlers that are registered later, when threads have ended
     status = main()
     sys.exit(status)
 

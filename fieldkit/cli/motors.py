@@ -21,6 +21,14 @@ MAX_LISTED_MOTORS = 40
 """Motors in a table. [1]"""
 MAX_CORRECTED_MOTORS = 3
 """Motors whose corrected figures are printed. [1]"""
+ABOUT_TITLES = {
+    "licence": "license",
+    "kept": "in the catalog",
+    "read": "in the source",
+    "impulse of the samples off the certified one by more than 25 %": "impulse of the samples off by more than 25%",
+    "masses not on record": "masses unknown",
+}
+"""What is printed for some keys of the catalog's description, which programs read."""
 
 
 def motors(
@@ -119,7 +127,8 @@ app.command()(motors)
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
-    """Add motors to a rocket's shortlist. More than fit in one table are refused as a likely mistake."""
+    """Add motors to a rocket's shortlist. A search that finds more than fit in one table is refused as a likely
+    mistake."""
     from fieldkit.planning.motor_guide import label
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.planning import keep_shortlist, shortlist
@@ -207,14 +216,15 @@ def _about(json: bool) -> None:
         return
     for key, value in about.items():
         said = "; ".join(_counted(*item) for item in value.items()) if isinstance(value, Mapping) else value
-        say(f"{key.replace('_', ' ')}: {said}")
+        say(f"{ABOUT_TITLES.get(key, key.replace('_', ' '))}: {said}")
 
 
 def _counted(what: str, value: object) -> str:
     """A line about the catalog: dictionaries as counts, `[read, kept]` as a fraction."""
     if isinstance(value, list) and all(isinstance(item, int) for item in value):
         return f"{what} {' of '.join(map(str, reversed(value)))}"
-    return f"{what} {len(value) if isinstance(value, list) else value}"
+    count = len(value) if isinstance(value, list) else value
+    return f"{ABOUT_TITLES.get(what, what)} {count}"
 
 
 def _list(found: "list[Motor]") -> None:

@@ -21,7 +21,7 @@ def delay(
     **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from the coast time."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
     from fieldkit.units import parse
@@ -29,7 +29,7 @@ def delay(
     with planning(context, given) as plan:
         found = plan.motor()
         fast = plan.limits["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
-        tool = drill_of(found.motor, data_folder() / "drills.toml") if cuts is None else None
+        tool = drill_of(found.motor, data_file("drills.toml")) if cuts is None else None
         takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(plan.rocket, plan.flight, found, fast, takes_off, least_left=left)

@@ -17,11 +17,11 @@ Given = Mapping[str, str | None]
 
 def kit_named(given: Given) -> "Kit | None":
     """The named kit. Raises BadValue."""
-    from fieldkit.paths import data_folder
-    from fieldkit.planning.kits import FILE_NAME, kit_of
+    from fieldkit.paths import data_file
+    from fieldkit.planning.kits import kit_of
 
     name = given.get("kit")
-    return kit_of(data_folder() / FILE_NAME, name) if name else None
+    return kit_of(data_file("kits.toml"), name) if name else None
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":

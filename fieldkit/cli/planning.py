@@ -36,7 +36,7 @@ class PlanContext:
     site: "Site"
     limits: "dict[str, Limit]"
     mount: float | None = None
-    """The kit's motor mount, if a kit was named. [m]"""
+    """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
         """The motor of the plan, by default that of the rocket's last flight; notes on it are printed.
@@ -120,7 +120,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     known = site_of(ledger, plan.site)
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
     if ceiling:
-        known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
+        known = replace(known, name="", ceiling=ceiling)  # given for the day, not a property of the site
     people, bystanders = length(given.get("people")), length(given.get("bystanders"))
     rules = given.get("rules")
     if rules is not None:
@@ -135,7 +135,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
 
 def check_rules(text: str) -> None:
-    """Raise BadValue for rules of an authority that no set is of."""
+    """Raise BadValue if there is no set of rules of a named authority."""
     import datetime
 
     from fieldkit.planning.rules import governing, read_authorities
@@ -158,18 +158,18 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
-    return season(year, data_folder() / "seasons")
+    return season(year, data_file("seasons"))
 
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the user's own replacing the shipped ones."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.limits import limits
 
-    return limits(data_folder() / "limits.toml")
+    return limits(data_file("limits.toml"))
 
 
 def safety_of(

@@ -16,14 +16,15 @@ from fieldkit.services import manual_entry
 BACK = "<"
 
 Listen = Callable[[str], str | None]
-"""Asks and returns the answer; None when no more will come."""
+"""Asks a question and returns the answer; None at the end of the input."""
 
 
 @dataclass(slots=True)
 class Conversation:
-    """A conversation: what was answered, as typed and as a flight; `patient` is one with a person.
+    """A conversation: the answers so far, as typed and as a flight. `patient` means that a person answers.
 
-    `units` are those typed last, by kind of column; only a person, who sees them, is held to them.
+    `units` are those typed last, by kind of column. They apply to later numbers only if a person answers, who sees
+    them.
     """
 
     ledger: Ledger
@@ -56,14 +57,14 @@ def converse(conversation: Conversation) -> bool:
 
 
 def _caught_up(conversation: Conversation) -> int:
-    """Take over the answers of a draft; the position of the first question without one."""
+    """Copy the answers of a draft; returns the position of the first question without one."""
     for place, question in enumerate(QUESTIONS):
         text = conversation.answers.get(question.name)
         if text is None:
             return place
         try:
             _take(conversation, question, text)
-        except (BadValue, UnknownMotor) as error:  # a motor file may be gone since
+        except (BadValue, UnknownMotor) as error:  # the motor file may have been removed since
             complain(f"{question.title}: {error}")
             del conversation.answers[question.name]
             return place

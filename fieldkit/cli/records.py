@@ -96,7 +96,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
-    """The samples of a flight, None if they cannot be read again: the card is printed anyway."""
+    """The samples of a flight; None if they cannot be read again, and the card is printed without them."""
     from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recording_of

@@ -1,4 +1,4 @@
-"""`fieldkit score`: the quality of the forecasts, on flights after those they are based on."""
+"""`fieldkit score`: the quality of the forecasts, on flights that they were not fitted to."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

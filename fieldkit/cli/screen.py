@@ -49,6 +49,13 @@ def complain(text: str) -> None:
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
 
 
+def remark(text: str) -> None:
+    """Print a note about the data on stderr, with its lengths and speeds in the user's units."""
+    from fieldkit.quantities import in_system
+
+    complain(f"note: {in_system(text, system())}")
+
+
 def print_json(document: Mapping[str, object]) -> None:
     """Print one JSON document, in characters that every terminal and pipe accepts."""
     sys.stdout.write(json.dumps(document, indent=2, allow_nan=False) + "\n")

@@ -21,7 +21,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
 
     Problems with its backups and remarks on its flights are printed, also if the command fails.
     """
-    from fieldkit.cli.screen import complain
+    from fieldkit.cli.screen import complain, remark
     from fieldkit.ledger import Ledger
 
     with Ledger.open(context.find_root().obj) as ledger:
@@ -29,7 +29,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             yield ledger
         finally:
             for line in ledger.remarks[:REMARKS]:
-                complain(f"note: {line}")
+                remark(line)
             if len(ledger.remarks) > REMARKS:
                 complain(f"note: {len(ledger.remarks) - REMARKS} more flights are excluded from every fit")
             if ledger.trouble:
@@ -73,7 +73,7 @@ def read_settings(
 
 
 class MotorCheck:
-    """Checks the names of motors; the catalog is read when the first name comes."""
+    """Checks the names of motors; the catalog is read when the first name is checked."""
 
     def __init__(self) -> None:
         self._catalogue: Catalogue | None = None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 BODY = ("motor", "dry_mass", "diameter")
-"""What both physics need, as typer names it: without the unit."""
+"""Columns that both simulators need, as typer names them: without the unit."""
 
 
 class Physics(StrEnum):
@@ -28,7 +28,7 @@ class Physics(StrEnum):
 
 
 def _number(value: float) -> float:
-    """The number itself. Raises BadParameter for nan, which passes every bound."""
+    """The number unchanged. Raises BadParameter for nan, which typer's bounds accept."""
     if isnan(value):
         raise typer.BadParameter("found nan, expected a number")
     return value

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.planning import check_rules, length
-from fieldkit.cli.screen import print_json, print_table, system
+from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
 
 app = typer.Typer()
@@ -46,6 +46,9 @@ def sites(
         lengths = [{f"{key}_m": getattr(one, key) for key in SITE_LENGTHS} for one in known]
         names = [{"site": one.name, "rules": one.rules} for one in known]
         print_json({"sites": [name | own for name, own in zip(names, lengths, strict=True)]})
+        return
+    if not known:
+        complain("no sites yet; `fieldkit sites NAME --elevation 212m` saves one")
         return
     shown = ShownUnits(system())
     rows = [

@@ -1,5 +1,4 @@
-"""Tables and JSON documents printed as they come, for lists of any length: the first rows are printed before the last
-ones are read."""
+"""Tables and JSON documents printed while they are read: the first rows appear before the last ones are read."""
 
 import json
 import sys
@@ -9,18 +8,15 @@ from itertools import repeat
 from fieldkit.safe_text import printable
 
 GAP = "  "
-"""Between two columns."""
+"""The gap between two columns."""
 MIN_COLUMN_WIDTH = 5
-"""Cells that a column keeps in a terminal that is too narrow. [1]"""
+"""Minimum width of a column if the terminal is too narrow. [cell]"""
 CUT_MARK = "…"
 
 
 def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]], numbers: Sequence[str] = ()) -> None:
-    """Print a table page by page; columns are as wide as what has come so far, and get wider but never narrower.
-
-    If a line has too little room for it the widest columns of texts are cut. `numbers` stand right and are not
-    cut.
-    """
+    """Print a table page by page. A column is as wide as its widest text so far; it can widen but never narrows. If a
+    line does not fit, the widest columns of text are cut. Columns in `numbers` are right-aligned and never cut."""
     room = _room()
     right = [header in numbers for header in headers]
     head = [[printable(header)] for header in headers]
@@ -106,6 +102,6 @@ def stream_json(name: str, documents: Iterable[Mapping[str, object]]) -> None:
 
 
 def _flat(document: Mapping[str, object]) -> str:
-    """A document without others in it; with line breaks as separators, json keeps to its quick encoder."""
+    """One flat document; with line breaks as separators, json uses its fast encoder."""
     said = json.dumps(document, separators=(",\n      ", ": "), allow_nan=False)
     return f"    {{\n      {said[1:-1]}\n    }}"

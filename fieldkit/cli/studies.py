@@ -1,4 +1,4 @@
-"""The studies are in a checkout and not in the wheel: whether they are installed, and what to do if not."""
+"""The studies, which are in a checkout but not in the wheel: whether they are installed, and how to install them."""
 
 from importlib.util import find_spec
 

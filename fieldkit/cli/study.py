@@ -1,4 +1,4 @@
-"""`fieldkit study`: pages in which every figure is computed."""
+"""`fieldkit study`: pages whose figures are all computed."""
 
 from pathlib import Path
 from typing import Annotated
@@ -64,13 +64,13 @@ def shortfall(
     """Break down why flights fall short of simulation: launch angle, impulse, mass, drag, device."""
     need_studies()
     from fieldkit.cli.screen import progress
-    from fieldkit.services.plausible_flights import followed
+    from fieldkit.services.forecasts import flown
     from studies.shortfall import page
     from studies.shortfall import shortfall as trace
 
     force = out is not None and settled(out, force)
     with open_ledger(context) as ledger, progress("tracing the shortfall") as on_progress:
-        found = trace(followed(ledger.flights(), known_motors()), on_progress)
+        found = trace(flown(ledger, known_motors()), on_progress)
     _hand_out(page(found, unnamed=unnamed), out, force)
 
 

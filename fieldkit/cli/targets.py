@@ -1,4 +1,4 @@
-"""Files that commands write where the flyer says: an existing file is replaced only after a yes or `--force`."""
+"""Output files: an existing file is replaced only with the user's consent or `--force`."""
 
 import sys
 from pathlib import Path
@@ -10,10 +10,9 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an existing file."
 
 
 def settled(file: Path, force: bool) -> bool:
-    """Whether a file may be replaced: as the option says or, if one is there and somebody sits here, as they answer.
-
-    Called before the work whose result goes there. Raises FieldkitError for a file that must not be written.
-    """
+    """Whether a file may be replaced: `force` decides; otherwise the user is asked if the file exists and a person is
+    at the terminal. Called before the work whose result is written. Raises FieldkitError for a file that must not be
+    written."""
     from fieldkit.files import check_target, is_taken
 
     asks = is_taken(file) and not force and sys.stdin.isatty() and sys.stderr.isatty()

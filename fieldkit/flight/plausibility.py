@@ -246,7 +246,7 @@ def doubts(
         if low is not None and high is not None and low > high * 1.001:
             small, large = BY_NAME[smaller], BY_NAME[larger]
             found.append(f"{_titled(small, low, figure)} is above {_titled(large, high, figure)}")
-    return [phrase for phrase in (*found, *_unlike(flight, usual, figure)) if phrase]
+    return [phrase for phrase in (*found, *unlike(flight, usual, figure)) if phrase]
 
 
 def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, float], str]) -> str:
@@ -257,8 +257,10 @@ def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, f
     return f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three"
 
 
-def _unlike(flight: Flight, usual: Mapping[str, float], figure: Callable[[Column, float], str]) -> Iterator[str]:
-    """A phrase for each readout that is far from the usual one."""
+def unlike(
+    flight: Flight, usual: Mapping[str, float], figure: Callable[[Column, float], str] = figure
+) -> Iterator[str]:
+    """A phrase for each readout that is far from the usual one. `figure` formats a value [SI]."""
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:

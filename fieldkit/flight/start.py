@@ -54,7 +54,10 @@ def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, f
 
 
 def repeated(flight: Flight) -> Flight:
-    """The plan to fly the same again a week later."""
+    """The plan to fly the same again a week later, or at the same time if there is no later date."""
     name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
-    return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
+    try:
+        return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
+    except OverflowError:
+        return replace(plan, date_time=flight.date_time)

@@ -60,7 +60,7 @@ class BesideFlights(OpenLedger):
         with self._changing() as pen:
             kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
             if pen.images:
-                pen.sign("keep", what)
+                pen.sign("forecast", what)
         return kept
 
     def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:

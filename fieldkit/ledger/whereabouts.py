@@ -7,7 +7,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
 from fieldkit.errors import LedgerError
-from fieldkit.paths import data_folder
+from fieldkit.paths import data_file
 
 _DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
 
@@ -20,7 +20,7 @@ def location(where: str | Path | None) -> URL:
 
     Raises LedgerError for a URL that is neither SQLite's nor PostgreSQL's.
     """
-    where = where or os.environ.get("FIELDKIT_LEDGER") or data_folder() / "ledger.db"
+    where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
     if isinstance(where, Path) or "://" not in where:
         return _keeping(URL.create("sqlite", database=str(Path(where).expanduser())), str(where))
     try:

@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.physics.atmosphere import altimeter_gain, density_altitude, pad_air
-from fieldkit.quantities import written
+from fieldkit.quantities import density, written
 
 WEATHER = ("temperature", "pressure", "humidity", "wind")
 """The conditions that belong to the day. [names of columns]"""
@@ -38,7 +38,7 @@ class PadAir:
         higher = written(self.density_altitude, "m", system, 0)
         off = 100 * (self.gain - 1)
         reads = "reads true" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
-        text = f"{self.density:.3f} kg/m³ at the pad (density altitude {higher})"
+        text = f"{density(self.density, system)} at the pad (density altitude {higher})"
         text += f"; altimeter {reads}"
         return f"{text}; standard values for {', '.join(self.assumed)}" if self.assumed else text
 

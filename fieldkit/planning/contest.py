@@ -80,8 +80,8 @@ class Season:
             return ""
         how = MARKS.get(self.mark, "unverified")
         return (
-            f"The rule of {self.year} ({self.remarks}) is from {self.source or 'an unnamed source'} ({how}): hold it "
-            "against this season's rules before you rely on it."
+            f"The rule of {self.year} ({self.remarks}) is from {self.source or 'an unnamed source'} ({how}): check "
+            "it against the season's rules before you rely on it."
         )
 
     @property

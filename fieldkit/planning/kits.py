@@ -9,7 +9,6 @@ from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 from fieldkit.motors.motor import Motor
 
-FILE_NAME = "kits.toml"
 DIAMETER_TOLERANCE = 0.0006
 """Largest difference between two diameters of one mount. [m]"""
 

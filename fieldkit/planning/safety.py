@@ -19,7 +19,7 @@ from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
-from fieldkit.paths import data_folder
+from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
 from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, figure, length, speed, worst
@@ -70,7 +70,7 @@ def motor_temperature(plan: Flight) -> float | None:
 
 def known_rules() -> list[RuleSet]:
     """The rule sets that are shipped and the flyer's own. Raises BadValue for a file that is damaged."""
-    return rule_sets(data_folder() / "rules")
+    return rule_sets(data_file("rules"))
 
 
 def safety_lines(

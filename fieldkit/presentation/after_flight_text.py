@@ -53,8 +53,8 @@ def suggestion_line(found: Suggestion, system: str) -> str:
     if found.kind == "motor" and found.apogee is not None:
         target = measure(APOGEE, found.target, system)
         said = _interval(found.apogee, system)
-        return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f chooses a motor."
-    return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f saves its forecast."
+        return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f to choose a motor."
+    return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f to save its forecast."
 
 
 def question(expected: Interval, apogee: float, system: str) -> str:

@@ -34,7 +34,7 @@ def weather_line(conditions: Flight, system: str) -> str:
         for name in WEATHER
         if conditions.number(name) is not None
     ]
-    return f"Today: {', '.join(known)}" if known else "Weather today: e types it"
+    return f"Today: {', '.join(known)}" if known else "Weather today: e to enter it"
 
 
 def forecast_title(one: "SavedForecast") -> str:

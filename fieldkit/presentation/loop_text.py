@@ -1,13 +1,16 @@
 """A closed loop as lines for a flyer: what is missing, its probability, and the evidence."""
 
+from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from fieldkit.physics.effect import spoken
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, in_system
+from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
 
@@ -33,9 +36,10 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
             how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
-            yield f"  {place:34.34}{how_sure}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            strength = in_system(f"{mean:.3g} +/- {sd:.2g} {item.best.unit}", system)
+            yield f"  {place:34.34}{how_sure}   {strength}"
     yield ""
-    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
+    yield f"  verdict: {diagnosis.effect}: {in_system(diagnosis.why, system)}"
     for line in beside_verdict(found, system):
         yield f"  {line}"
     for line in found.implausible:
@@ -171,8 +175,17 @@ def what_forecasts_become(found: Findings) -> str:
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
         return "forecasts use the plain model"
-    parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
+    chances: defaultdict[str, float] = defaultdict(float)
+    for chance, places in averaged:
+        names = dict.fromkeys(_at_any_time(place) for place in places)
+        chances[" and ".join(names) or "the plain model"] += chance
+    parts = [f"{chance:.0%} {name}" for name, chance in sorted(chances.items(), key=lambda one: -one[1])]
     return f"forecasts average over: {', '.join(parts)}"
+
+
+def _at_any_time(place: Place) -> str:
+    """An effect and its motor or site, without its first flight."""
+    return replace(place, since="").in_words if place.effect else "a pattern that no effect explains"
 
 
 def what_accepting_changes(found: Findings) -> Iterator[str]:

@@ -14,17 +14,17 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return f"Cd and next apogee: {found.odd}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
-    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low} to {high})"
+    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
 
 
 def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Interval]]:
-    """The same in rows: the name of a figure, its value with its 90 % interval, and the interval; none if something is
+    """The same in rows: the name of a figure, its value with its 90% interval, and the interval; none if something is
     missing for them."""
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return []
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
-    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low} to {high})"
+    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return [
         ("Cd", _ratio(found.cd), found.cd),
         ("alpha", _ratio(found.alpha), found.alpha),
@@ -39,7 +39,7 @@ def _whole(height: float, system: str) -> str:
 
 def _ratio(interval: Interval) -> str:
     low, middle, high = interval
-    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+    return f"{middle:.2f} ({low:.2f}-{high:.2f})"
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -32,6 +32,13 @@ class Place:
             group = f" of each {effects()[self.effect].per}"
         return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
 
+    @property
+    def in_words(self) -> str:
+        """The effect by its title, and its flights: `a weak or strong motor of F24`."""
+        return (
+            str(self).replace(self.effect, effects()[self.effect].title, 1) if self.effect in effects() else str(self)
+        )
+
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
 """Sets of effects in their places for an averaged forecast, each with its probability."""

@@ -8,7 +8,7 @@ exactly the effects with more than `NAMING_PROBABILITY` are named.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fieldkit.physics.effect import Effect
+from fieldkit.physics.effect import Effect, effects
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
@@ -48,8 +48,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
         return Verdict(UNEXPLAINED, something, _unexplained(posterior))
-    why = "the flights match the model within their scatter"
-    return Verdict("none", posterior.nothing, why)
+    return Verdict("none", posterior.nothing, _nothing_named(posterior))
 
 
 def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
@@ -107,6 +106,18 @@ def _unexplained(posterior: SetPosterior) -> str:
         return f"misses follow {where}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
     return f"the flights differ from the model, but no known effect is probable enough to name ({names})"
+
+
+def _nothing_named(posterior: SetPosterior) -> str:
+    """Why nothing is named: nothing seems missing, or nothing is probable enough."""
+    if posterior.nothing >= 0.5:
+        return "the flights match the model within their scatter"
+    why = "something may be missing, but nothing is probable enough to name"
+    known = effects().keys() & posterior.inclusion.keys()
+    if not known:
+        return why
+    likely = max(known, key=lambda name: posterior.inclusion[name])
+    return f"{why}; the most probable is {effects()[likely].title}, {posterior.inclusion[likely]:.0%}"
 
 
 def in_words(accepted: Sequence[Trial]) -> str:

@@ -23,7 +23,7 @@ Interval = tuple[float, float, float]
 class Outcome:
     """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
-    `kept` is whether the forecast was saved before the flight; otherwise it is computed from the earlier flights.
+    `kept` states whether the forecast was saved before the flight; otherwise it is computed from the earlier flights.
     `after` is the forecast of the next flight like it.
     """
 

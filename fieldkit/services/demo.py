@@ -25,7 +25,7 @@ from fieldkit.services.inferred import FlightInference
 class Demo:
     """The results of each step: one entry per flight, or one per motor and configuration.
 
-    `by_paper` is the answer of the reference paper's ensemble, `inferred` ours.
+    `by_paper` is the answer of the reference paper's ensemble, `inferred` that of the forecast model.
     """
 
     rocket: str
@@ -62,6 +62,6 @@ def plans(flights: Sequence[Flight]) -> list[Flight]:
 
 
 def new_ledger_file(named: str | None) -> Path | None:
-    """The file of a ledger that does not exist yet; the demo creates it completely or not at all."""
+    """A file for a ledger that does not exist yet; the demo creates it completely or not at all."""
     file = file_of(location(named)) if named else None
     return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None

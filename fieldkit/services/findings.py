@@ -41,7 +41,7 @@ MAX_SHOWN_EFFECTS = 3
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """Errors before and after, and the reduction of the mean absolute error. [m]"""
+    """Errors before and after, and by how much the model average reduces the mean absolute error. [m]"""
 
     before: Judged
     after: Judged

@@ -32,8 +32,8 @@ QUANTILE_COUNT = 40
 Which = Literal["before", "after"]
 
 
-def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
-    """The flights of a rocket that can be simulated, in order, each with its motor.
+def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[tuple[Flight, Found]]:
+    """The flights of a rocket, or of all, that can be simulated, in order, each with its motor.
 
     Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a note on
     each implausible one.

@@ -17,6 +17,7 @@ from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports import gather
+from fieldkit.services.plausible_flights import implausible_flights
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
@@ -31,11 +32,13 @@ LEFT_OUT_ROUNDS, LEFT_OUT_STEPS = 1, 12
 
 @dataclass(frozen=True, slots=True)
 class Flyer:
-    """The flights of one flyer, in the order flown, and the digests of their files."""
+    """The flights of one flyer, in the order flown, and the digests of their files; `left_out` has a line for each
+    clean flight that is implausible."""
 
     name: str
     flown: FlownFlights
     digests: Mapping[str, str]
+    left_out: tuple[str, ...] = ()
 
     @property
     def rockets(self) -> dict[str, FlownFlights]:
@@ -72,7 +75,8 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
         raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
     dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
     digests = {file.name: hashlib.sha256(read(file)).hexdigest() for file in paths}
-    return Flyer(path.stem, dated, digests)
+    odd = implausible_flights([arrival.flight for arrival in gathered.arrivals], motors)
+    return Flyer(path.stem, dated, digests, tuple(f"{path.name}: {line}" for line in odd))
 
 
 def learn(
@@ -98,7 +102,7 @@ def learn(
 
 
 def _options(from_start: bool, since: date | None) -> list[str]:
-    return ["--afresh"] * from_start + [f"--since {since}"] * (since is not None)
+    return ["--from-scratch"] * from_start + [f"--since {since}"] * (since is not None)
 
 
 @dataclass(frozen=True, slots=True)

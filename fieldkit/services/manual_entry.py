@@ -11,6 +11,7 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, a
 from fieldkit.ledger import Added, Ledger
 from fieldkit.motors import is_cluster
 from fieldkit.services.day_weather import typed_weather
+from fieldkit.services.plausible_flights import without_delay
 from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
@@ -110,14 +111,10 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
 def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
     """The medians of the readouts of the same rocket on the same motor, any delay; none if rocket or motor is missing.
     [SI]"""
-    motor = _without_delay(flight.motor)
+    motor = without_delay(flight.motor)
     if not (flight.rocket and motor):
         return {}
-    return middles(one for one in ledger.flights(flight.rocket) if _without_delay(one.motor) == motor)
-
-
-def _without_delay(motor: str) -> str:
-    return motor.partition("-")[0].strip().casefold()
+    return middles(one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor)
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
@@ -125,7 +122,7 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
 
     Its readouts have the source "typed".
 
-    Raises BadValue for a flight without a rocket or without anything that was observed of it.
+    Raises BadValue for a flight without a rocket or without any readout or tag.
     """
     if not flight.rocket:
         raise BadValue("input ended before the rocket was named; nothing was saved")

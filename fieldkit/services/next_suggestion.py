@@ -9,7 +9,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.paths import data_folder
+from fieldkit.paths import data_file
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, suitable_motors, widest_motor
 from fieldkit.services.after_flight import Interval, Outcome
@@ -93,6 +93,6 @@ def _nearest_motor(
     again = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", date_time=None)
     plan = completed_plan(ledger, motors, again, settings)
     wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
-    rules, site = limits(data_folder() / "limits.toml"), site_of(ledger, plan.site)
+    rules, site = limits(data_file("limits.toml")), site_of(ledger, plan.site)
     choices = guide(rocket, plan, suitable_motors(motors, wanted), rules, site, COMPARED_DRAWS)
     return next((one for one in by_closeness(choices, target) if one.fits), None)

@@ -1,4 +1,4 @@
-"""Answers that a form offers while typing: names from the ledger and the motor catalog, the nearest first."""
+"""Answers offered by a form while typing: names from the ledger and the motor catalog, best match first."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

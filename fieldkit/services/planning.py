@@ -9,9 +9,9 @@ from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.paths import data_folder
+from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import Rocket
-from fieldkit.planning.kits import FILE_NAME, read_kits
+from fieldkit.planning.kits import read_kits
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown, start_of
 from fieldkit.services.plausible_flights import implausible_flights, plausible
@@ -23,7 +23,7 @@ SHORTLIST = "shortlist"
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
-    """What a ledger has on a rocket, read once."""
+    """A rocket's flights, designs and settings in a ledger, read once."""
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
@@ -37,9 +37,9 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
 
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
-    """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
-    diameter else of its design or of the flyer's kit of its name, the rail else the flyer's usual one; the site as
-    last, and its elevation. Weather is the day's, and nothing is made up for it.
+    """A plan with its missing values filled in: mass, diameter and rail as last flown, otherwise mass and diameter of
+    the design or of the flyer's kit of its name, and the flyer's usual rail; the last site and its elevation. Weather
+    is that of the day if it was entered, and is never assumed here.
 
     Raises BadValue for a damaged file of kits.
     """
@@ -56,14 +56,14 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
 
 def has_kits() -> bool:
     """Whether the flyer has kits. Raises BadValue for a damaged file of them."""
-    return bool(read_kits(data_folder() / FILE_NAME))
+    return bool(read_kits(data_file("kits.toml")))
 
 
 def _of_kit(plan: Flight) -> Flight:
     """A plan with the mass and the diameter of the kit that its rocket is named after, if it has none of its own."""
     if not plan.rocket or None not in (plan.dry_mass, plan.diameter):
         return plan
-    kit = read_kits(data_folder() / FILE_NAME).get(plan.rocket.casefold())
+    kit = read_kits(data_file("kits.toml")).get(plan.rocket.casefold())
     known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter} if kit else {}
     return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
 
@@ -77,7 +77,7 @@ INHERITED_RECOVERY = (
     "opening_time",
     STABILITY,
 )
-"""The recovery and the stability of a plan, from the last flight of its configuration that has one."""
+"""The recovery and stability of a plan, from the last flight of its configuration that has them."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:

@@ -1,11 +1,14 @@
-"""The flights that fits may use, each with its motor; the implausible ones by name."""
+"""The flights that fits may use, each with its motor, and notes on the implausible ones."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.flight.plausibility import implausible
+from fieldkit.flight.plausibility import implausible, middles, unlike
 from fieldkit.motors import Catalogue, Found
+
+MIN_ALIKE = 3
+"""Flights of which a median can say that one is far from the others. [1]"""
 
 
 def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
@@ -31,6 +34,27 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
         for flight, reason in found
         if reason and flight.clean
     ]
+
+
+def unlike_others(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
+    """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
+    a line on it. Judged among at least `MIN_ALIKE` clean flights of one rocket."""
+    alike: dict[str, list[Flight]] = {}
+    for flight in flights:
+        if flight.clean and flight.motor:
+            alike.setdefault(without_delay(flight.motor), []).append(flight)
+    found = []
+    for several in alike.values():
+        usual = {name: value for name, value in middles(several).items() if name in ("apogee", "top_speed")}
+        if len(several) >= MIN_ALIKE:
+            judged = (one for one in several if one.flight_id in new)
+            found += [(one.flight_id, phrase) for one in judged for phrase in unlike(one, usual)]
+    return found
+
+
+def without_delay(motor: str) -> str:
+    """A motor's name without its delay, to compare by."""
+    return motor.partition("-")[0].strip().casefold()
 
 
 def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found]]:

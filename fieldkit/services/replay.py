@@ -1,4 +1,4 @@
-"""Logs read again: the samples of a flight of the ledger or of a file, and the values measured in them."""
+"""Reading logs again: the samples of a flight of the ledger or of a file, and the values measured in them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -27,17 +27,15 @@ from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
 
 PAUSE = 0.05
-"""Pause between two pages that are opened off screen, so that keys are handled. [s]"""
+"""Pause between opening two pages off screen, so that keys are handled. [s]"""
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """Maximum number of restarts after errors [1] within a time [s]."""
 
 
 class FieldkitApp(Surviving):
-    """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
-
-    An app that `stays` has its own process and prepares there what keys would otherwise wait for.
-    """
+    """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. An app that
+    `stays` has a process of its own, in which it prepares what keys would otherwise wait for."""
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
@@ -229,7 +227,7 @@ class FieldkitApp(Surviving):
         self.changed()
 
     async def open_flight(self, id: str) -> None:
-        """Open a flight over the page Flights."""
+        """Open a flight over the Flights page."""
         await self.action_page("flights")
         if isinstance(page := self.screen, FlightsScreen):
             page.open_flight(id)

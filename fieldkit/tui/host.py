@@ -44,7 +44,7 @@ class Host(Protocol):
         """The next colors."""
 
     async def open_flight(self, id: str) -> None:
-        """Open a flight over the page Flights."""
+        """Open a flight over the Flights page."""
 
     async def show_flights(self, words: str) -> None:
         """The flights that match all of some words."""

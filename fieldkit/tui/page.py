@@ -20,7 +20,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
-"""Enter in a search moves to the table; the input itself would only send a message."""
+"""Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class PageScreen(AskingScreen):
         Binding("f1", "help", "Help", show=False),
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
-        Binding("a", "app.page('add')", "Add", show=False, tooltip="Type a flight in"),
+        Binding("a", "app.page('add')", "Add", show=False, tooltip="Enter a flight by hand"),
         Binding("f", "app.page('next_flight')", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
         Binding("escape", "back", "Back", show=False, priority=True),
     ]
@@ -97,14 +97,14 @@ class PageScreen(AskingScreen):
         """Save pending input; called before the ledger is closed."""
 
     def reload(self) -> None:
-        """Fill the page again; called when it comes to the front and the ledger has changed since the last time."""
+        """Fill the page again; called when it is shown and the ledger has changed since it was last filled."""
 
     def redraw(self) -> None:
         """Show the same data in other units or colors or with another target, immediately if nothing has to be read."""
         self.reload()
 
     def came(self) -> None:
-        """Called after a key, a click or the palette has opened the page, which is in front and ready."""
+        """Called when a key, a click or the palette has opened the page, and it is ready."""
 
     def copied(self) -> str:
         """What `y` copies: a line or a figure as text."""

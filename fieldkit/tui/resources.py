@@ -93,7 +93,7 @@ class Resources:
         return motors
 
     def names(self) -> "Names":
-        """The offered answers of a form. Raises LedgerError if the ledger cannot be read."""
+        """The answers that forms offer. Raises LedgerError if the ledger cannot be read."""
         self.import_engine()
         from fieldkit.services.pickers import names_of
 

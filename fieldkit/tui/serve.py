@@ -29,7 +29,7 @@ COOKIE = "fieldkit"
 PHONE_LETTERS = "10"
 """Size of letters on a phone: across one of 390 points stand 65 columns. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
-"""Without it a phone lays the page out as for a resources and shrinks it until nothing can be read."""
+"""Without it a phone lays the page out for a desktop and shrinks it until it is unreadable."""
 NOTHING_ELSE = (
     "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"

@@ -51,7 +51,7 @@ class Surviving(Choosing):
         return self._crashes.setdefault(crash.where, crash)
 
     def bell(self) -> None:
-        """Textual rings it if an error has reached it, which ends the app; nothing else rings it."""
+        """Save the state before an error ends the app: Textual rings the bell only then."""
         error = sys.exception()
         if error is not None and self.place is None:
             self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))

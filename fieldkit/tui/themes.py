@@ -15,11 +15,11 @@ PAPERS = """block-cursor-foreground block-cursor-blurred-foreground input-cursor
 scrollbar-background-hover scrollbar-background-active footer-background footer-key-background boost surface-active
 footer-description-background screen-selection-foreground input-selection-foreground block-hover-background
 link-background scrollbar-corner-color button-color-foreground"""
-"""Variables of Textual that are ink, and those that are paper, in a scheme of two colors."""
+"""Textual's color variables for foreground, and those for background, in a two-color scheme."""
 
 
 def _flat(ink: str, paper: str, line: str) -> dict[str, str]:
-    """Variables of a scheme in which no text is dimmer than the rest: one ink, one paper, one line."""
+    """The variables of a scheme in which all text is equally bright: one foreground, one background, one border."""
     return {
         **dict.fromkeys(INKS.split(), ink),
         **dict.fromkeys(PAPERS.split(), paper),

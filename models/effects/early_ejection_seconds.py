@@ -16,7 +16,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="ejection early by seconds",
+    title="ejection some seconds early",
     family="recovery",
     explains="the ejection charge fires some seconds early and the parachute ends the climb",
     unit="s",

@@ -15,12 +15,12 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="a heavier recovery since some flight",
+    title="a heavier recovery",
     family="mass",
     explains="from some flight on the rocket carries more than the mass entered, such as a larger parachute",
     unit="fraction of the dry mass",
     prior=Prior(mean=0.06, sd=0.05, low=0.0, high=0.5),
-    source="a judgment: recovery gear weighs 5 to 15% of a model rocket, and is what is exchanged most",
+    source="a judgment: recovery gear weighs 5 to 15% of a model rocket, and is replaced most often",
     tell_apart="weigh the rocket again, ready to fly but without the motor",
     setup=setup,
     form_of="mass_offset",

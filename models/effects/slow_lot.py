@@ -19,7 +19,7 @@ EFFECT = Effect(
     explains="from some flight on this motor ignites more slowly and burns longer, as another lot may",
     unit="fraction of the burn time",
     prior=Prior(mean=0.15, sd=0.12, low=0.0, high=1.0),
-    source="NFPA 1125 allows average thrust to differ by 20%, which at the same impulse is the burn",
+    source="NFPA 1125 allows average thrust to differ by 20%, which at the same impulse changes the burn time",
     tell_apart="record burn time and peak acceleration, and write down the lot",
     setup=setup,
     per="motor",

@@ -26,15 +26,13 @@ def page(study: Study) -> str:
 
 def _head(study: Study) -> Iterator[str]:
     stated = study.report.published["stated"]
-    yield "# The reference flights: where the published bias comes from, and what remains"
+    yield "# The reference flights: sources of the published bias"
     yield ""
     yield _text(
-        f"A paper inferred drag (Cd) and thrust (alpha) of a small rocket from the apogees of twelve flights, of which "
-        f"eight are valid, and rebuilt those apogees {stated['bias_m']} m too high in the mean, all to one side. "
-        "This page "
-        "traces that bias in parts and says what is left when they are corrected. `fieldkit study reference` "
-        "computes every "
-        "figure here and writes the page; a test compares the two."
+        f"A paper inferred drag (Cd) and thrust (alpha) of a small rocket from the apogees of twelve flights, eight of "
+        f"them valid. The apogees rebuilt from these values are {stated['bias_m']} m too high on average, all in one "
+        "direction. This page breaks the bias down by cause and shows what remains after the corrections. "
+        "`fieldkit study reference` computes every figure and writes this page; a test compares the two."
     )
     yield ""
 
@@ -44,18 +42,18 @@ def _parts(study: Study) -> Iterator[str]:
     yield "## The bias in parts"
     yield ""
     yield _text(
-        "The exact posterior of Cd and alpha, with no network in it, is taken through one physics after the other. The "
-        "difference that a step makes to the mean error is its share. The thrust profile that was published delivers "
+        "The exact posterior of Cd and alpha, without a network, is computed with one change to the physics after "
+        "another. The part of a step is the change in the mean error that it causes. The published thrust profile "
+        "delivers "
         + _list(
             [
-                f"{m['delivered_ns']:.1f} N s for the {m['motor']} where {m['certified_ns']:.1f} are certified "
+                f"{m['delivered_ns']:.1f} N s for the {m['motor']}, certified at {m['certified_ns']:.1f} "
                 f"({m['delivered_ns'] / m['certified_ns'] - 1:+.0%})"
                 for m in profile["motors"]
             ]
         )
-        + f". {study.steps[0].below} of the {len(study.flights)} valid flights then lie below the lowest apogee that "
-        "the "
-        "prior can make (most drag, least thrust), and no inference can reach them."
+        + f". With it, {study.steps[0].below} of the {len(study.flights)} valid flights are below the lowest apogee "
+        "that the prior allows (most drag, least thrust), and no inference can match them."
     )
     yield ""
     total = sum(part.share for part in study.parts)
@@ -67,15 +65,13 @@ def _parts(study: Study) -> Iterator[str]:
     yield ""
     three, ejection = sum(part.share for part in study.parts[:3]), study.ejection
     yield _text(
-        f"The over-delivering profile is worth {three:+.1f} m. The estimator's shrinkage is under a meter. What is "
-        "missing "
-        "from the mass, the shape of the thrust curve and the delay in the motor's name hardly move apogees that are "
-        "rebuilt from themselves, because Cd and alpha give way; what each does to a flight at fixed Cd and alpha "
-        "stands "
-        f"in the next table. By its name the F24-4W ejects {abs(ejection.after_apogee):.1f} s "
+        f"The excess impulse of the profile causes {three:+.1f} m, the estimator's shrinkage less than a meter. The "
+        "missing casing mass, the shape of the thrust curve and the delay in the motor's name hardly change rebuilt "
+        "apogees, because Cd and alpha compensate for them; the next table has the effect of each at fixed Cd and "
+        f"alpha. With the delay in its name, the F24-4W ejects {abs(ejection.after_apogee):.1f} s "
         f"{'before' if ejection.after_apogee < 0 else 'after'} apogee on these flights, which costs "
-        f"{ejection.cost:.1f} m; with "
-        f"a delay a fifth shorter, as certificates allow, it would cost {ejection.cost_short:.1f} m."
+        f"{ejection.cost:.1f} m; with a delay a fifth shorter, as certification allows, it would cost "
+        f"{ejection.cost_short:.1f} m."
     )
     yield ""
 
@@ -84,10 +80,10 @@ def _steps(study: Study) -> Iterator[str]:
     yield "## Errors before and after, step by step"
     yield ""
     yield _text(
-        "Each row keeps the corrections of the rows above it. *Rebuilt*: apogees from the Cd and alpha inferred from "
-        "those apogees. *Left out*: Cd and alpha averaged over the same motor's other flights, the honest forecast. In "
-        "brackets: 90% intervals over the flights (bootstrap). *Lower by*: what the step alone does to the apogees of "
-        "the published Cd and alpha."
+        "Each row includes the corrections of the rows above it. *Rebuilt*: apogees from the Cd and alpha inferred "
+        "from the same apogees. *Left out*: from Cd and alpha averaged over the other flights on the same motor, a "
+        "true forecast. In parentheses: 90% bootstrap intervals over the flights. *Lower by*: the effect of the step "
+        "alone on apogees with the published Cd and alpha."
     )
     yield ""
     rows = []
@@ -108,9 +104,8 @@ def _steps(study: Study) -> Iterator[str]:
     yield from _table(headers, rows)
     yield ""
     yield _text(
-        "In meters. The bias of the rebuilt apogees goes, and honest forecasts get better by less: rebuilding an "
-        "apogee "
-        "from itself says little about the next flight."
+        "In meters. The bias of the rebuilt apogees disappears, but true forecasts improve less: rebuilding an apogee "
+        "from itself is a weak test of a forecast of the next flight."
     )
     yield ""
     yield from _table(
@@ -135,14 +130,14 @@ def _remains(study: Study) -> Iterator[str]:
     yield "## What remains"
     yield ""
     yield _text(
-        f"Flights of one motor and configuration scatter by {scatter['sd_m']:.1f} m "
-        f"({scatter['degrees_of_freedom']} degrees "
-        f"of freedom), so a forecast that knew their mean would still miss by {scatter['perfect_mae_m']:.1f} m. "
-        f"`fieldkit loop`, which starts from certified curves, says *{loop.effect}* on these flights: "
-        f"{loop.why}. It forecasts flights left out to {before.score.mae:.1f} m "
-        f"({before.mae[0]:.1f} to {before.mae[1]:.1f}), bias {before.score.bias:+.1f} m, with "
-        f"{before.score.coverage90:.0%} of them in the 90% interval{_after(study)}. Its evidence for each effect, the "
-        "apogees alone to go by (log Bayes factor against no effect, to be paid for by the number tried):"
+        f"Flights on one motor in one configuration scatter by {scatter['sd_m']:.1f} m "
+        f"({scatter['degrees_of_freedom']} degrees of freedom), so even a forecast that knew their mean would miss by "
+        f"{scatter['perfect_mae_m']:.1f} m. `fieldkit loop`, which starts from certified curves, has the verdict "
+        f"*{loop.effect}* for these flights: {loop.why}. The mean error of its leave-one-out forecasts is "
+        f"{before.score.mae:.1f} m ({before.mae[0]:.1f} to {before.mae[1]:.1f}) with a bias of "
+        f"{before.score.bias:+.1f} m, and {before.score.coverage90:.0%} of the flights are in the 90% "
+        f"interval{_after(study)}. The evidence for each effect, from the apogees alone (log Bayes factor against no "
+        "effect, not corrected for the number of effects tried):"
     )
     yield ""
     items = [item for item in loop.ranking if item.effect]
@@ -159,9 +154,9 @@ def _after(study: Study) -> str:
     if not study.loop.accepted:
         return ""
     return (
-        f", and to {after.score.mae:.1f} m ({after.mae[0]:.1f} to {after.mae[1]:.1f}), "
-        f"{after.score.coverage90:.0%} in the interval, with what the choice made without each of them adds: with "
-        f"{after.flights} flights and one readout of each, no more than a hint"
+        f"; with the effects chosen without each flight it is {after.score.mae:.1f} m ({after.mae[0]:.1f} to "
+        f"{after.mae[1]:.1f}), with {after.score.coverage90:.0%} in the interval, which with {after.flights} flights "
+        "and one readout each is only a hint"
     )
 
 
@@ -171,12 +166,11 @@ def _pair(study: Study) -> Iterator[str]:
     yield "## The two E35 flights"
     yield ""
     yield _text(
-        f"On the E35-5W the rocket {pair.lighter_by * 1e3:.0f} g lighter flew {pair.flown_gain:.0f} m higher. "
-        "Straight flight "
-        f"expects {_list(gains)}, with the drag that lets the heavier rocket reach its apogee. For each effect, "
-        "what it "
-        "would take on the lighter flight alone, at certified thrust; how far that is from what is believed of it, in "
-        "standard deviations of its prior; and what the altimeter would then have shown:"
+        f"On the E35-5W, the rocket that was {pair.lighter_by * 1e3:.0f} g lighter flew only {pair.flown_gain:.0f} m "
+        f"higher. A simulation of vertical flight gains {_list(gains)}, with the drag at which the heavier "
+        "rocket reaches its apogee. The table has, for each effect, the strength that would explain this on the "
+        "lighter flight alone at certified thrust; its distance from the prior mean in standard deviations of the "
+        "prior; and the readouts that the altimeter would then have shown:"
     )
     yield ""
     headers = ("effect", "strength", "unit", "away [sd]", "top speed [m/s]", "peak [m/s²]", "coast [s]", "ejection [s]")
@@ -185,11 +179,10 @@ def _pair(study: Study) -> Iterator[str]:
     impossible = [cause.effect for cause in pair.causes if not cause.possible]
     likely = [cause for cause in pair.causes if cause.possible and cause.away < MAX_PRIOR_SDS]
     yield _text(
-        f"No strength within its bounds does it: {_list(impossible)}. Within {MAX_PRIOR_SDS} standard deviations lie "
-        f"{_list([cause.effect for cause in likely])}. The apogee cannot distinguish these, being the same in all "
-        "of them; "
-        "the readouts that the altimeter also shows can. Pairs of the likely ones that one more such flight would "
-        "distinguish, by two standard deviations of single flights:"
+        f"No strength within bounds explains it for {_list(impossible)}. Within {MAX_PRIOR_SDS} standard deviations "
+        f"are {_list([cause.effect for cause in likely])}. The apogee cannot distinguish these, because it is the "
+        "same for all of them; other readouts of the altimeter can. Pairs of these effects that one more such flight "
+        "would distinguish by two standard deviations of the scatter of single flights:"
     )
     yield ""
     yield from _table(
@@ -203,9 +196,8 @@ def _pair(study: Study) -> Iterator[str]:
     advice = [f"{cause.effect}: {effects()[cause.effect].tell_apart}" for cause in likely if cause.effect in effects()]
     best = max(pair.tells[:-1], key=lambda on_progress: on_progress.apart)
     yield _text(
-        f"So the next flight of configuration A on the E35-5W should write down {NAMES[best.readout]} first, and "
-        "all five "
-        f"readouts if it can. Beyond that, {'; '.join(advice)}."
+        f"So on the next flight of configuration A on the E35-5W, record {NAMES[best.readout]} first, and if possible "
+        f"all five readouts. In addition, {'; '.join(advice)}."
     )
 
 

@@ -1,4 +1,4 @@
-"""Flights that are known to the last metre, and logs of them by sensors that are not."""
+"""Flights that are known exactly, and logs of them by imperfect sensors."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +17,7 @@ from fieldkit.physics.standard_atmosphere import (
 )
 
 STEP = 0.004
-"""Of the truth. [s]"""
+"""Time step of the true flight. [s]"""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ FAST = Rocket(thrust=2600.0, burn=3.4, mass=15.0, area=0.006, delay=26.0, sink=1
 
 @dataclass(frozen=True)
 class Truth:
-    """What a flight did; `felt` is the push along the axis, time 0 is lift-off."""
+    """A flight; `felt` is the push along the axis, time 0 is lift-off."""
 
     time: Any
     height: Any
@@ -87,10 +87,8 @@ class Truth:
 
 
 def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) -> Truth:
-    """The truth of a flight, by small steps of Heun's method, with a drag that rises near the speed of sound.
-
-    On a `motor` the rocket has its thrust and burn, and its mass is without it.
-    """
+    """The true flight, integrated in small steps of Heun's method, with drag that rises near the speed of sound. With a
+    `motor`, the rocket has its thrust and burn, and its mass excludes it."""
     if motor is not None:
         rocket = replace(rocket, burn=float(motor.burnout))
     rise = 0.08 * rocket.burn
@@ -140,7 +138,7 @@ def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) 
 
 @dataclass(frozen=True)
 class Logger:
-    """A barometer, and what is wrong with it; heights in metres, times in seconds."""
+    """A barometer and its errors; heights in meters, times in seconds."""
 
     rate: float = 20.0
     noise: float = 0.4
@@ -150,19 +148,19 @@ class Logger:
     wait: float = 3.0
     """Of samples before lift-off."""
     late: float = 0.0
-    """The log begins so long after lift-off."""
+    """Time after lift-off at which the log begins."""
     early: float = 0.0
-    """The log ends at this share of the way to apogee; 0 for after landing."""
+    """The log ends at this fraction of the way to apogee; 0 for after landing."""
     spikes: float = 0.0
-    """Share of samples that are far off."""
+    """Fraction of samples that are far off."""
     shock: float = 0.0
-    """Height that the ejection charge fakes, for a fifth of a second."""
+    """Height that the ejection charge adds for a fifth of a second."""
     dip: bool = False
-    """Whether the air near the speed of sound fakes a fall."""
+    """Whether the air near the speed of sound makes heights fall."""
     drift: float = 0.0
     """Of the zero, in an hour on the pad and after; also where it stands at lift-off."""
     jitter: float = 0.0
-    """Of the clock, as a share of the step."""
+    """Jitter of the clock, as a fraction of the step."""
     rest: float = 10.0
     """Of samples after landing."""
     accelerometer: float = 0.0
@@ -174,7 +172,7 @@ class Logger:
 
 
 def log(truth: Truth, logger: Logger, random: np.random.Generator) -> tuple[Series, ...]:
-    """What a logger writes of a flight: heights, and on a second clock what its accelerometer feels."""
+    """The log of a flight: heights, and the acceleration on a second clock."""
     end = logger.early * truth.apogee_time if logger.early else truth.time[-1] + logger.rest
     begin = logger.late if logger.late else -logger.wait
     time = np.arange(begin + random.uniform(0, 1 / logger.rate), end, 1 / logger.rate)

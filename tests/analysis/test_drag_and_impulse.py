@@ -1,4 +1,4 @@
-"""What a coast says of drag and a burn of impulse, on flights that are known to the last meter."""
+"""Drag from a coast and impulse from a burn, on flights that are known exactly."""
 
 import json
 from dataclasses import replace
@@ -41,10 +41,10 @@ LOGGERS = {
     "jitter": Logger(jitter=0.3),
     "fused": Logger(accelerometer=50, spikes=0.01, shock=30),
 }
-"""Recorders of several makes, by what is wrong with them."""
+"""Recorders of several makes, by their faults."""
 ROCKETS = {"tiny": TINY, "small": SMALL, "large": LARGE, "fast": FAST}
 TEN: dict[str, object] = {"coast_drag": None, "burn_impulse": None, "sd": {}, "source": {}}
-"""What turns a logged flight into one whose ten readouts were typed."""
+"""Changes that turn a logged flight into one with ten typed readouts."""
 
 
 LAW = Flight("1", "Law", motor="F24-4W", apogee=281.3, coast_drag=0.0031, burn_impulse=118.2).with_changes(

@@ -1,4 +1,4 @@
-"""What is measured in the samples of flights that are known to the last metre."""
+"""Measurements in the samples of flights that are known exactly."""
 
 import tracemalloc
 from dataclasses import replace
@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.analysis import Recorded, columns, measure
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.compare import compare
+from fieldkit.analysis.descent import shock
 from fieldkit.analysis.forces import forces
 from fieldkit.analysis.notes import (
     CLIPPED_NOTE,
@@ -41,7 +42,7 @@ def measured(rocket: Rocket, logger: Logger, seed: int = 1) -> tuple[Recorded, T
 
 
 def off(recorded: Recorded, truth: Truth, name: str) -> float:
-    """By how much a measured figure misses."""
+    """The error of a measured figure."""
     return recorded.figures[name].value - truth.readouts()[name]
 
 
@@ -80,7 +81,7 @@ def test_the_air_near_the_speed_of_sound_fakes_no_figure() -> None:
 
 @pytest.mark.parametrize("early", [1.5, 2.0])
 def test_a_charge_before_the_top_makes_no_apogee_of_its_gas(early: float) -> None:
-    """The bay is blown up, then stands still, then is drawn out: a fall by 90 m, a plateau, and 50 m too high."""
+    """Pressure in the bay rises, stays, and falls: heights fall by 90 m, stay, and are then 50 m too high."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=20, noise=0.2), np.random.default_rng(5))
     assert series.altitude is not None
@@ -120,7 +121,7 @@ def test_an_accelerometer_sharpens_the_boost(rocket: Rocket) -> None:
 
 
 def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
-    """What ends its fall is the ground, and no parachute."""
+    """The ground ends its fall, not a parachute."""
     recorded, truth = measured(replace(SMALL, delay=1e6), Logger(accelerometer=50))
     assert not {"apogee_to_eject", "eject_altitude"} & set(recorded.figures)
     assert "ejection" not in recorded.events
@@ -150,7 +151,7 @@ def test_an_accelerometer_at_the_end_of_its_range_tells_the_rest(range_end: floa
         assert name == "peak_accel" or recorded.figures[name].sd < alone.figures[name].sd
         assert "acceleration" in recorded.figures[name].source
     assert recorded.figures["peak_accel"].value > (range_end - 1) * GRAVITY
-    assert recorded.events["ejection"].source == "acceleration"  # a blow is one whatever its size
+    assert recorded.events["ejection"].source == "acceleration"  # a pressure pulse of any size counts
 
 
 def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_tells_no_boost() -> None:
@@ -233,7 +234,7 @@ def test_a_boost_between_two_samples_has_no_figures() -> None:
 
 
 def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
-    """It goes on along its course, falls by thirty metres, and comes back to the rocket in a second."""
+    """It continues on its course, falls by thirty meters, and returns to the rocket within a second."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=10, noise=0.2), np.random.default_rng(2))
     since = series.time - 100
@@ -246,7 +247,7 @@ def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
     assert "top_speed" not in recorded.figures
     assert abs(off(recorded, truth, "apogee")) < 3
     barometer = measure((Series(time=series.time, altitude=lost),))
-    assert "top_speed" in barometer.figures  # what a barometer shows there may be the air, and the rest tells the speed
+    assert "top_speed" in barometer.figures  # the barometer may react to the air there; the rest determines the speed
 
 
 def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
@@ -268,7 +269,7 @@ def test_a_log_without_a_pad_is_as_sure_of_its_zero_as_the_ground_it_lands_on() 
 
 
 def test_an_accelerometer_that_begins_late_has_no_peak() -> None:
-    """The thrust of this rocket sags from its first moment: what was strongest came before the log."""
+    """The thrust of this rocket falls from the first moment, so the peak was before the log."""
     clocks = log(flown(LARGE), Logger(accelerometer=100), np.random.default_rng(1))
     late = tuple(
         Series(s.time[s.time > 100.5], **{c: getattr(s, c)[s.time > 100.5]})
@@ -333,7 +334,7 @@ def test_a_handful_of_samples_is_no_crash(count: int) -> None:
 
 
 def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
-    """Ten metres a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
+    """Ten meters a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
     time = np.arange(0, 40_000, 5.0)
     height = np.minimum(np.clip(10 * (time - 30_000), 0, 3000), np.clip(40_000 - time, 0, None))
     tracemalloc.start()
@@ -508,3 +509,15 @@ def test_slopes_and_lines_are_those_of_scipy(size: int) -> None:
     assert typical_line(x, y) == pytest.approx((slope, intercept))
     whole = savgol_filter(y, 5, 2, deriv=1, delta=0.2)
     np.testing.assert_allclose(local_slopes(y, 5, 0.2), whole[2:-2], atol=1e-12)
+
+
+def test_the_drag_of_a_fast_coast_is_no_charge() -> None:
+    random, time = np.random.default_rng(3), np.arange(0, 20, 0.05)
+    drag = -90 * np.exp(-(time - 4) / 1.5)
+    felt = np.where(time < 3, 9.8, np.where(time < 4, 260.0, np.where(time < 11.8, drag, 6.0)))
+    felt = felt + random.normal(0, 0.5, time.size)
+    felt[np.searchsorted(time, 11.8)] += 150.0
+    push = Push(time, felt, False, "acceleration")
+    found = shock(push, 4.0, 11.0)
+    assert found is not None
+    assert found.time == pytest.approx(11.8, abs=0.06)

@@ -1,4 +1,4 @@
-"""What motors have beyond the mean of a window: worked out again from the catalogue."""
+"""The peak of motors above the mean of a window, computed again from the catalog."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from fieldkit.analysis.peak import BEYOND_MEAN, BEYOND_WINDOW
 from fieldkit.motors import catalogue
 
 STEP, PEAK = 0.01, 0.05
-"""Of the curves, and the time over which a peak is one. [s]"""
+"""Time step of the curves, and the time over which a peak is taken. [s]"""
 
 
 def strongest(thrust: np.ndarray, window: float) -> float:

@@ -1,4 +1,4 @@
-"""Real recordings beside the repository, read by whatever parser recognises them and measured."""
+"""Real recordings beside the repository, read by the parser that recognizes them, and measured."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.skipif(not LOGS.is_dir(), reason="the real logs are not
 
 
 def flown(name: str) -> tuple[Reading, Recorded]:
-    """The one flight of a log; skips if no parser recognises it, or it cannot be read without a mapping."""
+    """The one flight of a log; skips if no parser recognizes it, or it cannot be read without a mapping."""
     path = LOGS / name
     if not path.exists():
         pytest.skip(f"{name} is not there")

@@ -1,4 +1,4 @@
-"""Recordings in which a sensor tells what no rocket did: it is left out, said to be, and the figures stay right."""
+"""Recordings in which a sensor reports an impossible flight: it is left out with a note, and the figures stay right."""
 
 from dataclasses import replace
 from functools import cache
@@ -32,7 +32,7 @@ def recording(truth: Truth, seed: int = 2, **settings: float) -> tuple[Series, .
 
 
 def misses(recorded: Recorded, truth: Truth, *names: str, sds: float = 3.0) -> list[str]:
-    """The figures that are further from the truth than so many of their standard deviations, or are not there."""
+    """The figures with an error of more than this number of standard deviations, or that are missing."""
     right = truth.readouts()
     figures = recorded.figures
     return [n for n in names if n not in figures or abs(figures[n].value - right[n]) > sds * figures[n].sd]
@@ -123,7 +123,7 @@ def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
 
 
 def test_an_accelerometer_of_a_leaning_flight_is_believed_and_air_brakes_are_not() -> None:
-    """The flight leans by 22 degrees, and in the coast pressures are those of 150 m lower for two seconds."""
+    """The flight is 22 degrees off vertical; for two seconds of the coast the pressures are those of 150 m lower."""
     random = np.random.default_rng(11)
     for path in draw(random, 3, lean=float(np.radians(22))):
         right = path.readouts()

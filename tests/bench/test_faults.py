@@ -1,4 +1,4 @@
-"""Kills in earnest, a few of each kind; `python -m bench.faults` has the thousand."""
+"""Real kills, a few of each kind; `python -m bench.faults` runs a thousand."""
 
 import os
 import sqlite3
@@ -147,7 +147,7 @@ def server() -> Iterator[servers.Server]:
 
 @pytest.fixture
 def url(server: servers.Server) -> str:
-    """Where an empty ledger may be made on it."""
+    """The URL of an empty ledger on that server."""
     servers.emptied(server.url)
     return server.url
 

@@ -1,4 +1,5 @@
-"""The recorder bench: its truth is a flight, its logs are read, and what is read is as near as it says."""
+"""The recorder bench: its truth is a valid flight, its logs are read, and measured errors match their standard
+deviations."""
 
 from pathlib import Path
 

@@ -155,7 +155,7 @@ class Session:
     async def _done(self, app: App[None]) -> None:
         """Wait until all effects of a key are done and painted by Textual."""
         while True:
-            while self.loop._ready:  # type: ignore[attr-defined]  # messages that widgets were woken for
+            while self.loop._ready:  # type: ignore[attr-defined]  # messages waiting for widgets
                 await asyncio.sleep(0)
             screen, busy = app.screen, [one for one in app.workers if not one.is_finished and one.group != AHEAD]
             due = screen._dirty_widgets or screen._layout_required or screen._repaint_required or screen._callbacks
@@ -205,7 +205,7 @@ def test_an_empty_app_hears_a_key(benchmark: BenchmarkFixture) -> None:
 def test_a_key_is_answered_with_five_thousand_flights(
     benchmark: BenchmarkFixture, crowded: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(crowded.parent)  # a folder with few files for the page Import
+    monkeypatch.chdir(crowded.parent)  # a folder with few files for the Import page
     answers = answer(benchmark, lambda: opened(crowded, stays=True))
     empty, ours = TOOK["test_an_empty_app_hears_a_key"], TOOK[benchmark.name]
     benchmark.extra_info |= shares("answered", answers) | shares("done", ours)

@@ -1,4 +1,4 @@
-"""Every protocol against a unit that behaves, and against one that does not."""
+"""Every protocol with a unit that works, and with one that does not."""
 
 import random
 from collections.abc import Callable, Iterable, Sequence
@@ -518,7 +518,7 @@ def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
     assert len(read_capture(end.file).raw) > 1_000_000
 
 
-# --- Units that nobody named
+# --- Units without a name
 
 
 @pytest.mark.parametrize(
@@ -599,7 +599,7 @@ def test_a_unit_that_cannot_be_captured_is_refused_with_the_way_that_there_is(tm
         list(capture(Port("/dev/null"), device, folder=tmp_path))
 
 
-# --- Captures that nobody would make on purpose
+# --- Unlikely captures
 
 WORDS = [
     *(b"$start;", b"$end;", devices.TELEMETRY, FLIGHTS[0][1], b"$data,0,1", b"MP", b"a0860100", b"f" * 30, b"\r\n"),

@@ -52,7 +52,7 @@ LETTERS = {
 
 
 class Ear:
-    """A port that remembers what was written to it and answers as it is told to."""
+    """A port that records what was written to it and sends prepared answers."""
 
     baudrate, xonxoff = 9600, False
 

@@ -5,6 +5,7 @@ The commands and their files come from the command tree, so that a new command i
 
 import ast
 import os
+import re
 import shlex
 import stat
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ from typing import Any
 import pytest
 import typer
 
-from fieldkit import files
+from fieldkit import files, paths
 from fieldkit.cli.main import app, main
 from fieldkit.errors import FieldkitError
 from fieldkit.ledger import Ledger
@@ -206,6 +207,77 @@ def test_the_place_of_a_ledger_that_is_gone_or_damaged_is_kept(home: Path) -> No
         harm()
         with pytest.raises(FieldkitError, match="never overwritten"):
             files.write(ledger, b"x", force=True)
+
+
+def filled(home: Path) -> dict[Path, bytes]:
+    """A file of every name in the data folder, a folder for a name without a suffix, and names that nobody knows."""
+    for name in (*paths.DATA_FILES, "of a later version", "folder/of/another.program"):
+        file = paths.data_folder() / name
+        if "." not in name and name in paths.DATA_FILES:
+            file = file / "inside.txt"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        if not file.exists():
+            file.write_text("kept")
+    return {file: file.read_bytes() for file in paths.data_folder().rglob("*") if file.is_file()}
+
+
+def other_names(own: Path, home: Path) -> Iterator[Path]:
+    """A file in the data folder, and other names for it: a link, a hard link, a linked folder, a way around."""
+    yield own
+    (link := home / "name.csv").symlink_to(own)
+    yield link
+    os.link(own, hard := home / "hard.csv")
+    yield hard
+    (folder := home / "folder").symlink_to(own.parent)
+    yield folder / own.name
+    yield own.parent / ".." / own.parent.name / own.name
+    for name in (link, hard, folder):
+        name.unlink()
+
+
+def test_nothing_in_the_data_folder_is_ever_written_over(home: Path) -> None:
+    before = filled(home)
+    assert {file.relative_to(paths.data_folder()).parts[0] for file in before} > set(paths.DATA_FILES)
+    for own in before:
+        for target in other_names(own, home):
+            with pytest.raises(FieldkitError, match="never overwritten"):
+                files.write(target, b"written over", force=True)
+            assert main(["export", str(target), "--force"]) == 1
+    assert {file: file.read_bytes() for file in before} == before
+
+
+def test_what_a_link_in_the_data_folder_leads_to_is_never_written_over(home: Path) -> None:
+    (shared := home / "shared").mkdir()
+    (shared / "corrections.csv").write_text("kept")
+    (alone := home / "alone.toml").write_text("kept")
+    (paths.data_folder() / "rules").symlink_to(shared)
+    (paths.data_folder() / "limits.toml").symlink_to(alone)
+    (paths.data_folder() / "around").symlink_to(paths.data_folder())
+    os.link(shared / "corrections.csv", hard := home / "hard.csv")
+    for target in (shared / "corrections.csv", alone, hard):
+        with pytest.raises(FieldkitError, match="never overwritten"):
+            files.write(target, b"written over", force=True)
+        assert target.read_text() == "kept"
+
+
+@pytest.mark.parametrize("name", [*paths.DATA_FILES, "motors/new.eng", "rules/new.toml", "seasons/2031.toml"])
+def test_no_command_makes_a_file_that_fieldkit_would_take_for_its_own(home: Path, name: str) -> None:
+    target = paths.data_folder() / name
+    target.unlink(missing_ok=True) if target.is_file() else None
+    assert main(["export", str(target)]) == 1
+    assert not target.is_file()
+
+
+def test_the_data_folder_may_be_one_of_the_flyers_with_other_files(home: Path) -> None:
+    files.write(paths.data_folder() / "season of 2025.csv", b"x")
+
+
+def test_every_name_in_the_data_folder_is_known_to_the_guard() -> None:
+    """Nothing outside `paths` puts a path in the data folder together: `data_file` has every name in its type."""
+    for file in sorted((ROOT / "fieldkit").rglob("*.py")):
+        if file.name != "paths.py":
+            code = file.read_text(encoding="utf-8")
+            assert not re.search(r"\b(data_folder|_data_path|user_data_path|user_config_path)\b", code), file
 
 
 def test_folders_of_the_flyers_own_are_no_backups(tmp_path: Path) -> None:

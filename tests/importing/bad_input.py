@@ -1,4 +1,4 @@
-"""Logs made bad as cables, memories, spreadsheets and strangers make them bad, and what must hold then."""
+"""Logs damaged as cables, memories, spreadsheets and attackers damage them, and rules that still hold."""
 
 import random
 import signal
@@ -21,9 +21,9 @@ from tests.samples import SAMPLES, any_motor, owner
 
 RECORDED = Path(__file__).parents[3] / "shared" / "logs"
 SEED_SIZE = 9_000
-"""A longer log is a seed by its beginning and its end, so that many can be tried. [bytes]"""
+"""Only the beginning and end of a longer log are used as a seed, so that many can be tried. [bytes]"""
 PATIENCE = 20.0
-"""An input that takes longer of a processor hangs, however busy the machine is. [s]"""
+"""An input that takes more processor time than this counts as hanging. [s]"""
 
 Change = Callable[[bytes, random.Random], bytes]
 
@@ -99,7 +99,7 @@ def padded(log: bytes, rng: random.Random) -> bytes:
 
 
 def escaped(log: bytes, rng: random.Random) -> bytes:
-    """What would move a cursor, set a title, clear a screen or turn a line round."""
+    """Characters that would move a cursor, set a title, clear a screen or reverse a line."""
     escapes = (
         "\x1b[2J",
         "\x1b]0;x\x07",
@@ -138,7 +138,7 @@ NUMBERS = (
 
 
 def numbers_replaced(log: bytes, rng: random.Random) -> bytes:
-    """Cells that hold what no sensor says."""
+    """Cells with values that no sensor reports."""
     lines = log.split(b"\n")
     for _ in range(rng.choice((1, 3, 30))):
         at = rng.randrange(len(lines))
@@ -150,7 +150,7 @@ def numbers_replaced(log: bytes, rng: random.Random) -> bytes:
 
 
 def a_column_replaced(log: bytes, rng: random.Random) -> bytes:
-    """The same cell of every row says the same, or nothing."""
+    """The same cell of every row is equal or empty."""
     separator = rng.choice((b",", b";", b"\t"))
     place, filling = rng.randrange(9), rng.choice((*NUMBERS, "0", "1")).encode()
     lines = [line.split(separator) for line in log.split(b"\n")]
@@ -179,7 +179,7 @@ def lines_moved(log: bytes, rng: random.Random) -> bytes:
 
 
 def ends_of_lines_changed(log: bytes, rng: random.Random) -> bytes:
-    """Other ends of lines, or blanks and quotation marks if none were."""
+    """Other line ends, or blanks and quotation marks if there were none."""
     new = rng.choice((b"\r\n", b"\r", b"\n\n", b"\x0b", b"\xc2\x85", b' "\n', b'"\n', b" \n", b",\n", b""))
     if rng.random() < 0.5:
         return log.replace(b"\n", new)
@@ -194,7 +194,7 @@ def separators_changed(log: bytes, rng: random.Random) -> bytes:
 
 
 def header_changed(log: bytes, rng: random.Random) -> bytes:
-    """A name, a unit or a number in the first lines is another's."""
+    """A name, a unit or a number in the first lines comes from another log."""
     words = (b"(ft)", b"(m)", b"ft", b"m", b"(s)", b"ms", b"time", b"Altitude", b"Pressure", b"F)", b"C)", b"g", b"#")
     return log.replace(rng.choice(words), rng.choice(words), rng.choice((1, 2, -1)))
 
@@ -216,7 +216,7 @@ CHANGES: Sequence[Change] = (
 
 
 def mutated(all_seeds: Sequence[Seed], rng: random.Random) -> tuple[str, str, bytes]:
-    """A bad log: what was done to which seed, its format, its bytes; one in ten is grafted on another seed."""
+    """A bad log: its seed, the damage, its format, its bytes; one in ten is combined with another seed."""
     seed = rng.choice(all_seeds)
     log, done = seed.log, []
     if rng.random() < 0.1:
@@ -231,7 +231,7 @@ def mutated(all_seeds: Sequence[Seed], rng: random.Random) -> tuple[str, str, by
 
 
 def faults_among(numbers: range) -> tuple[Counter[str], dict[str, str]]:
-    """How many bad logs of each format were tried, and every kind of fault with what brings it back."""
+    """The number of bad logs of each format, and every kind of damage with an example."""
     all_seeds, tried, faults = seeds(), Counter[str](), dict[str, str]()
     for number in numbers:
         done, name, log = mutated(all_seeds, random.Random(number))
@@ -249,7 +249,7 @@ def faults_among(numbers: range) -> tuple[Counter[str], dict[str, str]]:
 
 @contextmanager
 def patience(seconds: float = PATIENCE) -> Iterator[None]:
-    """Raises TimeoutError in what takes too long."""
+    """Raises TimeoutError if the block takes too long."""
 
     def on_progress(signal_number: int, frame: object) -> None:
         raise TimeoutError(f"took more than {seconds} s")
@@ -264,7 +264,7 @@ def patience(seconds: float = PATIENCE) -> Iterator[None]:
 
 
 def lines_for(log: bytes, format: str | None) -> list[str]:
-    """Every line that a flyer would be shown for a log; anything but a FieldkitError is a fault and comes out."""
+    """Every line that a flyer would see for a log; anything but a FieldkitError is a bug and is raised."""
     try:
         intake = read(log, "bad.log", any_motor, format)
     except FieldkitError as error:
@@ -273,7 +273,8 @@ def lines_for(log: bytes, format: str | None) -> list[str]:
 
 
 def must_hold(log: bytes, format: str | None) -> int:
-    """Check one bad log, read by the parser it was made for or by whatever recognises it; how many lines it brings.
+    """Check one bad log, read by the parser it was made for or by the one that recognizes it; the number of lines
+    shown.
 
     Messages are single lines without control characters; series have whole clocks that never run backwards, and
     channels of one length without infinities.

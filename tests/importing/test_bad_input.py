@@ -1,4 +1,4 @@
-"""Bad input: never a traceback, never a hang, never a number in a wrong unit without a word."""
+"""Bad input: never a traceback, never a hang, never a wrong unit without a note."""
 
 import cProfile
 import random
@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 SEEDS = seeds()
 MANY = 50_000
 LARGEST = 200.0
-"""What reading a log of 100 MB may take. [MB]"""
+"""Maximum memory for reading a log of 100 MB. [MB]"""
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
@@ -70,7 +70,8 @@ def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.Cap
 
 
 def test_a_damaged_header_is_refused_or_its_unit_is_what_it_says() -> None:
-    """One letter of the header is wrong and the rows are whole: heights stay, or a height in ft is no more said."""
+    """One letter of the header is wrong and the rows are complete: heights do not change, or a height in ft is not
+    used."""
     log = next(s for s in SAMPLES if s.name.startswith("mapped_table__time_three_axes")).read_bytes()
     header, rows = log.split(b"\n", 1)
     rng = random.Random(4)
@@ -89,7 +90,7 @@ def test_a_damaged_header_is_refused_or_its_unit_is_what_it_says() -> None:
 
 
 def _read(log: bytes) -> list[tuple[Series, str]]:
-    """The series of a table, each with the line that says how it was read; none if it is refused."""
+    """The series of a table, each with the note on how it was read; empty if the table is refused."""
     try:
         items = parsers()["mapped_table"].read(log)
     except FieldkitError:
@@ -103,19 +104,21 @@ import resource, sys, time
 from pathlib import Path
 from fieldkit.errors import FieldkitError
 from fieldkit.services.imports import gather
-begun = time.monotonic()
+start = time.monotonic()
 try:
     got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])
     said = f"{len(got.arrivals)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
 except FieldkitError as error:
     said = str(error)[:100]
 used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
+print(f"{used:.0f} MB, {time.monotonic() - start:.1f} s, {said}")
 """
 """Reads a file as `fieldkit import` does, before a ledger is opened."""
 
 
-in_kilobytes = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere peaks are told otherwise, or not at all")
+in_kilobytes = pytest.mark.skipif(
+    sys.platform != "linux", reason="other systems report peaks differently, or not at all"
+)
 
 
 CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
@@ -137,7 +140,7 @@ def run_clean(home: Path, code: str, *arguments: str) -> subprocess.CompletedPro
 
 
 def write_repeated(file: Path, log: bytes, size: int) -> None:
-    """A log of a size: its rows over and over, below one header."""
+    """A log of a given size: its rows repeated below one header."""
     start = log.find(b"\n", min(len(log) // 2, 2000)) + 1
     rows = log[start:] or log
     rows = rows if rows.endswith(b"\n") else rows + b"\n"
@@ -149,7 +152,7 @@ def write_repeated(file: Path, log: bytes, size: int) -> None:
 
 
 def write_going_on(file: Path, log: bytes, size: int) -> None:
-    """A log of a size whose rows come over and over while its clocks, the columns that grow all along, go on."""
+    """A log of a given size whose rows repeat, while its clocks, the columns that always grow, continue."""
     separator, rows, clocks = clocks_of(log)
     head = log[: log.index(separator.join(rows[0]))]
     span = [float(rows[-1][c]) - float(rows[0][c]) + float(rows[1][c]) - float(rows[0][c]) for c in clocks]
@@ -166,7 +169,8 @@ def write_going_on(file: Path, log: bytes, size: int) -> None:
 
 
 def clocks_of(log: bytes) -> tuple[bytes, list[list[bytes]], list[int]]:
-    """What parts the cells of a table, the longest run of its rows in which a column grows, and all that grow in it."""
+    """The separator of a table, its longest run of rows in which a column increases, and all columns that increase
+    there."""
     lines = log.replace(b"\r", b"").split(b"\n")[1:-1]
     for separator in (b",", b"\t", b";"):
         widths = Counter(line.count(separator) for line in lines)
@@ -200,12 +204,12 @@ def biggest(name: str) -> bytes:
     return max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size).read_bytes()
 
 
-WHOLE = [*parsers(), *(f"{name} that goes on" for name in parsers() if clocks_of(biggest(name))[2])]
-"""Every parser, and again those of logs with a clock in their rows, for one that goes on."""
+WHOLE = [*parsers(), *(f"{name} without an end" for name in parsers() if clocks_of(biggest(name))[2])]
+"""Every parser, and again those of logs with a clock in their rows, for one that does not end."""
 
 
 def write_waiting(file: Path, size: int, flown: bool = False) -> None:
-    """A logger that waited on the pad for hours, and may have flown in the end: one table that goes on."""
+    """A logger that waited on the pad for hours, and may have flown in the end: one table without an end."""
     with file.open("wb") as stream:
         stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
         waited = size // 26
@@ -223,7 +227,7 @@ def flown_height(time: float) -> float:
 
 
 def write_torn(file: Path, log: bytes, size: int) -> None:
-    """The beginning of a log, and then nothing but halves of its lines."""
+    """The beginning of a log, followed only by half lines."""
     lines = log.splitlines(keepends=True)
     halves = b"".join(line[: len(line) // 2] + b"\n" for line in lines[len(lines) // 2 :])
     with file.open("wb") as stream:
@@ -233,7 +237,7 @@ def write_torn(file: Path, log: bytes, size: int) -> None:
 
 
 def write_remarks(file: Path, log: bytes, size: int) -> None:
-    """A log, and then nothing but comments."""
+    """A log, followed only by comments."""
     with file.open("wb") as stream:
         stream.write(log)
         while stream.tell() < size:
@@ -241,7 +245,7 @@ def write_remarks(file: Path, log: bytes, size: int) -> None:
 
 
 CAPPED = {"altos_eeprom": 31 << 20, "altos_telem": 31 << 20}
-"""Parsers that refuse what is longer at once: the longest that they do read. [bytes]"""
+"""Longest log that parsers with a limit accept. [bytes]"""
 REMARKED = ("altos_csv", "arts2", "openrocket")
 """Parsers that keep comments apart."""
 HURT = [*(f"{name} that is torn" for name in parsers()), *(f"{name} of remarks" for name in REMARKED)]
@@ -257,7 +261,7 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     file = tmp_path / "big.log"
     if name in parsers():
         write_repeated(file, biggest(name), size)
-    elif name.endswith("goes on"):
+    elif name.endswith("without an end"):
         write_going_on(file, biggest(name.split()[0]), size)
     elif name.endswith("is torn"):
         write_torn(file, biggest(name.split()[0]), CAPPED.get(name.split()[0], size))
@@ -273,7 +277,7 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
 
 
 TORN = 8_000, 16_000, 24_000
-"""Lengths of torn logs. [bytes]"""
+"""Lengths of truncated logs. [bytes]"""
 
 
 def read_in_vain(name: str, log: bytes) -> None:
@@ -282,14 +286,14 @@ def read_in_vain(name: str, log: bytes) -> None:
 
 
 def calls(name: str, log: bytes) -> int:
-    """How many calls reading a log takes: the same number on any machine, however busy it is. [1]"""
+    """Number of calls for reading a log, the same on any machine. [1]"""
     profile = cProfile.Profile()
     profile.runcall(read_in_vain, name, log)
     return sum(entry.callcount for entry in profile.getstats())
 
 
 def peak(name: str, log: bytes) -> int:
-    """How much memory reading a log takes at the most. [bytes]"""
+    """Peak memory for reading a log. [bytes]"""
     tracemalloc.start()
     try:
         read_in_vain(name, log)

@@ -1,4 +1,4 @@
-"""What is counted in a file from elsewhere has a bound, and neither pipe nor device is waited for."""
+"""Counts from files of unknown origin are bounded, and neither a pipe nor a device is waited for."""
 
 import contextlib
 import gzip
@@ -49,7 +49,7 @@ def simulated(titles: str, points: str) -> str:
 
 
 def nested(depth: int) -> str:
-    """A design whose parts are in parts."""
+    """A design with nested parts."""
     inside = "<subcomponents><innertube>" * depth + "</innertube></subcomponents>" * depth
     return design().replace("</subcomponents>", f"{inside}</subcomponents>", 1)
 
@@ -66,7 +66,7 @@ HOSTILE: dict[str, Callable[[], bytes]] = {
     "encoding": lambda: b'<?xml version="1.0" encoding="cp037"?>' + ("<a>" * 100).encode("cp037"),
     "a name without end": lambda: zipped(design().replace("Skylark", "x" * 3_000_000)),
 }
-"""Designs that count too much of something, by what."""
+"""Designs with too much of something, by its name."""
 
 
 READ_ALL = """
@@ -81,7 +81,7 @@ print(int(memory[0]) // 1024, file=sys.stderr)
 """Reads designs one after the other; status and time of each, and the memory that the process took. [s, MiB]"""
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is told by Linux")
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="only Linux reports the memory")
 def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tmp_path: Path) -> None:
     files = [tmp_path / f"{what.replace(' ', '_')}.ork" for what in HOSTILE]
     for file, content in zip(files, HOSTILE.values(), strict=True):

@@ -1,4 +1,4 @@
-"""Choosing a parser, and what is settled for every log alike."""
+"""Choosing a parser, and rules that hold for every log."""
 
 import pytest
 

@@ -23,7 +23,7 @@ TABLE = b"rocket,apogee_m\nSwift,100\n"
 
 
 def table_of_samples(header: str) -> bytes:
-    """A small flight as a table of seconds and metres."""
+    """A small flight as a table of seconds and meters."""
     (series,) = log(fly(SMALL), Logger(), np.random.default_rng(0))
     assert series.altitude is not None
     rows = zip(series.time, series.altitude, strict=True)

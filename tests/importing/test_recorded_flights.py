@@ -1,4 +1,4 @@
-"""Logs on their way: from bytes through a parser into the ledger, and back out of it; commands on them."""
+"""Logs from bytes through a parser into the ledger and back, and commands on them."""
 
 import json
 from collections.abc import Callable

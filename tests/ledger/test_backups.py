@@ -1,4 +1,4 @@
-"""The copies that are kept of a ledger, and what a damaged one says: found, offered, put back."""
+"""The backups of a ledger, and a damaged ledger: detected, reported, restored."""
 
 import os
 import re
@@ -21,7 +21,7 @@ from fieldkit.ledger.schema import STEPS
 
 
 def add(file: Path, *ids: str) -> None:
-    """A flight after the other, each a change of its own."""
+    """Flights added one by one, each as a separate change."""
     with Ledger.open(file) as ledger:
         for id in ids:
             ledger.add([Flight(flight_id=id, rocket="Astra", apogee=100.0)])
@@ -34,7 +34,7 @@ def flown(file: Path) -> list[str]:
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where a ledger may be that is copied before every change."""
+    """The path of a ledger that is copied before every change."""
     monkeypatch.setattr(backups, "CHANGES_PER_BACKUP", 1)
     return tmp_path / "ledger.db"
 
@@ -206,7 +206,7 @@ def cut(content: bytes) -> bytes:
 
 
 def without_tables(_: bytes) -> bytes:
-    """What SQLite itself finds nothing wrong with."""
+    """Damage that SQLite itself does not detect."""
     with closing(sqlite3.connect(":memory:")) as empty:
         empty.execute("CREATE TABLE alembic_version (version_num TEXT)")
         empty.execute("INSERT INTO alembic_version VALUES (?)", (STEPS[-1],))

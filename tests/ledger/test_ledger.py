@@ -1,4 +1,4 @@
-"""Flights in, flights out, and every change taken back, on SQLite and on PostgreSQL if there is one."""
+"""Flights stored and read, and every change undone, on SQLite and on PostgreSQL if available."""
 
 import os
 from collections.abc import Iterator
@@ -39,7 +39,7 @@ SECOND = FIRST.with_changes(flight_id="2", tags=(), apogee=290.1, extra={}, date
 
 @pytest.fixture(params=["sqlite", pytest.param("postgres", marks=[pytest.mark.postgres, needs_server])])
 def where(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
-    """Where an empty ledger may be made."""
+    """The URL of an empty ledger."""
     if request.param == "sqlite":
         yield str(tmp_path / "ledger.db")
         return

@@ -1,4 +1,4 @@
-"""What a ledger survives, and what it says if it cannot."""
+"""Faults that a ledger survives, and its errors for the others."""
 
 import os
 import sqlite3
@@ -199,7 +199,7 @@ def test_a_row_that_says_something_else_than_was_written_is_damage(change: str, 
 
 
 def failures(file: Path, asked: Sequence[Callable[[Ledger], object]]) -> list[str]:
-    """What a ledger says when it cannot answer."""
+    """The error of a ledger that cannot be read."""
     said = []
     with Ledger.open(file) as ledger:
         for ask in asked:
@@ -400,7 +400,7 @@ MEASURED = {
     "eject_altitude": 1.0,
     "descent_speed": 0.27,
 }
-"""What the extra columns of a flight measured in a log say of its standard deviations. [SI]"""
+"""Standard deviations in the extra columns of a flight measured in a log. [SI]"""
 
 
 @pytest.fixture

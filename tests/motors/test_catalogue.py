@@ -1,4 +1,4 @@
-"""The catalogue of motors: what it holds, and how a written name finds its motor."""
+"""The motor catalog: its contents, and how a written name finds its motor."""
 
 import csv
 import math
@@ -227,7 +227,7 @@ def test_the_shipped_f24_is_the_certified_one() -> None:
 
 
 def test_no_motor_up_to_class_f_was_left_out() -> None:
-    """Those that most flyers use; the large hybrids are where the records have gaps."""
+    """The classes that most flyers use; records of large hybrids have gaps."""
     for letter, (read, kept) in catalogue().about["by_class"].items():
         assert read == kept or letter > "F", letter
 

@@ -1,4 +1,4 @@
-"""What the catalogue corrects: each figure with its document, open questions as they were, the rule of tests."""
+"""Corrections of the catalog: each figure with its document, open questions unchanged, the rule for tests."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""Thrust curves: the laws that knots, moments and the making of the catalogue keep."""
+"""Thrust curves: laws for knots, moments and the making of the catalog."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""The flyer's own corrections and lots, and the catalogue held against a table of tests."""
+"""The flyer's own corrections and lots, and the catalog compared with a table of tests."""
 
 import json
 from pathlib import Path

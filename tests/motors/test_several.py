@@ -1,4 +1,4 @@
-"""Clusters and two stages: thrusts add, what is lit later burns later, a booster drops, and what cannot be is said."""
+"""Clusters and two stages: thrusts add, later motors burn later, a booster drops, and impossible setups are refused."""
 
 import json
 from pathlib import Path
@@ -150,7 +150,7 @@ OPENROCKET = [
     ("4 x Estes C6-7", 1.0, 0.262, 0.055, 0.61, 307.26, 5.6, 1.86),
 ]
 """Motors, rod [m], lift-off mass [kg], diameter [m], Cd of the coast, apogee [m], best delay [s], burnout [s]: stored
-simulations of OpenRocket 24.12 in 2 m/s of wind, of its examples whose motor burns as long as the catalogue's, and
+simulations of OpenRocket 24.12 in 2 m/s of wind, of its examples whose motor burns as long as the catalog's, and
 whose charge does not fire early."""
 
 

@@ -1,6 +1,6 @@
-"""OpenRocket designs: facts of their XML as a starting configuration, and files that are damaged, or mean harm.
+"""OpenRocket designs: facts from their XML as a starting configuration, and damaged or hostile files.
 
-Every design here is written for these tests from what is known of the format.
+Every design here is written for these tests from the known format.
 """
 
 import gzip

@@ -1,4 +1,4 @@
-"""The published logs beside the checkout, if somebody put them: facts about real files to be checked."""
+"""The published logs next to the checkout, if available: facts about real files to check."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ def reading(name: str) -> Reading:
 
 
 def damage(name: str) -> list[str]:
-    """What is damaged in a published log, a line each."""
+    """The damage in a published log, one line each."""
     return [str(item) for item in _found(name) if not isinstance(item, Reading | Note)]
 
 

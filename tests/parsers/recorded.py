@@ -1,4 +1,4 @@
-"""The real recordings, which lie beside the repository if there are any and are no part of it."""
+"""The real recordings, which are next to the repository if available and not part of it."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ LOGS = Path(__file__).parents[3] / "shared" / "logs"
 
 
 def recorded(name: str) -> bytes:
-    """The bytes of a recording; skips the test that asks if it is not there."""
+    """The bytes of a recording; skips the test if it is missing."""
     file = LOGS / name
     if not file.is_file():
         pytest.skip(f"needs the recording {name}, which is no part of this repository")

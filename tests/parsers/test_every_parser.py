@@ -1,4 +1,4 @@
-"""What holds for every parser in the folder; a new file is tested before its author writes a test."""
+"""Rules for every parser in the folder; a new file is tested before its author writes a test."""
 
 import json
 import math
@@ -54,14 +54,14 @@ def summary(intake: Intake) -> dict[str, object]:
 
 @contextmanager
 def unmeasured() -> Iterator[None]:
-    """Without the measuring of samples, which has its own tests and takes its time."""
+    """Skip measuring samples, which has its own tests and takes time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("fieldkit.analysis.measure", lambda clocks, stated: Recorded())
         yield
 
 
 def troubles(log: bytes, source: str, format: str | None) -> list[str]:
-    """What a flyer is told is wrong with a log; anything but a FieldkitError is ours and comes out."""
+    """The error shown to a flyer for a log; anything but a FieldkitError is a bug and is raised."""
     try:
         with unmeasured():
             intake = read(log, source, any_motor, format)
@@ -89,7 +89,7 @@ def test_a_sample_reads_as_its_golden_figures_say(sample: Path) -> None:
 
 
 def check_samples(reading: Reading) -> None:
-    """Complain of a clock that runs backwards, of channels without numbers or of another length than their clock."""
+    """Report a clock that runs backwards, and channels without numbers or of another length than their clock."""
     for series in reading.clocks:
         assert len(series.time)
         assert np.isfinite(series.time).all()
@@ -176,7 +176,7 @@ RESAVED = ("aim_xtra", "altimetercloud", "blueraven_app", "cats", "eggtimer", "f
 def test_a_table_saved_with_decimal_commas_reads_the_same(sample: Path) -> None:
     log, parser = sample.read_bytes(), parsers()[owner(sample)]
     if b"," not in log.splitlines()[-2]:
-        return  # parted by blanks or tabs: nothing to part otherwise
+        return  # separated by blanks or tabs: no other separator to try
     saved = re.sub(rb"(?<=\d)\.(?=\d)", b"\0", log).replace(b",", b";").replace(b"\0", b",")
     assert claims(saved) == [owner(sample)]
     ours, theirs = ([c for r in parser.read(one) if isinstance(r, Reading) for c in r.clocks] for one in (log, saved))

@@ -1,6 +1,6 @@
-"""Logs of other recorders, in forms that a first look gets wrong: each is made here, of a flight that is known.
+"""Logs of other recorders in forms that are easy to misread, each made here from a known flight.
 
-They come from what the notes on formats say of real files; none is a copy of one.
+They follow the notes on formats about real files; none is a copy of one.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""The flight table: what its cells mean, and what goes out comes in again."""
+"""The flight table: the meaning of its cells, and exported tables import unchanged."""
 
 import csv
 import io
@@ -35,7 +35,7 @@ def flight(header: str, row: str) -> Flight:
 
 
 def complaint(header: str, row: str) -> str:
-    """What is said about the one bad row of a table."""
+    """The message about the only bad row of a table."""
     got = intake(f"{header}\n{row}\n")
     assert not got.flights
     (rejected,) = got.rejected

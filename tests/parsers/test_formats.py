@@ -1,4 +1,4 @@
-"""The table of formats says what is on the shelf, and counts the real recordings that there are."""
+"""The table of formats lists the installed parsers, and counts the real recordings."""
 
 import re
 from collections import Counter

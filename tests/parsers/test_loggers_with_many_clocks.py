@@ -28,7 +28,7 @@ def test_a_real_raven_has_a_clock_for_each_channel() -> None:
     assert (len(slow.time), slow.time[-1]) == (310, 77.295)
     assert slow.pressure is not None
     assert slow.pressure[0] == pytest.approx(0.91148 * 101_325)
-    assert len(clock_of(flight, "inertial_speed").time) == 35  # the channel ended at apogee, the rows went on
+    assert len(clock_of(flight, "inertial_speed").time) == 35  # the channel ended at apogee, the rows continued
     assert len(clock_of(flight, "temperature").time) == 310
     assert flight.events == {"liftoff": 0.285, "burnout": 3.08875, "apogee": 8.63875}
     assert damage("raven_fip__top_shot.csv") == []

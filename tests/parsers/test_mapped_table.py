@@ -1,4 +1,4 @@
-"""Tables that no logger's parser knows: names, units, physics, and what the flyer says."""
+"""Tables that no parser of a logger recognizes: names, units, physics, and the flyer's mapping."""
 
 import math
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ FOOT = 0.3048
 
 
 def climb(step: float = 0.05) -> list[tuple[float, float, float]]:
-    """Seconds, metres and metres per second of a flight to 254 m, down by parachute."""
+    """Seconds, meters and meters per second of a flight to 254 m, down by parachute."""
     rows = []
     for i in range(int(30 / step)):
         t = i * step

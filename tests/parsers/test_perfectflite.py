@@ -1,4 +1,4 @@
-"""PerfectFlite: what a .pf2 and the exports of its program state, and what becomes of their rows."""
+"""PerfectFlite: the values in a .pf2 file and in the exports of its program, and the handling of their rows."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
-"""Exports as they vary with the program's age, the country, and the spreadsheet that saved them.
+"""Variants of exports by program version, country, and the spreadsheet that saved them.
 
-Each is made of a sample log, or of one small flight, by what the notes on formats say of real files.
+Each is made from a sample log or a small flight, following the notes on formats about real files.
 """
 
 import csv

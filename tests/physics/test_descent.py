@@ -1,4 +1,4 @@
-"""The way down: laws that any descent keeps, and flights that RocketPy flew to the ground."""
+"""The descent: laws that hold for any descent, and flights simulated by RocketPy to the ground."""
 
 import json
 from pathlib import Path
@@ -58,7 +58,7 @@ def test_low_down_it_sinks_its_height_at_its_speed_and_drifts_with_an_even_wind(
     time, along, across = down(50.0, wind=even)
     comes_to_speed = 5.0 / 9.80665 * np.log(2)
     assert time == pytest.approx(10.0 + comes_to_speed, rel=0.002)
-    settles = 5.0 / 9.80665 * np.arccos(0.8) / 0.6  # it has to take the wind's speed first
+    settles = 5.0 / 9.80665 * np.arccos(0.8) / 0.6  # it first has to reach the speed of the wind
     assert along == pytest.approx(4.0 * 10.0 - 4.0 * settles, rel=2e-3)
     assert across == 0.0
 

@@ -43,7 +43,7 @@ curves = st.sampled_from([STEADY, ROUGH, LONG])
 
 
 def nothing(state: State, strength: Any) -> Any:
-    """A force that is none; it makes the coast go by steps."""
+    """A force of zero; it makes the coast integrate in steps."""
     return np.zeros_like(state.drag)
 
 

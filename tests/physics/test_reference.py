@@ -15,9 +15,9 @@ from tests.physics.simulated import rocket
 GRAVITY = 9.80665
 LAPSE, WARMTH, PRESSURE, GAS = 0.0065, 288.15, 101325.0, 287.05287
 CLOSE = 0.1
-"""How near the two must come. [m]"""
+"""Maximum difference between the two. [m]"""
 MOTORS = 40
-"""Flown if not all are."""
+"""The sample if not all are flown."""
 
 
 class Reference:

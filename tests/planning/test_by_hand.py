@@ -1,4 +1,4 @@
-"""Plans against what a flyer works out on paper: each figure that a decision rests on, by another way."""
+"""Plans compared with calculations on paper: each figure behind a decision, computed in another way."""
 
 from dataclasses import replace
 

@@ -155,7 +155,7 @@ def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
     for _ in range(rockets):
         spread = FLIGHT_TO_FLIGHT_SD * np.sqrt(
             DESCENT_PRIOR_FLIGHTS / rng.chisquare(DESCENT_PRIOR_FLIGHTS)
-        )  # some rockets fall more alike than others
+        )  # some rockets fall more consistently than others
         flights, _ = falls(count + 1, rng, float(spread))
         (flight, found), fall = flights[-1], fall_of(flights[:-1])
         density = DENSITY[count % 2]

@@ -1,4 +1,4 @@
-"""Planning: plans say what predictions say, physics and limits act on all of them, and every limit has its line."""
+"""Planning: plans agree with predictions, physics and limits apply to all of them, and every limit has a line."""
 
 import json
 from dataclasses import replace
@@ -150,7 +150,7 @@ def test_density_and_what_the_altimeter_shows_are_kept_apart() -> None:
     hot, standard = air_of(Flight(temperature=308.15)), air_of(Flight(site_elevation=1500.0))
     assert hot.gain == pytest.approx(288.15 / 308.15)
     assert hot.density == pytest.approx(1.225 * 288.15 / 308.15, rel=1e-4)
-    assert hot.density_altitude == pytest.approx(699, abs=20)  # 36 m a degree, as pilots reckon
+    assert hot.density_altitude == pytest.approx(699, abs=20)  # 36 m a degree, the rule of thumb of pilots
     assert (standard.gain, standard.density_altitude) == pytest.approx((1.0, 1500.0), rel=1e-6)
     assert "temperature" in standard.words()
 
@@ -316,7 +316,7 @@ def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, m
     chances = [float((np.abs(one.apogee - 240.0) < 10.0).mean()) for one in said]
     assert best.met
     assert chances[1] > max(chances) - 0.02  # as near as 600 draws show
-    assert best.apogee[1] == pytest.approx(240.0, abs=4.0)  # the middle of the band, not the luck of some draws
+    assert best.apogee[1] == pytest.approx(240.0, abs=4.0)  # the middle of the band, not an accident of the draws
     assert best.there.chance == pytest.approx(chances[1], abs=0.05)
     assert best.there.chance >= best.today.chance
     slope = (np.median(said[2].apogee) - np.median(said[0].apogee)) / 0.06

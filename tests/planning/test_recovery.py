@@ -1,4 +1,4 @@
-"""Recovery as flown: the descent is fitted on what flights showed, and used in durations and landings."""
+"""Recovery as flown: the descent is fitted to flights, and used for durations and landings."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Rule sets: the tables of the codes, chosen by motor, mass, authority and day, and the lines that they make."""
+"""Rule sets: the tables of the codes, chosen by motor, mass, authority and day, and the resulting lines."""
 
 import datetime
 from dataclasses import replace

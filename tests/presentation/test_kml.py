@@ -75,4 +75,4 @@ def test_the_track_of_a_flight_is_written(tmp_path: Path, capsys: pytest.Capture
     assert main([*ledger, "track", id, "--out", str(out)]) == 0
     (track,) = coordinates(out.read_bytes())
     assert len(track) > 2
-    assert main([*ledger, "track", id, "--out", str(out)]) == 1  # it is there already
+    assert main([*ledger, "track", id, "--out", str(out)]) == 1  # the file exists

@@ -72,6 +72,22 @@ def test_what_is_probable_enough_is_named(
     assert said.also == also
 
 
+@pytest.mark.parametrize(
+    ("weights", "why"),
+    [
+        ({"": 0.6, "wind": 0.4}, "the flights match the model within their scatter"),
+        ({"": 0.4, "heavier_recovery": 0.35, "wind": 0.25}, "the most probable is a wrong mass, 35%"),
+        ({"": 0.45, "unexplained": 0.55}, "something may be missing, but nothing is probable enough to name"),
+    ],
+)
+def test_a_verdict_of_none_does_not_say_that_nothing_is_missing_if_something_probably_is(
+    weights: dict[str, float], why: str
+) -> None:
+    said = verdict(posterior(weights))
+    assert said.effect == "none"
+    assert said.why.endswith(why)
+
+
 def test_the_threshold_is_where_naming_and_not_naming_cost_the_same() -> None:
     assert pytest.approx(NAMING_PROBABILITY) == COST_OF_FALSE_NAME * (1 - NAMING_PROBABILITY)
 

@@ -85,7 +85,7 @@ def test_a_plan_is_over_once_it_has_flown_or_after_two_weeks(ledger: Ledger, mon
 
 def test_deciding_is_in_the_history_and_can_be_undone_and_redone(ledger: Ledger) -> None:
     decide(ledger)
-    assert (ledger.history()[-1].command, ledger.history()[-1].what) == ("keep", "Astra A on F24W")
+    assert (ledger.history()[-1].command, ledger.history()[-1].what) == ("forecast", "Astra A on F24W")
     ledger.undo()
     assert ledger.predictions() == []
     assert len(ledger.flights()) == 5

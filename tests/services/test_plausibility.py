@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bench.faults import session
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
@@ -42,12 +44,13 @@ FITS = {
     "delay": ["--motor", "F24-4W"],
     "motors": ["--fit", "Astra", "--class", "F", "--target", "240m"],
     "infer": [],
+    "study": ["shortfall"],
 }
 """Commands that fit a rocket's flights, or infer from each."""
 
 
 def season(count: int, **changes: object) -> list[dict[str, object]]:
-    """Flights of a rocket that scatter by some metres."""
+    """Flights of a rocket that scatter by a few meters."""
     apogees = np.random.default_rng(1).normal(250, 6, count)
     return [
         {
@@ -82,7 +85,10 @@ IMPOSSIBLE = {
     "all at 200 km": season(5, apogee_m=200_000),
 }
 WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
-"""Those that the commands which take their time are tried with too."""
+"""Flights that slow commands are tested with too."""
+SLOW = ("loop", "score", "study")
+WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study reference")
+"""Commands that no flight of the ledger changes."""
 Told = Callable[..., tuple[int, str, str]]
 
 
@@ -111,13 +117,63 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_non
     _, out, err = told(rows=rows)
     assert out.startswith(f"Imported {len(rows)},")
     assert err.count("excluded from every fit") == odd
-    few = {name: words for name, words in FITS.items() if what in WHOLLY or name not in ("loop", "score")}
+    few = {name: words for name, words in FITS.items() if what in WHOLLY or name not in SLOW}
     for command, words in few.items():
         status, out, err = told(command, *words)
         last = rows[-1]["flight_id"]
         assert re.search(rf"flight {last}\b|more flights", err), f"{command}: {err}"
         assert not re.search(r"\bnan\b|\binf\b|Traceback|Warning", out + err, re.IGNORECASE), command
         assert status == 0 or what.startswith("all"), err
+
+
+@pytest.mark.parametrize("rows", [[], season(6, dry_mass_g=32200)], ids=["none", "none plausible"])
+def test_no_command_fails_unforeseen_without_a_flight_to_fit(
+    rows: list[dict[str, object]], told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every line of the manual's session, each on a ledger of its own without any flight that a fit could use."""
+    session.furnished(tmp_path / "desk")
+    monkeypatch.chdir(tmp_path / "desk")
+    for words in dict.fromkeys((*session.lines(), *session.more())):
+        if session.named(words) in WITHOUT_A_LEDGER:
+            continue
+        for left in tmp_path.glob("ledger.db*"):
+            shutil.rmtree(left) if left.is_dir() else left.unlink()
+        told(rows=rows or season(1))
+        if not rows:
+            told("undo")
+        _, out, err = told(*words)
+        assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
+
+
+def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(told: Told) -> None:
+    """Five times the usual apogee, which this motor could reach without drag; only what is new is questioned."""
+    _, _, err = told(rows=with_one(apogee_m=1250))
+    assert "row 11: flight 10 of Astra: apogee 1250 m is 5 times the usual 250" in err
+    assert err.count("the usual") == 1
+    assert "the usual" not in told(rows=with_one(apogee_m=1250))[2]
+    assert "flight 11 of Astra: apogee 1250 m" in told(rows=[with_one(apogee_m=1250)[-1] | {"flight_id": 11}])[2]
+
+
+@pytest.mark.slow
+def test_no_command_fails_unforeseen_at_the_ends_of_time(
+    told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every line of the manual's session, on flights of the first and the last second that a date can have."""
+    session.furnished(tmp_path / "desk")
+    monkeypatch.chdir(tmp_path / "desk")
+    dates = ("0001-01-01T00:00:00", "9999-12-31T23:59:58", "9999-12-31T23:59:59")
+    rows = [row | {"date_time": date} for row, date in zip(season(3), dates, strict=True)]
+    for words in dict.fromkeys((*session.lines(), *session.more())):
+        if session.named(words) not in WITHOUT_A_LEDGER:
+            told(rows=rows)
+            told(*words)
+
+
+def test_a_card_is_learned_without_impossible_flights_and_names_them(told: Told, tmp_path: Path) -> None:
+    told(rows=with_one(dry_mass_g=32200))
+    status, _, err = told("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
+    assert status == 0
+    assert "flight 10 of Astra is excluded from every fit" in err
 
 
 def test_the_loop_hands_on_which_flights_had_no_part(told: Told) -> None:

@@ -117,7 +117,7 @@ def test_histories_too_short_are_left_out() -> None:
     motor = catalogue().resolve("F24")
     flights = [(Flight(str(n), "Kestrel", motor="F24", dry_mass=0.3, apogee=250.0 + n), motor) for n in range(3)]
     assert histories({"Kestrel": flights}) == []
-    assert "No rocket has flights enough." in histories_page([], [])
+    assert "No rocket has enough flights." in histories_page([], [])
 
 
 def test_a_history_is_forecast_forward_in_time() -> None:
@@ -177,7 +177,7 @@ def test_only_what_is_put_in_is_free_and_no_mean_is_learned() -> None:
 def test_a_page_goes_where_it_is_told_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = str(tmp_path / "ledger.db")
     assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "page.md")]) == 0
-    assert "No rocket has flights enough." in (tmp_path / "page.md").read_text()
+    assert "No rocket has enough flights." in (tmp_path / "page.md").read_text()
     capsys.readouterr()
     assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "nowhere" / "page.md")]) == 1
     assert "cannot be written" in capsys.readouterr().err

@@ -30,7 +30,7 @@ NAMED = (
 )
 OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", "ctrl+end", "question_mark")
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
-"""Keys, those that lead to another place more often than the others; none leaves the app."""
+"""The keys; those that change the page are more frequent, and none leaves the app."""
 REST = 5.0
 """After the last key. [s]"""
 
@@ -41,7 +41,7 @@ def resident() -> float:
 
 
 async def pressed(seed: int, keys: int, ledger: Path) -> dict[str, object]:
-    """What came of so many keys."""
+    """The result of this number of keys."""
     rng, app = random.Random(seed), FieldkitApp(ledger, ledger.with_name("settings.json"), stays=True)
     async with app.run_test(size=(80, 24)) as pilot:
         await asyncio.sleep(REST)

@@ -63,9 +63,9 @@ async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is
         for text in ("Saved flight 13", "Flown 198.0 m", "inside the 90% interval", "Cd 0.", "Next", "Suggested"):
             assert text in seen
         with Ledger.open(file) as ledger:
-            assert [change.command for change in ledger.history()[-2:]] == ["keep", "add"]
+            assert [change.command for change in ledger.history()[-2:]] == ["forecast", "add"]
         await press(pilot, "u", "_", "u", "_")
-        assert "undone: keep Astra" in words(pilot)
+        assert "undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
 
@@ -127,7 +127,7 @@ async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_un
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
         assert "Saved flight 13" in words(pilot)
-        assert "Enter types the next flight" in shown(pilot)
+        assert "Enter to add the next flight" in shown(pilot)
         assert "Enter Next" in shown(pilot).splitlines()[-1]
         await press(pilot, "u", "_")
         assert "undone: add 13" in words(pilot)
@@ -205,9 +205,9 @@ async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_said(tm
         await press(
             pilot, "a", *typed("Comet"), "enter", "enter", *typed("C6-5"), "enter", "enter", *typed("104"), "ctrl+s"
         )
-        assert "Saved flight 1, u to undo. Without its dry mass it does not constrain Cd." in words(pilot)
+        assert "Saved flight 1. u to undo. Without its dry mass it does not constrain Cd." in words(pilot)
         await press(pilot, "u", "_", "down", "down", *typed("90"), "ctrl+s")
-        assert "Saved flight 1, u to undo." in words(pilot)
+        assert "Saved flight 1. u to undo." in words(pilot)
 
 
 async def test_nothing_typed_is_not_saved(file: Path) -> None:
@@ -261,7 +261,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         assert screen.field("motor").line.value.startswith("AeroTech F24W-")
         await press(pilot, *typed("830ft"), "ctrl+s", "_")
         said = words(pilot)
-        assert "Saved flight 13, u to undo." in said
+        assert "Saved flight 13. u to undo." in said
         for text in ("Flown 253.0 m", "the 90% interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
             assert text in said
         await press(pilot, "y", "_")
@@ -273,7 +273,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
 async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
-        assert "undone: keep Astra" in words(pilot)
+        assert "undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.predictions("Astra")) == 1
         assert len(ledger.flights()) == 12

@@ -1,4 +1,4 @@
-"""The page Add while a flight is entered: Cd, alpha and the next apogee follow each readout."""
+"""The Add page while a flight is entered: Cd, alpha and the next apogee follow each readout."""
 
 import re
 from pathlib import Path

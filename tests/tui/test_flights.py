@@ -11,7 +11,9 @@ from textual.widgets import Input
 from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
@@ -101,6 +103,26 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "◆" in shown(pilot)
 
 
+async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(file: Path) -> None:
+    async with opened(file, (250, 60)) as pilot:
+        await press(pilot, "enter")
+        assert pilot.app.screen.query_one(RocketStrip).display
+        assert "Astra B" in told(pilot, "RocketStrip Static")
+    async with opened(file, (250, 40)) as pilot:
+        await press(pilot, "enter")
+        assert not pilot.app.screen.query_one(RocketStrip).display
+
+
+async def test_a_plot_fills_its_place_in_a_terminal_that_has_grown(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter")
+        await pilot.resize_terminal(250, 40)
+        await calm(pilot)
+        plot = pilot.app.screen.query_one("#drag", Plot)
+        assert plot.size.width > 80
+        assert max(map(len, str(plot.render()).splitlines())) == plot.size.width
+
+
 async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "enter", "y", "escape", "escape")
@@ -160,7 +182,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "t")
         assert "2 · Astra A" in shown(pilot)
-        assert "rests on 8 clean flights" in words(pilot)
+        assert "based on 8 clean flights" in words(pilot)
         for tag in list(TAGS)[:5]:
             assert tag in shown(pilot)
         await press(pilot, "down", "enter")
@@ -169,7 +191,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ("off_axis",)
         await hurry(pilot, "space", "space", "u", "u", "u")
-        assert "rests on 8 clean flights now" not in words(pilot)
+        assert "based on 8 clean flights now" not in words(pilot)
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ()
 
@@ -281,7 +303,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "No plan yet. p enters one" in words(pilot)
+        assert "No plan yet. p to enter one" in words(pilot)
         await press(pilot, "5")
         assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)

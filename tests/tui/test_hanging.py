@@ -29,7 +29,7 @@ def test_a_value_goes_on_below_where_it_begins() -> None:
 
 
 def test_a_line_hangs_behind_its_name_below_its_blanks_or_a_little_to_the_right() -> None:
-    words = "what goes on and on until it has to be broken"
+    words = "what runs on and on until it has to be broken"
     named, blank, bare = (drawn(hanging([lead + words]))[1] for lead in ("  air    ", "    ", ""))
     assert [len(line) - len(line.lstrip()) for line in (named, blank, bare)] == [9, 4, 2]
 

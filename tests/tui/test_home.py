@@ -8,9 +8,9 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
-from fieldkit.tui.home.rocket_strip import RocketStrip
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
@@ -72,7 +72,7 @@ async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: 
     async with opened(file, page="home") as pilot:
         await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
         assert "Astra B on AeroTech F39T" in told(pilot, "#next .heading")
-        assert "Flown? a adds it" in shown(pilot)
+        assert "Flown? a to add it" in shown(pilot)
         await press(pilot, "u", "_")
         assert "No open forecast" in words(pilot)
 
@@ -80,14 +80,19 @@ async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: 
 async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
     async with opened(empty, page="home") as pilot:
         assert "Describe your rocket" in words(pilot)
-        await press(pilot, "enter", *typed("Lark"), "enter", *typed("33og"), "enter", *typed("2.6in"), "enter")
+        await press(pilot, "enter")
+        assert "✗" not in words(pilot)
+        await press(pilot, "ctrl+s")
+        assert "✗ expected a name such as Astra" in words(pilot)
+        await press(pilot, *typed("Lark"), "enter", *typed("33og"), "enter", *typed("2.6in"), "enter")
+        assert "in = 66 mm" in words(pilot)
         await press(pilot, *typed("F24-W4"), "ctrl+s")
         assert "✗ found the unit 'og'" in words(pilot)
         await press(pilot, "ctrl+u", *typed("330g"), "ctrl+s")
         assert "did you mean F24-4W" in words(pilot)
         await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
         assert "Lark on AeroTech F24W" in told(pilot, "#next .heading")
-        assert "Flown? a adds it" in shown(pilot)
+        assert "Flown? a to add it" in shown(pilot)
     with Ledger.open(empty) as ledger:
         (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
         assert kept.payload["apogee_m"]["p50"] == pytest.approx(257, abs=40)
@@ -126,7 +131,7 @@ async def test_weather_typed_once_is_in_every_plan_and_flight_of_the_day(file: P
         await press(pilot, "escape", "4", "_")
         assert "wind 3.6 m/s" in told(pilot, "#plan")
         await press(pilot, "u", "0", "_")
-        assert told(pilot, "#next .last").endswith("Weather today: e types it")
+        assert told(pilot, "#next .last").endswith("Weather today: e to enter it")
 
 
 async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
@@ -221,18 +226,18 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         await press(pilot, "ctrl+u", *typed("2.1"), "ctrl+s", "_")
         seen = words(pilot)
         for text in (
-            "Saved flight 1, u to undo",
+            "Saved flight 1. u to undo",
             "Flown 235.0 m",
             "inside the 90% interval",
             "on AeroTech F24W-4",
             "One more flight on AeroTech F24W-4 narrows the interval by",
         ):
             assert text in seen
-        assert "Burn time: found" not in seen, "what was mended is no longer said"
+        assert "Burn time: found" not in seen, "a corrected error is no longer shown"
         await press(pilot, "0", "_")
         assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
         assert "low, inside" in told(pilot, "#last .words")
         await press(pilot, "u", "_")
-        assert "Flown? a adds it" in shown(pilot), "the saved forecast waits again"
+        assert "Flown? a to add it" in shown(pilot), "the saved forecast waits again"
     with Ledger.open(empty) as ledger:
         assert not ledger.flights()

@@ -22,7 +22,7 @@ from tests.pressing import season
 from tests.tui.random_keys import LETTERS, NAMED, OTHER
 
 SEEDS = (1, 2, 3)
-"""Those that have found something stay."""
+"""Seeds that found bugs."""
 PAUSE = 0.02
 """Between two keys. [s]"""
 
@@ -41,7 +41,7 @@ class Keys(RuleBasedStateMachine):
         self.pilot = self.runner.run(self.shown.__aenter__())
 
     def teardown(self) -> None:
-        """Leave the app; what it is still working out goes with it."""
+        """Leave the app; unfinished work ends with it."""
         for worker in self.app.workers:
             worker.cancel()
         self.runner.run(self.shown.__aexit__(None, None, None))
@@ -75,12 +75,12 @@ class Keys(RuleBasedStateMachine):
 
     @rule(id=st.integers(1, 12))
     def another_program_removes(self, id: int) -> None:
-        """A command takes a flight out, which may be in front."""
+        """A command removes a flight, which may be on the screen."""
         self._beside(lambda ledger: ledger.remove(str(id)))
 
     @rule()
     def another_program_undoes(self) -> None:
-        """A command takes back what was last, which the app may have done."""
+        """A command undoes the last change, which may be the app's."""
         self._beside(lambda ledger: ledger.undo())
 
     def _beside(self, change: object) -> None:
@@ -94,7 +94,7 @@ class Keys(RuleBasedStateMachine):
 
     @invariant()
     def nobody_was_surprised(self) -> None:
-        """No error that nobody foresaw, and an app that runs."""
+        """No unexpected error, and the app runs."""
         assert self.app.errors == []
         assert self.app.place is None
         assert self.app.is_running

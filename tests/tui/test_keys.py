@@ -1,4 +1,4 @@
-"""Keys as a terminal sends them: none that the app is bound to is lost if several come together."""
+"""Keys as a terminal sends them: no bound key is lost if several arrive together."""
 
 import pytest
 from textual._xterm_parser import XTermParser
@@ -13,7 +13,7 @@ NAMES |= {letter: letter for letter in "0123456789acuqT"}
 
 
 def keys(sent: str, *, typed: bool = False) -> list[str]:
-    """The keys that the app sees of what came in one piece."""
+    """The keys that the app receives from one chunk of input."""
     parser = XTermParser()
     events = [*parser.feed(sent), *parser.feed("")]
     return [key.key for event in events if isinstance(event, Key) for key in pressed(event, typed=typed)]

@@ -1,4 +1,4 @@
-"""What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
+"""The next flight, importing, the loop, the setup and capturing, by keys alone, with errors along the way."""
 
 import gc
 import re
@@ -28,7 +28,7 @@ from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, 
 CHECK_SHAPES = False
 
 SURE = ("y", "_", "enter", "_")
-"""A rocket that has not flown is questioned; Enter then stores the file."""
+"""A rocket that has not flown must be confirmed; Enter then stores the file."""
 
 
 @pytest.fixture
@@ -321,7 +321,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             assert "Nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "l")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
-            for line in ("What it is worth", in_next_flight(found.next_flight), "How sure", how_sure(found)):
+            for line in ("Effect on the next flight", in_next_flight(found.next_flight), "How sure", how_sure(found)):
                 assert line in words(pilot)
             _, before, after = miss_bars(found, 60)
             assert f"before  {before}" in shown(pilot)

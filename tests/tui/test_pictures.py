@@ -48,7 +48,7 @@ SCENES: dict[str, tuple[str, ...]] = {
 }
 OVERLAID = ("help", "plan", "build")
 """Scenes in which the page behind is dimmed on purpose, in the theme that dims."""
-IN_EVERY_THEME = ("flight", "add", "settings")
+IN_EVERY_THEME = ("home", "flight", "add", "settings")
 """Scenes that show every kind of widget: tables, plots and densities, forms with notes, tabs."""
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
 ESTIMATE = TypedEstimate(cd=(0.39, 0.61, 0.93), alpha=(0.82, 0.92, 1.03), next_apogee=(156.2, 204.1, 262.3), flights=1)
@@ -99,7 +99,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
 
 @pytest.mark.parametrize("scene", IN_EVERY_THEME)
 async def test_a_page_can_be_read_in_every_other_theme(scene: str, file: Path) -> None:
-    async with opened(file) as pilot:
+    async with opened(file, SIZES[-1]) as pilot:
         await press(pilot, *SCENES[scene])
         for theme in set(LEAST) - {THEME}:
             pilot.app.theme = theme
@@ -133,7 +133,7 @@ def segments(pilot: Pilot[None]) -> Iterator[Segment]:
 
 
 def contrast(ink: Color, paper: Color) -> float:
-    """By the relative luminance of two colours (WCAG 2.2, 1.4.3); letters of frames and blocks count as well."""
+    """By the relative luminance of two colors (WCAG 2.2, 1.4.3); letters of frames and blocks count as well."""
     lights = sorted(luminance(one) for one in (ink, paper))
     return (lights[1] + 0.05) / (lights[0] + 0.05)
 
@@ -194,7 +194,7 @@ def test_the_terminals_theme_has_the_terminals_own_colors_alone() -> None:
 
 
 def test_style_sheets_name_no_color_of_their_own() -> None:
-    """So that a theme decides every color, and its definition tells whether a page can be read."""
+    """So that a theme decides every color, and its definition determines whether a page is readable."""
     values = []
     for path in sorted((ROOT / "fieldkit" / "tui").rglob("*.py")):
         values += re.findall(r"\b(?:color|background|border[\w-]*|tint): ([^;\n]+);", path.read_text(encoding="utf-8"))

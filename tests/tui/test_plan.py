@@ -1,4 +1,4 @@
-"""What is decided for a motor on the page Next: delay, ballast and contest points, by keys, with every safety line."""
+"""The decisions for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
 
 from pathlib import Path
 from unittest.mock import patch
@@ -27,12 +27,12 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def said(pilot: Pilot[None]) -> str:
-    """The answer in hand and what stands beside it."""
+    """The current answer and the text next to it."""
     return f"{told(pilot, '#answer')} {told(pilot, '#beside')}"
 
 
 async def front(pilot: Pilot[None], name: str) -> None:
-    """Click on the name of an answer, past those between."""
+    """Click on the name of an answer, skipping those between."""
     tabs = pilot.app.screen.query_one(TabLine)
     await pilot.click(TabLine, offset=(str(tabs.content).index(name) + 1, 0))
     await calm(pilot)
@@ -165,7 +165,7 @@ async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(f
         put_site(ledger, Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
-        assert "not given: p on the page Next types it" in told(pilot, "#answer")
+        assert "not given: press p on the Next page to enter it" in told(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
         await press(
             pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", "left", "left", "left"

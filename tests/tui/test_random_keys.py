@@ -1,4 +1,4 @@
-"""Random keys: nothing that nobody foresaw comes of them, and the app's memory stays within bounds."""
+"""Random keys cause no unexpected error, and the memory of the app stays bounded."""
 
 import json
 import os
@@ -12,13 +12,13 @@ from tests.pressing import ROOT, season
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
 SEEDS = (1, 2, 3)
-"""Those that have found something stay: 2 closed the palette twice, and listed a flight while it was removed."""
+"""Seeds that found bugs: 2 closed the palette twice, and listed a flight while it was removed."""
 MAX_AT_REST = 250
 """Memory after 10,000 keys. [MB] About 105 of it are there before the first: Python, Textual, SQLAlchemy, numpy."""
 
 
 def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
-    """What came of so many keys on a season, in a process of its own."""
+    """The result of this number of keys on a season, in a separate process."""
     season(folder / "ledger.db")
     command = [sys.executable, "-m", "tests.tui.random_keys", str(seed), str(keys), str(folder / "ledger.db")]
     environment = os.environ | {"FIELDKIT_HOME": str(folder / "home"), "PYTHONPATH": str(ROOT)}

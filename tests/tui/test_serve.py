@@ -415,7 +415,7 @@ async def test_the_app_comes_through_the_socket(served: str) -> None:
 
 
 def children(process: int) -> set[int]:
-    """The processes that a process has begun, and those that they have."""
+    """The child processes of a process, and theirs."""
     found: set[int] = set()
     for status in Path("/proc").glob("[0-9]*/stat"):
         try:

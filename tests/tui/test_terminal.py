@@ -1,4 +1,4 @@
-"""A session in a real terminal, driven by its keys and read back off its screen, from opening to the ledger."""
+"""A session in a real terminal, driven by keys and read from its screen."""
 
 import os
 import shutil
@@ -25,7 +25,7 @@ class Terminal:
         self.socket = str(folder / "tmux")
 
     def tmux(self, *arguments: str) -> str:
-        """What a tmux command prints."""
+        """The output of a tmux command."""
         command = ["tmux", "-S", self.socket, "-f", "/dev/null", *arguments]
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 

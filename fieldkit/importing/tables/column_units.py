@@ -114,7 +114,8 @@ def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
     """Call a column what it proves to be: felt or net acceleration, height above the pad or above elsewhere."""
     if "felt?" in units:
         unit = units.pop("felt?")
-        at_rest = rest(to_si(unit[0], values["felt?"])) / STANDARD_GRAVITY
+        time = to_si(units["time"][0], values["time"]) if "time" in units else None
+        at_rest = rest(to_si(unit[0], values["felt?"]), time) / STANDARD_GRAVITY
         name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
         if name and name not in units:
             units[name] = unit[0], unit[1], unit[2] or "from its value at rest"

@@ -14,7 +14,7 @@ from fieldkit.files import read_own, replace
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.headings import QUANTITIES
-from fieldkit.paths import data_folder
+from fieldkit.paths import data_file
 
 MAX_MAPPINGS = 500
 """Number of choices remembered, the latest ones. [1]"""
@@ -58,7 +58,7 @@ def choice_for(headers: Sequence[str], choices: Iterable[ColumnChoice]) -> Colum
 
 def mapping_file() -> Path:
     """Where choices are kept, which may not be there yet."""
-    return data_folder() / "mappings.json"
+    return data_file("mappings.json")
 
 
 def remembered() -> tuple[ColumnChoice, ...]:

@@ -83,26 +83,43 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
     return InferredUnit(fits[0], "from the pressure on the pad") if len(fits) == 1 else None
 
 
-def rest(acceleration: Float[Array, "time"]) -> float:
+_BLOW_LASTS = 0.2
+"""A peak that is shorter is the blow of a charge, for the shortest motors burn longer. [s]"""
+
+
+def rest(acceleration: Float[Array, "time"], time: Float[Array, "time"] | None = None) -> float:
     """The reading of an accelerometer at its quietest before its peak, in the unit of the log.
 
     After a landing it lies on its side, as quietly as before and with another part of gravity along its axis, so only
-    what comes before counts; nan if a log begins in flight, for what is steadiest in it may be the thrust.
+    what comes before counts; nan if a log begins in flight, for what is steadiest in it may be the thrust. The
+    `time` [s] distinguishes the blow of a charge from a boost, which is weaker and longer.
     """
-    values = acceleration[np.isfinite(acceleration)]
+    there = np.isfinite(acceleration)
+    values = acceleration[there]
+    step = float(np.median(np.diff(time[there]))) if time is not None and len(values) > 1 else 0.0
     for length in dict.fromkeys((max(min(len(values) // 40, _REST_SAMPLES), _LEAST_REST), _LEAST_REST)):
         pieces = values[: len(values) // length * length].reshape(-1, length)
         if not len(pieces):
             continue
         means = pieces.mean(axis=1)
         for usual in (float(np.median(values)), float(means[0])):
-            away = np.abs(means - usual)
+            away = _lasting(np.abs(means - usual), int(_BLOW_LASTS / (step * length)) if step > 0 else 1)
             before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
             if len(before) and abs(usual) < _MAX_REST_PART * float(np.abs(means).max()):
                 return float(before[before.std(axis=1).argmin()].mean())
         if np.ptp(values) <= _REST_SPREAD * abs(float(np.median(values))):  # a log of a rest alone
             return float(np.median(values))
     return float("nan")
+
+
+def _lasting(values: Float[Array, "piece"], width: int) -> Float[Array, "piece"]:
+    """What lasts for a number of pieces: a morphological opening, which takes shorter peaks away."""
+    if not 1 < width < len(values):
+        return values
+    windows = np.lib.stride_tricks.sliding_window_view
+    least = windows(values, width).min(axis=1)
+    padded = np.pad(least, width - 1, constant_values=-np.inf)
+    return np.asarray(windows(padded, width).max(axis=1))
 
 
 def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:

@@ -1,6 +1,6 @@
 """Adding the contents of files to the ledger as one change; a later file of a flight is added to that flight."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.imports.view import FileView
-from fieldkit.services.plausible_flights import implausible_flights
+from fieldkit.services.plausible_flights import implausible_flights, unlike_others
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -62,10 +62,8 @@ def take_in(
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
-    """Add gathered files to a ledger as one change; `choices` are those used in gathering.
-
-    With `motors`, new flights that are impossible on their motor are named in the notes.
-    """
+    """Add gathered files to a ledger as one change. `choices` are the column choices used in gathering. With `motors`,
+    notes name new flights that are impossible on their motor."""
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
@@ -74,7 +72,7 @@ def take_in(
         added.new,
         added.duplicates + sorting.there,
         (*gathered.rejected, *conflicts),
-        (*gathered.notes, *sorting.notes, *implausible),
+        (*gathered.notes, *sorting.notes, *implausible, *_unlike_others(ledger, sorting.new, set(added.new))),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,
@@ -84,7 +82,21 @@ def take_in(
 
 
 def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
-    """A line for each implausible flight among new ones."""
+    """A line for each new flight that is implausible."""
     for one in arrivals:
         for line in implausible_flights([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))
+
+
+def _unlike_others(ledger: "Ledger", arrivals: Sequence[Arrival], added: Collection[str]) -> Iterator[str]:
+    """A line for each added flight that is far from the others of its rocket on the same motor."""
+    rockets: dict[str, dict[str, Arrival]] = {}
+    for one in arrivals:
+        if one.flight.rocket and one.flight.flight_id in added:
+            rockets.setdefault(one.flight.rocket, {})[one.flight.flight_id] = one
+    for rocket, new in rockets.items():
+        known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
+        known |= {name: one.flight for name, one in new.items()}
+        for name, phrase in unlike_others(list(known.values()), new):
+            one = new[name]
+            yield str(DamagedLog(f"flight {name} of {rocket}: {phrase}; check it", row=one.row, source=one.source))

@@ -1,10 +1,10 @@
-"""Files that come after others of the same flight: each is added to its flight if that is certain.
+"""Further files of a flight that is already in the ledger: each is added to its flight if the match is certain.
 
-A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight if the
-device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
-lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
-logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
-high too. If neither is certain, a note leaves it to the user.
+A logger may write a flight into several files: low rate, high rate, a summary. Two files belong to one flight if their
+devices match (and their serial numbers, if both have one), their kinds differ, and their lift-off times agree within
+two seconds. A download, an export and radio telemetry also match by the logger's serial number and its number of the
+flight. Such numbers restart when a memory is erased, so the apogees must agree too. If neither is certain, a note asks
+the user to decide.
 """
 
 import zlib
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger, Renewal
 
 SAME_HEIGHT = 0.01
-"""Files of one flight agree on its apogee to this fraction of it, in addition to their uncertainties. [1]"""
+"""Two files of one flight agree on its apogee within this fraction of it, plus their uncertainties. [1]"""
 
 
 @dataclass(slots=True)
 class Sorting:
-    """Arrivals that are new, flights that files are added to, how many are duplicates, and the notes."""
+    """The new flights, the flights that files are added to, the number of duplicates, and the notes."""
 
     new: list[Arrival] = field(default_factory=list)
     renewals: list["Renewal"] = field(default_factory=list)
@@ -40,7 +40,7 @@ class Sorting:
 
 
 def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[ColumnChoice] = ()) -> Sorting:
-    """Which arrivals are flights of their own, and which are further files of a flight of the ledger."""
+    """Separate arrivals that are new flights from further files of flights in the ledger."""
     sorting = Sorting()
     for arrival in arrivals:
         if arrival.log is None or not (arrival.flight.extra.get(KINDS) or _number(arrival.flight)):
@@ -62,7 +62,7 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
 
 
 def _number(flight: Flight) -> tuple[str, str] | None:
-    """The serial number of a flight's logger and the number that it has for the flight, None if one is not known."""
+    """A logger's serial number and its number for the flight; None if either is unknown."""
     serial, number = flight.extra.get("serial"), flight.extra.get("flight")
     return (serial, number) if serial and number else None
 
@@ -73,7 +73,7 @@ def _everyone(ledger: "Ledger") -> list[tuple[str, Flight]]:
 
 
 def _fits(there: Flight, new: Flight) -> bool:
-    """Whether a flight is by the device of a new file, and of no other rocket."""
+    """Whether a flight was recorded by the device of a new file, on the same rocket if both name one."""
     if new.rocket not in ("", there.rocket):
         return False
     if _number(new):
@@ -83,7 +83,7 @@ def _fits(there: Flight, new: Flight) -> bool:
 
 
 def _is_same(there: Flight, arrival: Arrival) -> bool:
-    """Whether a flight that fits is that of a new file for certain."""
+    """Whether a matching flight is certainly that of a new file."""
     new = arrival.flight
     if not _number(new):
         return same_moment(there.date_time, new.date_time)
@@ -91,12 +91,12 @@ def _is_same(there: Flight, arrival: Arrival) -> bool:
 
 
 def _is_other_form(there: Flight, arrival: Arrival) -> bool:
-    """Whether a numbered flight arrives in another form than it has come in, or in several."""
+    """Whether a numbered flight arrives in another format than the ledger has, or in several."""
     return there.extra.get("log_format") != arrival.flight.extra.get("log_format") or bool(arrival.others)
 
 
 def _are_as_high(there: Flight, new: Flight) -> bool:
-    """Whether two files can be of one apogee, by how well each measured it."""
+    """Whether two files can have the same apogee, given the uncertainty of each."""
     heights = [flight.number("apogee") for flight in (there, new)]
     if heights[0] is None or heights[1] is None:
         return False
@@ -105,7 +105,7 @@ def _are_as_high(there: Flight, new: Flight) -> bool:
 
 
 def _maybe(there: Flight, arrival: Arrival) -> bool:
-    """Whether a new file may be of a flight that fits: in a form it has not come in, and no date speaks against it."""
+    """Whether a new file may belong to a matching flight: nothing in its number, kind or date contradicts that."""
     new = arrival.flight
     if _number(new):
         return new.flight_id != there.flight_id
@@ -117,7 +117,7 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
 
 
 def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
-    """Add the files of an arrival to a flight, or leave it if its files are a flight of their own after all."""
+    """Add the files of an arrival to a flight, unless together they turn out to be a separate flight."""
     from fieldkit.ledger import Renewal
 
     flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)
@@ -148,7 +148,7 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:
-    """Whether the flight has all that an arrival says; else the arrival is left for the ledger to object to."""
+    """Whether the flight has everything that an arrival states; otherwise the ledger reports the conflict."""
     beside = ("extra", "sd", "source")
     said = {name: value for name, value in (arrival.given or {}).items() if name not in beside}
     if all(getattr(flight, name) == value for name, value in said.items() if value not in (None, "")):

@@ -1,4 +1,4 @@
-"""Files on their way into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
+"""Reading files for an import: the results of parsers, with the original bytes and the logs that a table names."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,11 +33,11 @@ class Gathered:
     mapped: tuple[Mapped, ...] = ()
     files: tuple[FileView, ...] = ()
     unusable: int = 0
-    """Files that could not be used at all, each among `rejected`. [1]"""
+    """Number of files that could not be used at all; each is also in `rejected`. [1]"""
 
 
 MIN_FILES_FOR_JOBS = 8
-"""Number of files below which one process is faster than several. [1]"""
+"""Below this number of files, one process is faster than several. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,13 +67,12 @@ def gather(
     jobs: int = 1,
     on_progress: ReportProgress = no_op,
 ) -> Gathered:
-    """Read files for one import; `defaults` are fields for flights that leave them open.
+    """Read files for one import.
 
-    `choices` say which columns of a table of samples are what, best first.
-
-    A folder stands for the files in it. Of several files one that cannot be used at all is named among those rejected
-    and counted as `unusable`; of one alone its FieldkitError is raised. With `jobs` above 1 many files are read by so
-    many processes at a time.
+    `defaults` are values for fields that flights lack. `choices` assign columns of tables to channels, best first. A
+    folder stands for the files in it. If one of several files cannot be used at all, it is listed in `rejected` and
+    counted in `unusable`; if it is the only file, its FieldkitError is raised. With `jobs` above 1, that many processes
+    read files in parallel.
     """
     found = list(_read_all(_files(paths), format, tuple(choices), jobs, on_progress))
     refused = [one for one in found if isinstance(one, _Refused)]
@@ -115,7 +114,7 @@ def gather(
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:
-    """The files that paths stand for: a folder's own, in order, without hidden ones."""
+    """The files that paths stand for: those of a folder in order, without hidden ones."""
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
@@ -170,19 +169,19 @@ def _without_name(one: _Refused) -> str:
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
-    """What parsers read from a file, with names: the file itself, or the logs in it if it is a capture."""
+    """The named readings of a file, or of the logs in it if it is a capture."""
     if is_capture(path):
         return [(log.name, log.content) for log in logs_in(path)]
     return [(_name(path), read_file(path))]
 
 
 def _name(path: Path) -> str:
-    """A file's name for messages and the ledger, also if it is not written in Unicode."""
+    """A file's name for messages and the ledger, even if it is not valid Unicode."""
     return os.fsencode(path).decode("utf-8", "replace")
 
 
 def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
-    """Defaults for the fields that a flight lacks, and for the sds and sources of its readouts."""
+    """Defaults for the fields that a flight lacks, including standard deviations and sources of its readouts."""
     empty = (None, "", ())
     given = {f: v for f, v in defaults.items() if f not in READOUT_FIELDS and getattr(flight, f) in empty}
     readouts = flight.with_changes(**given).readouts()
@@ -197,7 +196,7 @@ def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, obje
 
 
 def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a flight table") -> bytes:
-    """The bytes of a file of a kind, by default at most `files.LARGEST`. Raises DamagedLog that says why they cannot be
+    """The bytes of a file, by default at most `files.LARGEST`. Raises DamagedLog with the reason if they cannot be
     read."""
     try:
         return files.read(path, most=most)
@@ -207,10 +206,8 @@ def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a fl
 
 
 def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
-    """An arrival with the bytes and the readouts of the log it names, and what is to be said of that log.
-
-    Raises BadValue for a log outside the folder of its table, links resolved.
-    """
+    """An arrival with the bytes and readouts of the log that it names, and the notes on that log. Raises BadValue for a
+    log outside the folder of its table, with links resolved."""
     flight = arrival.flight
     if not flight.log:
         return arrival, []
@@ -229,8 +226,8 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
 
 
 def _inside(folder: Path, log: str) -> Path:
-    """The file that a table in a folder names, on whatever system it was written. Raises BadValue for one outside."""
-    elsewhere = any(kind(log).anchor for kind in (PurePosixPath, PureWindowsPath))  # also a share on a network
+    """The log that a table names, in the path syntax of any system. Raises BadValue for a file outside the folder."""
+    elsewhere = any(kind(log).anchor for kind in (PurePosixPath, PureWindowsPath))  # includes a network share
     if not elsewhere:
         as_named = folder / log
         path = as_named if os.path.exists(as_named) else folder.joinpath(*PureWindowsPath(log).parts)
@@ -240,7 +237,7 @@ def _inside(folder: Path, log: str) -> Path:
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
-    """A flight with the readouts and extra columns that its row leaves open, if the log is of one flight."""
+    """A flight completed with readouts and extra columns that its row lacks, if the log has exactly one flight."""
     found = list(found)
     if len(found) != 1:
         return flight

@@ -13,9 +13,10 @@ __all__ = ["TableColumns", "edit", "forget", "in_words", "list_mappings", "table
 
 @dataclass(frozen=True, slots=True)
 class TableColumns:
-    """The columns of a table: their names, the first cell of each, and what they are read as today.
+    """The columns of a table: their names, the first cell of each, and their current meaning.
 
-    `of` is what its rows are, `samples` or `flights`; `read_as` maps channels or fields to columns, as they are typed.
+    `of` is the kind of its rows, `samples` or `flights`; `read_as` maps channels or fields to columns, in the syntax of
+    `--map`.
     """
 
     of: str
@@ -24,7 +25,7 @@ class TableColumns:
     read_as: Mapping[str, str]
 
     def checked(self, channel: str, text: str) -> str:
-        """A column as it was typed for a channel. Raises BadValue for one that is not there."""
+        """A column as typed for a channel. Raises BadValue if the table has no such column."""
         if not text:
             return ""
         read_choice([f"{channel}={text}"])
@@ -36,10 +37,8 @@ class TableColumns:
 
 
 def table_columns(path: Path, of: str = "") -> TableColumns:
-    """The columns of the table in a file; `of` says what its rows are if the flyer does.
-
-    Raises FieldkitError for a file that holds no table.
-    """
+    """The columns of the table in a file; `of` overrides the detected kind of its rows. Raises FieldkitError for a file
+    without a table."""
     from fieldkit.importing.recognize import table_of
     from fieldkit.services.imports.gather import read_file
 
@@ -54,7 +53,7 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
 
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
-    """The columns of a table of samples. Raises DamagedLog if it is none, as far as that can be decided."""
+    """The columns of a table of samples. Raises DamagedLog if it is certainly not one."""
     from fieldkit.importing.tables.column_choice import guessed
     from fieldkit.importing.tables.layout import layout_of
 
@@ -85,7 +84,7 @@ def _of_flights(head: bytes) -> TableColumns:
 
 
 def _looks_of_flights(head: bytes) -> bool:
-    """Whether a column of a table is one of flights."""
+    """Whether a column of a table belongs to flights."""
     from fieldkit.importing.tables.flight_headings import role_of, table_names
 
     return any(role_of(name, strict=False).field for name in table_names(head))
@@ -97,6 +96,6 @@ def list_mappings() -> Sequence[ColumnChoice]:
 
 
 def in_words(choice: ColumnChoice) -> tuple[str, str, str]:
-    """What a mapping is for (`flights` or `samples`), the headers of its tables, and its columns."""
+    """The kind of a mapping (`flights` or `samples`), the headers of its tables, and its columns."""
     columns = "; ".join(f"{name}={column}" for name, column in choice.channels.items())
     return "flights" if is_of_flights(choice) else "samples", ", ".join(choice.headers), columns

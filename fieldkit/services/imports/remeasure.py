@@ -1,4 +1,4 @@
-"""The files of a flight, read again from the bytes in the ledger, and the figures that differ now."""
+"""Reading the files of a flight again from the bytes in the ledger, and finding figures that differ."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,15 +17,13 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
 
 FIRST_FILE = ("log_format", "log_part", OTHER_LOGS)
-"""Extra columns that say which parser reads the file that came first, and which of its flights this is."""
+"""Extra columns with the parser that reads the first file, and which of its flights this is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remeasured:
-    """A flight as the ledger has it, as it came in if it was edited since, and both as its files are read now.
-
-    `kept` names the readouts that the flyer typed or edited, which stay, though the files say otherwise.
-    """
+    """A flight as stored, as it was first imported if it was edited since, and both as read again now. `kept` names the
+    readouts that the flyer typed or edited: they stay even if the files differ."""
 
     id: str
     flight: Flight
@@ -53,11 +51,10 @@ class Remeasured:
 
 
 def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
-    """A flight of the ledger with its files read again; None if it has none with samples.
+    """A flight of the ledger with its files read again; None if no file has samples.
 
-    `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an id that means
-    no flight or a log that does not say which of its flights it is, DamagedLog or UnknownFormat for one that no
-    parser reads any more.
+    `choices` assign columns of tables of samples to channels, best first. Raises LedgerError for an unknown id, or if
+    it is unclear which flight of a log it is, and DamagedLog or UnknownFormat for a log that no parser reads anymore.
     """
     flight, log = ledger.flight(id), ledger.log(id)
     if log is None or "log_format" not in flight.extra:
@@ -71,16 +68,13 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) 
 
 
 def _within(fresh: Flight, flight: Flight) -> Flight:
-    """A flight as read again, without what the mass and the motor that the ledger knows do not allow."""
+    """A flight as read again, without readouts that its motor and mass rule out."""
     known = fresh.with_changes(motor=flight.motor, dry_mass=flight.dry_mass)
     return within_motor(known)[0].with_changes(motor=fresh.motor, dry_mass=fresh.dry_mass)
 
 
 def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:
-    """The readings of all files of a flight of the ledger, its own among them; none if it has no file.
-
-    Raises as `remeasured` does.
-    """
+    """The readings of all files of a flight of the ledger; empty if it has none. Raises the errors of `remeasured`."""
     flight, log = ledger.flight(id), ledger.log(id)
     if log is None:
         return []
@@ -88,10 +82,8 @@ def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = (
 
 
 def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
-    """Which of the flights read in files a flight is: by its lift-off, else by its number among them.
-
-    Raises LedgerError if that is not certain.
-    """
+    """The index of a flight among those read from files: by its lift-off, else by its number. Raises LedgerError if
+    that is not certain."""
     found = list(fresh)
     if len(found) > 1:
         found = [one for one in fresh if same_moment(flight.date_time, one.date_time)]
@@ -103,20 +95,18 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
 
 
 def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
-    """A flight as read again, with how the ledger stores its files: the first one, and the `others`."""
+    """A flight as read again, with the references of the ledger to its files: the first one, and the `others`."""
     ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
     extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
     return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
 
 
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
-    """A flight with what its files say now, if the flyer has said nothing; `entered` is it before any edit.
-
-    A figure is the files' own if it was measured or is what the device stated, or if there was none.
-    """
+    """A flight updated from its files, except for values of the flyer; `entered` is the flight before any edit. A
+    figure comes from the files if it was measured, stated by the device, or missing."""
     was = entered or flight
     changes: dict[str, object] = {}
-    for column in MEASURED if was.log else COLUMNS + LOGGED:  # a row that names a log takes its readouts alone
+    for column in MEASURED if was.log else COLUMNS + LOGGED:  # a table row that names a log uses its readouts only
         if _open_to(column, flight, was):
             changes[column.name] = fresh.number(column.name)
     if flight.date_time is None and was.date_time is None and not was.log:
@@ -133,8 +123,8 @@ def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
 def _beside(
     part: str, changes: Mapping[str, object], flight: Flight, was: Flight, fresh: Flight
 ) -> dict[str, float | str]:
-    """The standard deviations or the sources of the readouts that a flight has then: the files' of those that
-    `changes` takes from them, but what the flyer edited stays."""
+    """The new standard deviations or sources of a flight's readouts: those of the files for readouts in `changes`,
+    except for what the flyer edited."""
     told: dict[str, float | str] = {}
     for column in MEASURED:
         own, first, new = (getattr(one, part).get(column.name) for one in (flight, was, fresh))
@@ -156,7 +146,7 @@ def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
 
 
 def from_files(column: Column, flight: Flight) -> bool:
-    """Whether a readout was measured in a log, or is what its device stated."""
+    """Whether a readout was measured in a log or stated by its device."""
     value = flight.number(column.name)
     stated = flight.extra.get(column.stated_header)
     source = flight.source.get(column.name, "")

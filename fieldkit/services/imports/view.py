@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ReadoutView:
-    """A readout that would be stored, its standard deviation, what measured it, and what the device itself stated."""
+    """A readout that would be stored: value, standard deviation, source, and the device's own value."""
 
     value: float
     sd: float | None
@@ -40,18 +40,18 @@ class EventView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightView:
-    """One flight of a file; `recorded` is what was measured in its samples, None if it has none."""
+    """One flight of a file; `recorded` has the measurements in its samples, None if it has none."""
 
     flight: Flight
     readouts: Mapping[str, ReadoutView]
     events: tuple[EventView, ...]
     recorded: "Recorded | None"
     simulated: bool = False
-    """Whether it is a simulation, which is shown and not stored."""
+    """Whether it is a simulation, which is shown but not stored."""
 
     @property
     def curve(self) -> "FlightCurve | None":
-        """Height, speed and acceleration of the whole flight, as they are drawn; None without samples."""
+        """Height, speed and acceleration of the whole flight for plotting; None without samples."""
         from fieldkit.analysis.whole_flight import flight_curve
 
         return flight_curve(self.recorded) if self.recorded else None
@@ -59,7 +59,7 @@ class FlightView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FileView:
-    """One file: its parser by name and title and why that one, what it took, and the flights in it."""
+    """One file: its parser, why that one was chosen, the columns used, and the flights in it."""
 
     file: str
     format: str
@@ -81,12 +81,12 @@ class FileView:
 
     @property
     def apogees(self) -> tuple[float, ...]:
-        """The apogees of its flights, if they have one. [m]"""
+        """The apogees of the flights that have one. [m]"""
         return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
 
 
 def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
-    """A file as it was read; `flights` are those of the import as they would be stored, `notes` all notes on it."""
+    """A file as read; `flights` are those of the import, as they would be stored, and `notes` all its notes."""
     by_id = {one.flight_id: found for one, found in zip(intake.flights, intake.recorded, strict=True)}
     how = intake.recognition
     return FileView(
@@ -105,7 +105,7 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
 
 
 def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
-    """What a simulation states of its flight, as if it were stored."""
+    """The values that a simulation states for its flight, as if they were stored."""
     from fieldkit.analysis import columns
 
     fields, _ = columns(recorded, {})
@@ -114,7 +114,7 @@ def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
 
 
 def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
-    """A flight as it would be stored, with what was measured in its samples."""
+    """A flight as it would be stored, with the measurements in its samples."""
     readouts = {c.name: _readout(c, v, flight, recorded) for c in MEASURED if (v := flight.number(c.name)) is not None}
     return FlightView(flight, readouts, _events(recorded), recorded)
 
@@ -138,7 +138,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _events(recorded: "Recorded | None") -> tuple[EventView, ...]:
-    """The events of a flight in their order."""
+    """The events of a flight in order of time."""
     if recorded is None:
         return ()
     lift = recorded.events.get("liftoff")
@@ -151,5 +151,5 @@ def _events(recorded: "Recorded | None") -> tuple[EventView, ...]:
 
 
 def _height(name: str, time: float, recorded: "Recorded") -> float | None:
-    """The height above the pad at an event, which at lift-off is zero. [m]"""
+    """The height above the pad at an event, zero at lift-off. [m]"""
     return 0.0 if name == "liftoff" else recorded.height_at(time)

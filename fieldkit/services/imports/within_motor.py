@@ -1,4 +1,4 @@
-"""Readouts from a log that no rocket of its mass can reach on its motor are removed."""
+"""Removing readouts from a log that no rocket of this mass can reach on its motor."""
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, SENSORS, Flight
@@ -9,10 +9,8 @@ _READOUT_DETAILS = ("sd", "source")
 
 
 def within_motor(flight: Flight) -> tuple[Flight, list[str]]:
-    """A flight without the readouts from samples that its motor and its mass rule out, and a phrase for each.
-
-    Typed readouts are retained; they are questioned elsewhere.
-    """
+    """A flight without the readouts from samples that its motor and mass rule out, and a phrase for each. Typed
+    readouts stay; they are checked elsewhere."""
     if not flight.motor or flight.dry_mass is None or not set(SENSORS) & set(flight.source.values()):
         return flight, []
     from fieldkit.motors import catalogue

@@ -1,4 +1,4 @@
-"""The form of the page Add without its widgets: default answers, answers, implausible values, and saving."""
+"""The form of the Add page without its widgets: default answers, answers, implausible values, and saving."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
-from fieldkit.quantities import measure, significant, spelled
+from fieldkit.quantities import in_both_units, measure, significant, spelled
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -23,8 +23,6 @@ BY_NAME = {question.name: question for question in (DATE, *QUESTIONS)}
 READ = tuple(column.name for column in READOUTS)
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
 TODAY = "today"
-OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
-"""The system of units in which a value is repeated beside it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +47,9 @@ class FormStart:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The number a flight was added under, empty for a duplicate, and what it lacks to constrain Cd; or the question
-    with the error and its reason; the reason no fit uses it; or what must be `confirmed` before it is added."""
+    """The result of saving: the id of the flight (empty for a duplicate) and what it lacks to constrain Cd; or the
+    question with an error, and its reason; or why no fit uses the flight; or what must be `confirmed` before it is
+    added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -80,11 +79,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
         return f"! {odd[0]}"
     column = question.column
     value = said.flight.number(question.name) if column else None
-    if column is None or value is None:
-        return spelled(unit)
-    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
-    others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
-    return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
+    return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
 
 
 def together(flight: Flight, system: str) -> Iterable[str]:
@@ -115,7 +110,7 @@ def lacks(flight: Flight) -> str:
 class Draft:
     """The flight being entered, as a draft in the ledger and finally saved.
 
-    A worker saves drafts while keys are typed: a draft that comes after its flight was saved or discarded is dropped.
+    A worker saves drafts while keys are typed: a draft that arrives after its flight was saved or discarded is dropped.
     All methods may be called from any thread.
     """
 
@@ -137,7 +132,7 @@ class Draft:
         return FormStart(draft, self._units, self.offers(draft), self.names())
 
     def names(self) -> "Names":
-        """What can be picked as an answer."""
+        """Offers known names as answers."""
         return self._resources.names()
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The current field of the page Add: its number in large digits, its meaning, and the consistency of the readouts."""
+"""The current field of the Add page: its number in large digits, its meaning, and the consistency of the readouts."""
 
 from collections.abc import Iterable
 
@@ -16,7 +16,7 @@ from fieldkit.tui.widgets.big import Big
 
 
 class Hand(Horizontal):
-    """A frame titled with the question, containing the number and the text."""
+    """A frame with the question as its title, the number and the text."""
 
     DEFAULT_CSS = """
     Hand { height: 5; border: round $border; padding: 0 1; }
@@ -35,8 +35,8 @@ class Hand(Horizontal):
         self._say(_meaning(field.question, field.answer, said, system), said, system)
 
     def rest(self, said: Answered, system: str) -> None:
-        """No field: the flight in one line, and what Enter does with it."""
-        self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
+        """No field: the flight in one line, and the action of Enter."""
+        self.border_title = "Enter to save" if said.flight.readouts() else "Enter to add the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")
         self._say(summary(said.flight), said, system)

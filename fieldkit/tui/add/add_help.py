@@ -1,4 +1,4 @@
-"""The help of the page Add."""
+"""The help of the Add page."""
 
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.tui.help import Help

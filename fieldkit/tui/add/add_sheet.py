@@ -1,4 +1,4 @@
-"""The lines of the page Add: set-up above, the current field large, the ten readouts and the button, the rest below."""
+"""The lines of the Add page: set-up above, the current field large, the ten readouts and the button, the rest below."""
 
 from collections.abc import Iterable, Mapping
 

@@ -92,7 +92,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5%, median and 95%"
-        self.border_subtitle = "Enter types the next flight"
+        self.border_subtitle = "Enter to add the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
         """The flight itself, as soon as it is in the ledger."""

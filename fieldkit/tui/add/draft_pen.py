@@ -1,4 +1,4 @@
-"""Saves what is typed on the page Add: at once, in order, whatever other workers are doing."""
+"""Saves what is typed on the Add page: immediately and in order, independent of other workers."""
 
 from asyncio import wrap_future
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The live estimate on the page Add: Cd, alpha and the next apogee by the network."""
+"""The live estimate on the Add page: Cd, alpha and the next apogee by the network."""
 
 import asyncio
 from functools import partial
@@ -72,7 +72,7 @@ class EstimateLine(Static):
         self.on_resize()
 
     def on_resize(self) -> None:
-        """In the width and the height there is."""
+        """Draw the estimate for the current width and height."""
         if self._found is None:
             return
         from fieldkit.presentation.typed_flight_text import estimate_line, estimate_rows
@@ -88,7 +88,8 @@ class EstimateLine(Static):
         self.update(Content("\n".join(lines)), layout=False)
 
     def _drawn(self, name: str, interval: tuple[float, float, float], room: int) -> str:
-        """An interval on the widest scale so far for this flight: what is typed narrows it."""
+        """An interval on the widest scale used so far for this flight, so that it visibly narrows as readouts are
+        typed."""
         row = Interval(name, *interval)
         low, high = self._scales.get(name, row.ends)
         low, high = self._scales[name] = min(low, row.low), max(high, row.high)

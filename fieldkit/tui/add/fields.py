@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -15,8 +15,9 @@ from textual.widgets import Input, Label, Static
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
-from fieldkit.quantities import spelled
+from fieldkit.quantities import in_both_units, spelled
 from fieldkit.safe_text import printable
+from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.line import Line
@@ -83,7 +84,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
     `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
-    raises BadValue. `names` finds what is offered as answers are typed; those that it does not know are questioned.
+    raises BadValue. `names` finds what is offered as answers are typed; names that it does not know must be confirmed.
     """
 
     DEFAULT_CSS = """
@@ -96,7 +97,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
+        Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "leave", "Cancel", priority=True),
     ]
@@ -115,6 +116,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         self._value, self._find_names = read, names
         self._names: Names | None = None
         self._picker = Picker()
+        self._refused = False
 
     def compose(self) -> ComposeResult:
         """The questions, and what the current one means."""
@@ -145,7 +147,7 @@ class Form(ModalScreen[dict[str, object] | None]):
             one.set_class(one is field, "-hand")
             one.note(self._read(one)[1] if one.answer else spelled(self._units.get(one.question.name, "")))
         if isinstance(field, Field):
-            note = self._read(field)[1]
+            note = self._read(field)[1] if field.answer or self._refused else ""
             about = printable(note) if note.startswith(("✗", "? ")) else field.question.help
             self.query_one("#help", Static).update(Content(about))
 
@@ -168,7 +170,16 @@ class Form(ModalScreen[dict[str, object] | None]):
         except BadValue as error:
             return None, f"✗ {error}"
         doubt = self._names.doubt(name, value) if self._names is not None and field.typed else ""
-        return value, f"? {doubt}" if doubt else spelled(unit)
+        return value, f"? {doubt}" if doubt else self._beside(field, value, unit)
+
+    def _beside(self, field: Field, value: object, unit: str) -> str:
+        """The unit of an answer; if it was typed in another one, that and its value in the flyer's."""
+        from fieldkit.services.manual_entry import typed_unit
+
+        column, typed = field.question.column, typed_unit(field.answer)
+        if column is None or not isinstance(value, float) or not typed or spelled(typed) == spelled(unit):
+            return spelled(unit)
+        return in_both_units(column, value, typed, cast(Host, self.app).resources.settings.units)
 
     def action_go_on(self) -> None:
         """To the next line, or save on the last one. A chosen answer is accepted first."""
@@ -196,14 +207,16 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Submit the answers if all can be read; one that may be misspelled is questioned first."""
+        """Submit the answers if all can be read; one that may be misspelled must be confirmed first."""
         values: dict[str, object] = {}
         doubts: dict[Field, str] = {}
         self._picker.close()
         for field in self.query(Field):
             value, note = self._read(field)
             if note.startswith("✗"):
+                self._refused = True
                 self.set_focus(field.line)  # immediately, because the next key is for it
+                self.on_descendant_focus()
                 return
             doubts |= {field: note.removeprefix("? ")} if note.startswith("? ") else {}
             values[field.question.name] = value

@@ -1,4 +1,4 @@
-"""Saving the flight on the page Add: it is questioned if it may be wrong, and the result is shown."""
+"""Saving the flight on the Add page: doubtful answers are confirmed first, and the result is shown."""
 
 from functools import partial
 
@@ -12,7 +12,7 @@ DUPLICATE = "Duplicate: it is already in the ledger."
 
 
 class Saving:
-    """From the answers to the ledger, and the card that then replaces the form."""
+    """Saves the answers to the ledger, and shows the card that then replaces the form."""
 
     def __init__(self, page: PageScreen, sheet: Sheet, draft: Draft) -> None:
         self._page, self._sheet, self._draft = page, sheet, draft
@@ -50,7 +50,7 @@ class Saving:
             self._page.field_app.withdraw(mended)
         self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
-        self._page.show_notice(f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else DUPLICATE)
+        self._page.show_notice(f"Saved flight {saved.id}. u to undo.{silent}" if saved.id else DUPLICATE)
         if saved.trouble:
             self._page.complain(saved.trouble)
         self._sheet.clear()

@@ -1,4 +1,4 @@
-"""Editing a flight: the form of the page Add, filled with what is known."""
+"""Editing a flight: the form of the Add page, filled with what is known."""
 
 from functools import partial
 
@@ -18,7 +18,7 @@ EDIT_QUESTIONS = (
     *QUESTIONS[3:],
     *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED),
 )
-"""The editable fields of a flight, in the order of the page Add."""
+"""The editable fields of a flight, in the order of the Add page."""
 
 
 def ask_changes(page: PageScreen, id: str, flight: Flight) -> None:

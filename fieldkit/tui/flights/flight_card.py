@@ -1,4 +1,4 @@
-"""The flight under the cursor of the page Flights: its figures and, if there is room, its Cd among those of the same
+"""The flight under the cursor of the Flights page: its figures and, if there is room, its Cd among those of the same
 configuration, and its climb."""
 
 from collections.abc import Iterable, Sequence
@@ -87,7 +87,7 @@ def _setup(row: Row, system: str) -> Iterable[Hanging]:
 
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
-    """Cd of one flight after the other, a vertical line at the current one; below it their numbers."""
+    """Cd of each flight in order, with a vertical line at the current one and their ids below."""
     from fieldkit.tui.widgets.plots import spaced
 
     drags = [one.drag or 0.0 for one in known]

@@ -1,4 +1,4 @@
-"""The rows of the page Flights: a flight with its results, the columns, and the text that a filter searches."""
+"""The rows of the Flights page: a flight with its results, the columns, and the text that a filter searches."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -22,14 +22,17 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
+from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
     from fieldkit.tui.flights.log_view import LogLook
     from fieldkit.tui.resources import Resources
+    from fieldkit.tui.widgets.groups import Group
 
-
+MIN_LINES_FOR_ROCKET = 50
+"""Lines of a terminal from which a flight without a log shows its rocket below. [cell]"""
 EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
 PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
 """Placeholders until the flight is read."""
@@ -51,7 +54,7 @@ class FlightScreen(PageScreen):
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (
                 "Log",
-                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l adds a cursor.",
+                "Altitude, speed and acceleration from lift-off (T+0) to landing, events marked; l to add a cursor.",
             ),
             ("Other data", "Other data from the flight's file, as written there."),
             *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
@@ -81,14 +84,14 @@ class FlightScreen(PageScreen):
     FlightScreen #pictures { width: 1fr; height: auto; }
     FlightScreen #all Static { height: auto; margin-bottom: 1; }
     FlightScreen #all #doubts.-none { display: none; }
-    FlightScreen Plot { height: 7; margin-bottom: 1; }
-    FlightScreen.-tall Plot { height: 11; }
+    FlightScreen #all Plot { height: 7; margin-bottom: 1; }
+    FlightScreen.-tall #all Plot { height: 11; }
     FlightScreen #hills { height: auto; }
     FlightScreen #log { height: auto; }
-    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
+    FlightScreen #all #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
         border-title-color: $foreground; }
-    FlightScreen.-tall #log Plot { height: 11; }
-    FlightScreen #hills Vertical { height: auto; width: 1fr; }
+    FlightScreen.-tall #all #log Plot { height: 11; }
+    FlightScreen #hills Vertical { height: auto; width: 1fr; margin-right: 2; }
     FlightScreen #all #hills Static { margin-bottom: 0; }
     FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
     FlightScreen.-narrow #figures, FlightScreen.-narrow #pictures { width: 1fr; }
@@ -106,14 +109,15 @@ class FlightScreen(PageScreen):
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
-        for question in ("ask", "said", "forecast", "log"):
+        for question in ("ask", "said", "forecast", "log", "rocket"):
             self.workers.cancel_group(self, question)
         self.reload_on_resume()
         for place in self.query(Static):
             if place.id in PLACES:
                 place.update(PLACES[place.id])
-        for plot in self.query(Plot):
+        for plot in self.query("#all Plot").results(Plot):
             plot.show(None)
+        self.query(RocketStrip).set(display=False)
         for scrolled in self.query("#all").results(VerticalScroll):
             scrolled.scroll_home(animate=False, immediate=True)
 
@@ -136,6 +140,7 @@ class FlightScreen(PageScreen):
                     yield Static(id="log-title")
                     for name in TRACES:
                         yield Plot(id=f"log-{name}")
+        yield RocketStrip()
 
     def action_report(self) -> None:
         """Write the report of this flight."""
@@ -150,7 +155,7 @@ class FlightScreen(PageScreen):
         self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:
-        """Read the flight; inferred values come when they are computed."""
+        """Read the flight; inferred values follow when they are computed."""
         self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
@@ -187,11 +192,16 @@ class FlightScreen(PageScreen):
                 plot.show(partial(draw_trace, trace, log.events, log.span))
         if isinstance(log, str):
             title.update(Content(printable(log)))
+            if self._flight is not None and self.size.height >= MIN_LINES_FOR_ROCKET:
+                self.ask(partial(rocket_of, self.resources.ledger, self._flight), self._have_rocket, "rocket")
             return
         events = sorted(log.events.items(), key=lambda one: one[1])
         marks = ", ".join(f"{name} T{time:+.2f} s" for name, time in events)
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
+
+    def _have_rocket(self, rocket: "tuple[Group, float | None] | None") -> None:
+        self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     def _have_said(self, said: "Hills | str") -> None:
         from fieldkit.tui.widgets.plots import Plot

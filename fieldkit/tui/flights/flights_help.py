@@ -1,4 +1,4 @@
-"""The help of the page Flights: what its columns mean."""
+"""The help of the Flights page: what its columns mean."""
 
 from fieldkit.tui.help import Help
 

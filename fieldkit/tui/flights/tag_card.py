@@ -36,7 +36,7 @@ class Shift:
         return [
             ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
             ("next apogee", f"{middle}, 90% between {low} and {high}"),
-            ("rests on", f"{one.rests_on} clean flights"),
+            ("based on", f"{one.rests_on} clean flights"),
         ]
 
     def apogee(self, name: str) -> Interval:

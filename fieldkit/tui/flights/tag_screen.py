@@ -29,7 +29,7 @@ class TagScreen(PageScreen):
     ABOUT = Help(
         "A tag marks an anomaly. A tagged flight stays in the ledger but is not used in the fit. Below the list is "
         "the effect on the rocket's drag and on the forecast of its next flight on the same motor, before your "
-        "changes and now. u undoes, any number of times.",
+        "changes and now. Press u to undo, any number of times.",
         tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
@@ -67,7 +67,7 @@ class TagScreen(PageScreen):
             yield TagCard()
 
     def on_mount(self) -> None:
-        """The list exists before the first key, and keys go to it."""
+        """Focus the list, so that the first key goes to it."""
         self._list(self._flight)
         self.set_focus(self.query_one(Table))
 
@@ -128,7 +128,7 @@ class TagScreen(PageScreen):
             self.query_one(TagCard).show_shift(self._before, self._now, self.resources.settings.units)
 
     def on_resize(self, _event: events.Resize) -> None:
-        """There may be room now."""
+        """Draw the pictures if the new size has room for them."""
         self.call_later(self._beside)  # after the screen has its width
 
     @on(Table.Moved)

@@ -1,1 +1,1 @@
-"""Contents of the page Home."""
+"""Contents of the Home page."""

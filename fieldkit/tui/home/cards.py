@@ -1,4 +1,4 @@
-"""The two cards of the page Home: the open forecast, and the last flight with its forecast."""
+"""The two cards of the Home page: the open forecast, and the last flight with its forecast."""
 
 from collections.abc import Iterable, Sequence
 from datetime import date
@@ -85,18 +85,18 @@ class NextCard(HomeCard):
 
         self.border_subtitle = ""
         if view is None:
-            self.say("No rocket yet. Choose a first step below: Enter starts it.")
+            self.say("No rocket yet. Choose a first step below and press Enter.")
             return
         weather = home_text.weather_line(view.weather, system)
         said = view.forecast
         if said is None:
             heading = "\n".join(home_text.next_lines(view, system))
-            self.say(heading, f"No open forecast. f chooses a motor, Enter there saves its forecast.\n{weather}")
+            self.say(heading, f"No open forecast. f to choose a motor, then Enter to save its forecast.\n{weather}")
             return
         low, middle, high = said.interval
         title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
         big = number(cards.APOGEE, middle, system)
-        self.border_subtitle = "Flown? a adds it"
+        self.border_subtitle = "Flown? a to add it"
         self.figure(title, big, words, Interval("", low, middle, high), weather)
 
 

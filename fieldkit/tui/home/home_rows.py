@@ -1,4 +1,4 @@
-"""The latest flights on the page Home: one row per flight, with its profile and its forecast if there is room."""
+"""The latest flights on the Home page: one row per flight, with its profile and its forecast if there is room."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Asking which column of a table is what: its rows as the table has them, or as the flyer says."""
+"""Asking for the meaning of a table's columns, for rows of the kind detected or chosen."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -11,7 +11,8 @@ from fieldkit.tui.page import PageScreen
 
 
 def ask_columns(page: PageScreen, path: Path, answer: Callable[[Sequence[str]], None], of: str = "") -> None:
-    """Ask what the columns of a file are, whose rows are `of` samples or of flights; answered as NAME=COLUMN."""
+    """Ask for the meaning of a file's columns; its rows are `of` samples or flights. The answer has the form
+    NAME=COLUMN."""
 
     def show(columns: TableColumns | str) -> None:
         if isinstance(columns, str):

@@ -20,7 +20,7 @@ def setup_of_day(resources: "Resources") -> dict[str, str]:
 
 
 def waiting_setup(resources: "Resources") -> dict[str, str]:
-    """The same if a saved forecast waits for its flight; empty if none does."""
+    """The same while a saved forecast has no flight yet; otherwise empty."""
     from fieldkit.services.manual_entry import planned_answers
 
     return setup_of_day(resources) if planned_answers(resources.ledger) else {}

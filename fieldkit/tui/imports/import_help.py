@@ -1,22 +1,22 @@
-"""The help of the page Import: what its columns and keys mean."""
+"""The help of the Import page: what its columns and keys mean."""
 
 from fieldkit.tui.help import Help
 
 IMPORT_HELP = Help(
     "Choose a log or a flight table. The file under the cursor is read but not stored: you see its format, how "
-    "many flights it would add, each rejected row with the reason, and the flights. Enter stores it. Duplicates "
-    "change nothing, so a file may be imported twice. The space bar marks files to read together, such as the "
-    "logs of several altimeters in one flight.",
+    "many flights it would add, each rejected row with the reason, and the flights. Press Enter to import it. "
+    "Duplicates change nothing, so a file may be imported twice. Press the space bar to mark files that belong "
+    "together, such as the logs of several altimeters in one flight.",
     (
-        ("format", "The parser that recognized the file by its content. F chooses another one."),
+        ("format", "The parser that recognized the file by its content. F to choose another one."),
         (
             "look",
-            "L draws the flight from lift-off with a cursor, and lists columns, readouts and events.",
+            "l to plot the flight from lift-off, with a cursor, and to list columns, readouts and events.",
         ),
         ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),
         (
             "columns",
-            "m maps the columns of a table; M lists saved mappings, to change or delete.",
+            "m to map the columns of a table; M to change or delete saved mappings.",
         ),
         ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
         (

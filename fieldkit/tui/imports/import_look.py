@@ -1,4 +1,4 @@
-"""Files on the page Import: the files of a folder, the preview of one, and storing it."""
+"""Files on the Import page: the files of a folder, the preview of one, and storing it."""
 
 import re
 from collections.abc import Mapping
@@ -35,10 +35,8 @@ UP = Path("..")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file would add: its recognized format and the receipt of a dry run, or why it cannot be read.
-
-    Of a design it is what a rocket would `start` with, in `words`.
-    """
+    """The preview of a file: its recognized format and the receipt of a dry run, or why it cannot be read; for a
+    design, the `start` of a rocket, described in `words`."""
 
     path: Path
     format: str
@@ -52,8 +50,8 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
-    """How files are read: the parser by name, None for the one that recognizes it; values that they lack; the mapping
-    of a table's columns, as typed (`altitude=Alt (ft)`)."""
+    """Options for reading files: the parser by name, None to recognize it; values for fields that files lack; the
+    mapping of a table's columns, as typed (`altitude=Alt (ft)`)."""
 
     format: str | None = None
     given: Mapping[str, str] = field(default_factory=dict)
@@ -108,7 +106,7 @@ def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
 
 
 def by_keys(trouble: str) -> str:
-    """What is wrong with a file, with the key m in place of the option of the command that does the same."""
+    """An error message with the key m instead of the equivalent command option."""
     return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
 
 
@@ -148,12 +146,12 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if look.start is not None:
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
-        return Content.assemble(*parts, ("\nEnter saves it as the start of this rocket", "b"))
+        return Content.assemble(*parts, ("\nEnter to save it as the start of this rocket", "b"))
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),
             printable(shortened(look.trouble)),
-            "\n\nf chooses a parser, m maps the columns of a table",
+            "\n\nF to choose a parser, m to map the columns of a table",
         ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
@@ -164,7 +162,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:
-        parts.append(("\nEnter stores it", "b"))
+        parts.append(("\nEnter to import", "b"))
     return Content.assemble(*parts)
 
 

@@ -36,7 +36,7 @@ _ABOUT = {
 }
 _HOW = "Type or choose its column; add a missing unit in brackets: Alt [ft]."
 OTHER_ROWS = "rows"
-"""What a form answers with to be asked again of the other kind of rows."""
+"""The answer that reopens the form for the other kind of rows."""
 
 
 class MappingForm(Form):
@@ -57,7 +57,7 @@ class MappingForm(Form):
         self._picker.sources = dict.fromkeys(names, offered)
 
     def action_other_rows(self) -> None:
-        """Ask of samples in place of flights, or of flights in place of samples."""
+        """Reopen the form for samples instead of flights, or for flights instead of samples."""
         self.dismiss({OTHER_ROWS: True})
 
 
@@ -67,7 +67,7 @@ def _offered(columns: TableColumns) -> Sequence[tuple[str, str]]:
 
 
 def _reader(columns: TableColumns) -> Callable[[str, str, str], object]:
-    """What makes an answer of a channel, a text and no unit. Raises BadValue."""
+    """Reads an answer: a channel, a text, and no unit. Raises BadValue."""
     return lambda name, text, unit: columns.checked(name, text)
 
 
@@ -82,7 +82,7 @@ def _about(name: str) -> str:
 
 
 class MappingList(ModalScreen[None]):
-    """The saved mappings, by the headings of their tables: edited or deleted here."""
+    """The saved mappings, listed by the headings of their tables, to edit or delete."""
 
     DEFAULT_CSS = """
     MappingList { align: center middle; background: $backdrop; }
@@ -103,7 +103,9 @@ class MappingList(ModalScreen[None]):
         """The list and its keys."""
         with Vertical() as frame:
             frame.border_title = Content("Saved mappings")
-            yield Table(id="mappings", empty="none yet: m on the page Import maps the columns of a table", enter="Edit")
+            yield Table(
+                id="mappings", empty="none yet: press m on the Import page to map the columns of a table", enter="Edit"
+            )
             yield KeyBar()
 
     def on_mount(self) -> None:

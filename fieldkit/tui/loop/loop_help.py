@@ -1,12 +1,12 @@
-"""The help of the page Loop: what its panels mean."""
+"""The help of the Loop page: what its panels mean."""
 
 from fieldkit.tui.help import Help
 
 LOOP_HELP = Help(
     "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
-    "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). l "
-    "searches, which takes a few seconds; nothing changes until you accept with A. D leaves the model unchanged. "
-    "Under Versions, Enter switches to another model; u undoes that too.",
+    "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). "
+    "Press l to search, which takes a few seconds and changes nothing. Press A to accept the result, D to decline it. "
+    "Under Versions, press Enter to switch to another model, and u to undo that.",
     (
         (
             "Verdict",
@@ -15,18 +15,18 @@ LOOP_HELP = Help(
         ),
         (
             "Residuals",
-            "Flown minus forecast of each flight, in units of its expected scatter, against the column that v "
-            "chooses. p is the probability of such a pattern by chance, corrected for the number of columns "
+            "Flown minus forecast of each flight, in units of its expected scatter, against the column chosen "
+            "with v. p is the probability of such a pattern by chance, corrected for the number of columns "
             "tested.",
         ),
         (
             "Fingerprint",
-            "The residual that an effect (n chooses) would cause in each readout, beside the one observed.",
+            "The residual that an effect (n for the next one) would cause in each readout, beside the one observed.",
         ),
         (
             "Ranking",
             "Effects by evidence: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
-            "details of the one under the cursor; Enter shows its fingerprint.",
+            "details of the one under the cursor; Enter for its fingerprint.",
         ),
         ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
         ("no., made, adds", "Number of the version, its date, and the effects that it adds."),

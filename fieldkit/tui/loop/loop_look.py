@@ -1,4 +1,4 @@
-"""The requests of the page Loop: the models of a rocket, and the search for missing effects."""
+"""The requests of the Loop page: the models of a rocket, and the search for missing effects."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -34,7 +34,7 @@ class Standing:
 
     @property
     def used(self) -> int:
-        """The number of the model that predicts."""
+        """The number of the model in use."""
         return next((version.number for version in self.versions if version.active), PLAIN_MODEL)
 
 

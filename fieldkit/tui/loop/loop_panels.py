@@ -1,4 +1,4 @@
-"""The five panels of the page Loop: one at a time, or all at once if there is room."""
+"""The five panels of the Loop page: one at a time, or all at once if there is room."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from fieldkit.services.findings import Findings
 
 TEXT_BEFORE_RUN = {
-    "verdict": "l searches for missing effects: each flight is forecast from the others, and the residuals are "
+    "verdict": "Press l to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "After l: each flight's residual, flown minus forecast, against the column that c chooses.",
+    "against": "After l: each flight's residual, flown minus forecast, against the column chosen with v.",
     "marks": "After l: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
@@ -50,6 +50,7 @@ class Panels(Container):
     def __init__(self) -> None:
         super().__init__(id="panels")
         self.found: Findings | None = None
+        self._system = "SI"
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
@@ -63,7 +64,7 @@ class Panels(Container):
         with VerticalScroll(id="p-Fingerprint", classes="panel"):
             yield Static(id="marks")
         with Vertical(id="p-Ranking", classes="panel"):
-            yield Table(id="ranking", empty="l searches for missing effects", enter="Fingerprint")
+            yield Table(id="ranking", empty="l to search for missing effects", enter="Fingerprint")
             yield Static(id="at-length")
         with Container(id="p-Versions", classes="panel"):
             yield Table(id="versions", enter="Use it")
@@ -75,7 +76,7 @@ class Panels(Container):
         self.forget()
 
     def forget(self, why: str = TEXT_BEFORE_RUN["verdict"]) -> None:
-        """Clear the findings: there was no search yet, or it is out of date."""
+        """Clear the findings: no search has run yet, or the flights have changed since."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.found = None
@@ -88,7 +89,7 @@ class Panels(Container):
         """Show the current step and the fraction done."""
         if self.found is None or share < 1:
             bar = "█" * round(share * 24)
-            self.query_one("#verdict", Static).update(Content(f"looking: {printable(text)}\n[{bar:24}]"))
+            self.query_one("#verdict", Static).update(Content(f"searching: {printable(text)}\n[{bar:24}]"))
 
     def show(self, found: "Findings", system: str) -> None:
         """Show the findings."""
@@ -96,14 +97,15 @@ class Panels(Container):
         self.show_verdict(system)
         self.show_residuals(0, system)
         self.show_marks(0)
-        rows = ranking_rows(found.diagnosis)
-        heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
-        self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_verdict(self, system: str, *, accepted: bool = False) -> None:
-        """The verdict, in these units, and whether it was accepted."""
+        """The verdict and the ranking, in these units, and whether the verdict was accepted."""
         if self.found is not None:
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
+            self._system = system
+            rows = ranking_rows(self.found.diagnosis, system)
+            heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
+            self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_residuals(self, turn: int, system: str) -> None:
         """Residuals against a column, flight by flight."""
@@ -124,7 +126,11 @@ class Panels(Container):
     def _at_length(self, message: Table.Moved) -> None:
         """The effect under the cursor, in full."""
         known = self.found is not None and message.key is not None
-        said = effect_at_length(self.found.diagnosis, message.key) if self.found is not None and known else ""
+        said = (
+            effect_at_length(self.found.diagnosis, message.key, self._system)
+            if self.found is not None and known
+            else ""
+        )
         self.query_one("#at-length", Static).update(said)
 
     def show_versions(self, standing: Standing, system: str) -> None:

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import measure
+from fieldkit.quantities import in_system, measure
 from fieldkit.safe_text import printable
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
-    from fieldkit.selection.candidates import Place
     from fieldkit.selection.diagnose import Diagnosis
     from fieldkit.services.findings import Compared, Findings
 
@@ -29,7 +28,12 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
     the test that would decide, the consequences of accepting it, and the leave-one-out errors."""
     diagnosis = found.diagnosis
-    parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
+    parts: Parts = [
+        (f"Verdict: {diagnosis.effect}", "b $primary"),
+        "\n",
+        printable(in_system(diagnosis.why, system)),
+        "\n",
+    ]
     for title, lines in _sections(found, system):
         shown = [f"{printable(line)}\n" for line in lines]
         parts += [(f"\n{title}\n", "b $primary"), *shown] if shown else []
@@ -40,7 +44,7 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
     if accepted:
         parts.append(("\nAccepted: forecasts use it. u to undo", "b"))
     elif any(places for _, places in diagnosis.averaged):
-        parts.append(("\nA accepts it, D leaves the model as it is", "b"))
+        parts.append(("\nA to accept, D to decline", "b"))
     return Content.assemble(*parts)
 
 
@@ -50,12 +54,12 @@ def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]
 
     diagnosis = found.diagnosis
     leftover = [found.unexplained.in_words] if found.unexplained is not None else []
-    yield "What it is worth", [*leftover, in_next_flight(found.next_flight, system)]
+    yield "Effect on the next flight", [*leftover, in_next_flight(found.next_flight, system)]
     if any(places for _, places in diagnosis.averaged):
         yield "Why: misses, flight by flight", _bars(found, system)
     also = [f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"] if diagnosis.also else []
     yield "How sure", [how_sure(found), *also, *climbs(found)]
-    yield "What would settle it", [test.words(system) for test in found.tests]
+    yield "What would decide", [test.words(system) for test in found.tests]
     yield "What accepting changes", [what_forecasts_become(found)]
 
 
@@ -118,7 +122,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
     name, cells = (20, 3) if narrow else (22, 5)
     wide = 9 + 2 * cells
-    parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
+    parts: Parts = [(printable(trial.candidate.place.in_words), "b $primary")]
     parts.append(f"\n{'in expected scatter':{name}}{'it would leave':^{wide}}{'there was':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
@@ -131,37 +135,30 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     return Content.assemble(*parts)
 
 
-def in_place(place: "Place") -> str:
-    """A possible effect and its place in words: `a weak or strong motor of F24`."""
-    from fieldkit.physics.effect import effects
-
-    effect = effects().get(place.effect)
-    return str(place).replace(place.effect, effect.title, 1) if effect is not None else str(place)
-
-
-def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
-    """Effects with their places, the best first: description, evidence, strength."""
+def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ...]]:
+    """Effects with their places, the best first: description, evidence, and strength in the units of a system."""
     rows: dict[str, tuple[str, ...]] = {}
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            rows[str(place)] = (in_place(place), f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g}")
+            strength = in_system(f"{mean:.3g} ± {sd:.2g} {item.best.unit}", system).split()[:3]
+            rows[str(place)] = (place.in_words, f"{item.log_bayes:+.1f}", " ".join(strength))
     return rows
 
 
-def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
+def effect_at_length(diagnosis: "Diagnosis", row: str, system: str) -> Content:
     """Details of a row of the ranking: the effect, its strength, its evidence, and the test that would distinguish
-    it."""
+    it, in the units of a system."""
     from fieldkit.physics.effect import effects
 
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
     place, (mean, sd) = item.best.candidate.place, item.best.strength()
     effect = effects().get(place.effect)
-    words = in_place(place)
+    words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
-    parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
+    parts.append(in_system(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}", system))
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
     parts.append(f"\ntest     {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)

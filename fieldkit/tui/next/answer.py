@@ -8,11 +8,8 @@ from fieldkit.tui.next.intervals import Intervals
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """An answer in lines with its details: its conditions and every safety check.
-
-    `title` is the title of its picture: intervals on one scale, or the plot by `draw` with an optional `second` one
-    next to it.
-    """
+    """An answer in lines with its details: its conditions and every safety check. `title` is that of its picture:
+    intervals on one scale, or the plot by `draw`, with an optional `second` plot next to it."""
 
     words: tuple[str, ...]
     beside: tuple[str, ...] = ()

@@ -49,12 +49,12 @@ class Decision:
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
         from fieldkit.motors import Found
-        from fieldkit.paths import data_folder
+        from fieldkit.paths import data_file
         from fieldkit.planning.delay import delays, drill_of
         from fieldkit.presentation.planning_text import delays_in_words
 
         fast = self.limits["eject_speed"].value
-        tool = drill_of(self.motor, data_folder() / "drills.toml")
+        tool = drill_of(self.motor, data_file("drills.toml"))
         takes_off = tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
@@ -71,7 +71,7 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            return Answer(("No target yet. g on the page Next sets one.",))
+            return Answer(("No target yet. Press g on the Next page to set one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
@@ -104,7 +104,7 @@ class Decision:
 
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one.said, one.down, one.fall, one.rail, self.site, self.system)
-        words = tuple(line.replace(NO_WIND_OPTION, "not given: p on the page Next types it") for line in lines)
+        words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
         answer = Answer(words, tuple(safety_text(one.lines, self.system)))
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
@@ -114,7 +114,7 @@ class Decision:
 
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
-            return Answer(("No saved forecasts of this rocket yet. Enter on the page Next saves one.",))
+            return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             said = one.made.payload
@@ -185,7 +185,7 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
 
 def rule_of(year: int) -> "Season":
     """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
-    return season(year, data_folder() / "seasons")
+    return season(year, data_file("seasons"))

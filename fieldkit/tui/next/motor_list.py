@@ -1,4 +1,4 @@
-"""The motors of the page Next: their selection, order and forecasts."""
+"""The motors of the Next page: their selection, order and forecasts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""The table of the page Next: one row per motor, with as many figures of its forecast as fit."""
+"""The table of the Next page: one row per motor, with as many figures of its forecast as fit."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""The help of the page Next: what its columns, figures and signs mean."""
+"""The help of the Next page: what its columns, figures and signs mean."""
 
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.next_plan import QUESTIONS
@@ -7,8 +7,8 @@ NEXT_HELP = Help(
     "Plan the next flight. The table lists every motor on sale that fits the rocket (no wider than the widest it has "
     "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
     "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it. "
-    "With a target (g), the motors nearest to it come first. Enter saves a forecast; when you add the flight, the two "
-    "are compared. Forecasts are advice: the range safety officer decides.",
+    "With a target (g), the motors nearest to it come first. Press Enter to save a forecast; when you add the flight, "
+    "the two are compared. Forecasts are advice: the range safety officer decides.",
     (
         ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
@@ -53,7 +53,7 @@ NEXT_HELP = Help(
             "air",
             "Air density at the pad, from the plan's weather; assumed values are named.",
         ),
-        ("rests on", "The flights and the model version behind the forecast."),
+        ("based on", "The flights and the model version behind the forecast."),
         (
             "narrows",
             "How much more flights like this would narrow the 90% interval; the rest is flight-to-flight variation.",

@@ -93,7 +93,7 @@ def read_plan(resources: "Resources") -> Plan | None:
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
     """
     from fieldkit.errors import ImpossibleFlight
-    from fieldkit.paths import data_folder
+    from fieldkit.paths import data_file
     from fieldkit.planning.limits import limits
     from fieldkit.planning.motor_guide import Wanted, widest_motor
     from fieldkit.services import launch_day
@@ -108,14 +108,14 @@ def read_plan(resources: "Resources") -> Plan | None:
     rocket = rocket_of(ledger, resources.motors, plan.rocket)
     full = completed_plan(ledger, resources.motors, plan, resources.settings)
     if full.dry_mass is None:
-        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
+        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p to enter one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}
     return Plan(
         plan,
         full,
         rocket,
         site_of(ledger, full.site),
-        limits(data_folder() / "limits.toml"),
+        limits(data_file("limits.toml")),
         tuple(builds.values()),
         Wanted(widest_motor(rocket, full), adapter=True, dry_mass=full.dry_mass),
         rests_on(ledger, plan.rocket, rocket.flights),

@@ -57,7 +57,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
         ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
         ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
         ("air", air_of(said.plan).words(system)),
-        ("rests on", plan.rests_on),
+        ("based on", plan.rests_on),
         ("narrows", narrows(said)),
         ("note", "; ".join([*said.found.notes, *said.left_out])),
     ]
@@ -78,7 +78,7 @@ def saved_in_words(said: "Prediction", system: str) -> str:
     """The notice of a saved forecast with its values."""
     low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
-    return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a adds the flight, u to undo"
+    return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a to add the flight, u to undo"
 
 
 def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:

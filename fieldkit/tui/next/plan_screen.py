@@ -39,25 +39,25 @@ class PlanScreen(PageScreen):
     ABOUT = Help(
         "What to decide once the motor is chosen, from the flights of this rocket and the weather of the plan. Delay: "
         "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
-        "the mass to add or remove to meet the target (g on the page Next). Contest: the expected points by a "
+        "the mass to add or remove to meet the target (g on the Next page). Contest: the expected points by a "
         "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
         "forecasts. Score: how good they were. Forecasts are advice: the range safety officer decides.",
         (
             ("delay", "The best delay is the one least likely to deploy too fast for the parachute."),
             (
                 "ballast",
-                "The dry mass with the best chance of an apogee within 10 ft of the target; j changes that to the "
+                "The dry mass with the best chance of an apogee within 10 ft of the target; j for the "
                 "smallest mean miss or the fewest points of the season.",
             ),
             (
                 "contest",
                 "Points for feet off the target and seconds outside the window, over as many flights as may be "
-                "declared. , and . change the season, [ and ] the area of the parachute.",
+                "declared. Press , or . for another season, [ or ] for a smaller or larger parachute.",
             ),
             (
                 "the day",
-                "p enters the announced target and window, the cut (for the chance to qualify), the declared flights "
-                "and the length of the rocket; and the field size and ceiling of the site, for the safety checks.",
+                "p to enter the announced target and window, the cut (for the chance to qualify), the declared "
+                "flights, the length of the rocket, and the field size and ceiling of the site for the safety checks.",
             ),
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
@@ -177,35 +177,35 @@ class PlanScreen(PageScreen):
         return decision.fared(ledger, self.resources.motors)
 
     def action_view(self, view: int) -> None:
-        """Another answer."""
+        """Show another answer."""
         self._view = view % len(VIEWS)
         self.reload()
 
     def action_turn(self, by: int) -> None:
-        """The next answer, or the one before."""
+        """The next or previous answer."""
         self.action_view(self._view + by)
 
     def action_aim(self) -> None:
-        """Ballast for something else."""
+        """Change the goal of the ballast."""
         self._aim = (self._aim + (self._view == 1)) % len(AIMS)
         self.action_view(1)
 
     def action_season(self, by: int) -> None:
-        """The season after, or before."""
-        from fieldkit.paths import data_folder
+        """The next or previous season."""
+        from fieldkit.paths import data_file
         from fieldkit.planning.contest import seasons
 
-        years = seasons(data_folder() / "seasons")
+        years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
 
     def action_area(self, by: int) -> None:
-        """Larger parachute, or a smaller one."""
+        """A larger or smaller parachute."""
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 
     def action_day(self) -> None:
-        """Type what was announced and declared, and how large the field is."""
+        """Enter the announcements and declarations of the day, and the size of the field."""
         from fieldkit.services.contest_day import day_of
         from fieldkit.services.sites import site_of
 

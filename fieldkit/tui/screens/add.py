@@ -51,7 +51,7 @@ class AddScreen(PageScreen):
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
         Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
-        Binding("up", "step(-1)", "Back a field", show=False, priority=True),
+        Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]

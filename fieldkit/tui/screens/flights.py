@@ -52,7 +52,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
+        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
     ]
@@ -232,27 +232,27 @@ class FlightsScreen(PageScreen):
         return screen
 
     def above(self) -> Iterable[PageScreen]:
-        """That of a flight."""
+        """The screen of one flight."""
         return (self._flight,)
 
     def on_resize(self, _event: events.Resize) -> None:
         """Choose the columns and the card by the width."""
         if self._rows:
-            self.call_later(self._refill)  # once the screen knows how wide it is called
+            self.call_later(self._refill)  # after the new width has taken effect
 
     def action_filter(self) -> None:
         """Focus the filter."""
         self.set_focus(self.query_one(Input))
 
     def action_sort(self) -> None:
-        """By the next column."""
+        """Sort by the next column."""
         self._sort = (self._sort + 1) % len(self._shown())
         self._down = self._sort in (1, 5, 8)
         self._refill()
         self._infer()
 
     def action_turn(self) -> None:
-        """The other way round."""
+        """Reverse the order."""
         self._down = not self._down
         self._refill()
         self._infer()

@@ -14,9 +14,9 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
-from fieldkit.tui.home.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
+from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 
@@ -37,9 +37,9 @@ class HomeScreen(PageScreen):
     ABOUT = Help(
         "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
         "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "
-        "one. f opens the motors, where Enter saves a forecast. a adds a flight, with rocket, motor and weather filled "
-        "in from that forecast. p edits the plan: rocket, mass and weather. Weather entered once (e) is used in every "
-        "plan and flight of the day.",
+        "one. Press f to choose a motor and Enter there to save its forecast; a to add a flight, with rocket, motor "
+        "and weather filled in from that forecast; p to edit the plan: rocket, mass and weather. Weather entered once "
+        "(e) is used in every plan and flight of the day.",
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
@@ -50,7 +50,7 @@ class HomeScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
-        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
+        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("e", "day_weather", "Edit", tooltip="Enter today's weather, for every plan and flight of the day"),
     ]
@@ -140,7 +140,7 @@ class HomeScreen(PageScreen):
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
         elif self._view is not None:
-            table.empty = "No flights yet. a adds the first one"
+            table.empty = "No flights yet. a to add the first one"
             self._list(self._view.flights)
         self._moved()
         self.query_one(KeyBar).follow()
@@ -178,7 +178,7 @@ class HomeScreen(PageScreen):
 
     @cached_property
     def _flight(self) -> "FlightScreen":
-        """The screen of a flight that is opened here; the page Flights has its own."""
+        """The screen of a flight that is opened here; the Flights page has its own."""
         from fieldkit.tui.flights.flight_screen import FlightScreen
 
         screen = FlightScreen()

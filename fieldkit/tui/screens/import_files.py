@@ -127,7 +127,7 @@ class ImportScreen(PageScreen):
         self._look = None
         self.query_one("#more", Static).update("")
         if is_folder:
-            self.query_one("#said", Static).update("Enter opens the folder")
+            self.query_one("#said", Static).update("Enter to open the folder")
             return
         self.query_one("#said", Static).update("reading ...")
         self.ask(partial(look_at, self.resources, path, self._reading), self._examined, "look")

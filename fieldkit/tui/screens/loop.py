@@ -102,7 +102,7 @@ class LoopScreen(PageScreen):
             return
         before = self._standing
         if self.panels.found is not None and before is not None and before.flights != standing.flights:
-            self.panels.forget("The flights have changed. l searches again")
+            self.panels.forget("The flights have changed. l to search again")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -159,12 +159,12 @@ class LoopScreen(PageScreen):
         self.set_focus(self.panels.front(self._panel))
 
     def action_panel(self, panel: int) -> None:
-        """Another panel."""
+        """Show another panel."""
         self._panel = panel
         self._front()
 
     def action_turn(self, by: int) -> None:
-        """The next panel, or the one before."""
+        """The next or previous panel."""
         self.action_panel((self._panel + by) % len(PANELS))
 
     def action_covariate(self) -> None:
@@ -206,7 +206,7 @@ class LoopScreen(PageScreen):
         """Accept the found effects."""
         found = self.panels.found
         if found is None:
-            self.complain("Nothing to accept yet. l searches for missing effects; Verdict shows the progress")
+            self.complain("Nothing to accept yet. l to search for missing effects; Verdict shows the progress")
             return
         from fieldkit.services.close_loop import adopt
         from fieldkit.services.forecasts import used_version
@@ -234,7 +234,7 @@ class LoopScreen(PageScreen):
         """Leave the model unchanged."""
         found = self.panels.found is not None
         self.show_notice(
-            "Declined: the model is unchanged" if found else "Nothing to decline yet. l searches for missing effects"
+            "Declined: the model is unchanged" if found else "Nothing to decline yet. l to search for missing effects"
         )
 
     @on(Table.Chosen, "#versions")

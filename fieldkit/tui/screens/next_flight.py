@@ -83,7 +83,7 @@ class NextScreen(PageScreen):
         """The plan in a line, a search, the motors, the forecast."""
         from fieldkit.tui.next.forecast_card import ForecastCard
 
-        yield Static("p plans a flight: rocket, mass, conditions", id="plan")
+        yield Static("p to plan a flight: rocket, mass, conditions", id="plan")
         with Horizontal(id="search"):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
@@ -117,7 +117,7 @@ class NextScreen(PageScreen):
         self._motors.turn_to(plan)
         self.set_class(plan is None, "-blank")
         if plan is None:
-            self.query_one("#plan", Static).update("No plan yet. p enters one")
+            self.query_one("#plan", Static).update("No plan yet. p to enter one")
             self.query_one(Table).empty = NO_FLIGHTS
             self.query_one(Table).show((), (), lambda _: ())
             return

@@ -42,11 +42,11 @@ class CaptureScreen(PageScreen):
     NAME = "serial"
     TITLE = "Capture"
     ABOUT = Help(
-        "Plug in the logger or its adapter; r reloads the list. Enter captures from the port under the cursor. The "
-        "device is recognized by its USB numbers or by listening; choose one that must be asked with h first. Every "
-        "byte is saved to disk before it is decoded, so a pulled cable loses nothing: the space bar continues. k ends "
-        "a capture. Nothing on a logger is ever changed or erased. At the end you are asked whether to import its "
-        "flights.",
+        "Plug in the logger or its adapter; press r to reload the list and Enter to capture from the port under the "
+        "cursor. The device is recognized by its USB numbers or by listening; if it only answers commands, choose it "
+        "with h first. Every byte is saved to disk before it is decoded, so a pulled cable loses nothing: press the "
+        "space bar to continue, k to end the capture. Nothing on a logger is ever changed or erased. At the end you "
+        "are asked whether to import its flights.",
         (
             ("port", "The port's name in the operating system."),
             ("description", "The maker of the chip, and the logger if the USB numbers identify it."),

@@ -49,8 +49,8 @@ class SetupScreen(PageScreen):
     TITLE = "Setup"
     ABOUT = Help(
         "Four lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
-        "and a name to search it, i adds your own .eng or .rse file. Rockets and sites come from your flights: Enter "
-        "edits one in every flight that has it, and u undoes that. Settings: Enter changes the one under the cursor.",
+        "and a name to search it, press i to add your own .eng or .rse file. Rockets and sites come from your flights: "
+        "press Enter to edit one in every flight that has it, u to undo. Settings: press Enter to change one.",
         (
             ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),
             ("burn s, grams", "Burn time of a motor, and its mass with propellant."),
@@ -62,9 +62,15 @@ class SetupScreen(PageScreen):
             ("last", "The last flight there, and for a build its last motor."),
             ("elevation", "Elevation of the site above sea level; air density depends on it and on the weather."),
             ("size, ceiling", "Size of the field, and its altitude limit."),
-            ("units", "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them anywhere."),
-            ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
-            ("target", "The target apogee for comparing motors on the page Next."),
+            (
+                "units",
+                "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them.",
+            ),
+            (
+                "theme",
+                "field for any room, sun black on white, night red on black, terminal your own. T changes it.",
+            ),
+            ("target", "The target apogee for comparing motors on the Next page."),
             ("sites", "Field size and ceiling are used in the safety checks of every plan at the site."),
             ("rail", "Length and angle of your usual rail, for plans without one."),
         ),
@@ -127,7 +133,7 @@ class SetupScreen(PageScreen):
         self._search_now()
 
     def redraw(self) -> None:
-        """The list in front, in other units."""
+        """Show the current list in other units."""
         self._show()
 
     def _read(self) -> LedgerNames:
@@ -158,7 +164,7 @@ class SetupScreen(PageScreen):
 
     @on(Table.Sized)
     def _show(self) -> None:
-        """The list in front, in the columns that fit."""
+        """Show the current list with the columns that fit."""
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
@@ -215,14 +221,14 @@ class SetupScreen(PageScreen):
                 return settings_listed(resources.settings, resources.name)
 
     def action_kind(self, kind: int) -> None:
-        """Another list."""
+        """Show another list."""
         self._kind = kind
         self.query_one(Table).by_hand = False
         self._show()
         self.set_focus(self.query_one(Table))
 
     def action_turn(self, by: int) -> None:
-        """The next list, or the one before."""
+        """The next or previous list."""
         self.action_kind((self._kind + by) % len(KINDS))
 
     def action_search(self) -> None:

@@ -1,4 +1,4 @@
-"""An OpenRocket design on the page Import: the start of a rocket, and saving it."""
+"""An OpenRocket design on the Import page: the start of a rocket, and saving it."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The card of the row under the cursor on the page Setup: facts and a picture."""
+"""The card of the row under the cursor on the Setup page: facts and a picture."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import density, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 DRAWING_WIDTH = 56
-"""Cells of a rocket that is drawn: the narrowest card has as many."""
+"""Width of the drawn rocket: that of the narrowest card. [cell]"""
 MAX_DRAWN_FLIGHTS = 120
 """Number of latest flights to draw, more than the card has columns."""
 
@@ -48,11 +48,11 @@ class SetupCard(VerticalScroll):
     """
 
     def compose(self) -> Iterable[Widget]:
-        """The facts; a plot comes to stand below."""
+        """The facts; the plot is added below them."""
         yield Static(id="facts")
 
     def show(self, facts: Facts) -> None:
-        """All of it; the picture if there is room for one."""
+        """The whole card, with its picture if there is room."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#facts", Static).update(stacked(facts.blocks))
@@ -78,8 +78,8 @@ def of_build(group: Group, system: str, length: float | None = None) -> Facts:
     pairs = [
         ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the fit"),
         *_dates(flights),
-        ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter sets it"),
-        ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter sets it"),
+        ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter to set it"),
+        ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter to set it"),
         ("length", measure(cards.DIAMETER, length, system)),
     ]
     motors: dict[str, list[Flight]] = defaultdict(list)
@@ -109,8 +109,8 @@ def of_site(place: LaunchSite, system: str) -> Facts:
         ("flights", f"{len(flights)}" + (f", of {', '.join(rockets)}" if rockets else "")),
         *_dates(flights),
         ("highest", _highest(flights, system)),
-        ("elevation", measure(cards.ELEVATION, site.elevation, system) or "not known: as at sea level; Enter sets it"),
-        ("air", f"{air_of(Flight(site_elevation=site.elevation)).density:.3f} kg/m³ on a standard day"),
+        ("elevation", measure(cards.ELEVATION, site.elevation, system) or "not known: sea level; Enter to set it"),
+        ("air", f"{density(air_of(Flight(site_elevation=site.elevation)).density, system)} on a standard day"),
         ("field size", measure(cards.APOGEE, site.size, system) or "not known: its safety line cannot be checked"),
         ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known: its safety line cannot be checked"),
     ]
@@ -121,7 +121,7 @@ def of_site(place: LaunchSite, system: str) -> Facts:
 
 
 def of_setting(name: str, means: str) -> Facts:
-    """A setting and what it means."""
+    """A setting and its meaning."""
     return Facts((cards.lines(name, ()), Hanging(((0, Content(means)),))))
 
 
@@ -152,7 +152,7 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
 
 
 def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
-    """One apogee after the other, and the ceiling; below them the first and the last."""
+    """The apogees in order, and the ceiling, with the first and the last id below."""
     from fieldkit.tui.widgets.plots import spaced
 
     heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]

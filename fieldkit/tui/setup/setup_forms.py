@@ -1,4 +1,4 @@
-"""The forms of the page Setup: changes of a configuration or a site apply to all its flights."""
+"""The forms of the Setup page: changes of a configuration or a site apply to all its flights."""
 
 from collections.abc import Sequence
 from functools import partial

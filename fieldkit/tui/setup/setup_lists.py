@@ -1,4 +1,4 @@
-"""The lists of the page Setup as headings, rows and cells, and the answers of their forms."""
+"""The lists of the Setup page as headings, rows and cells, and the answers of their forms."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -98,7 +98,7 @@ MEANS = {
     "on any page.",
     "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colors. Enter "
     "switches to the next; so does T on any page.",
-    "target": "The target apogee for comparing motors on the page Next, where g sets it too.",
+    "target": "The target apogee for comparing motors on the Next page, where you can also set it with g.",
     "rail": "Length and angle of your usual rail or rod, for plans without one.",
     "ledger": "The file with your flights. To open another, use fieldkit --ledger FILE or set FIELDKIT_LEDGER.",
     "own motors": "The folder of your own .eng and .rse files; i on the list Motors adds one.",

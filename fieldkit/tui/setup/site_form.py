@@ -1,4 +1,4 @@
-"""A launch site on the page Setup: its elevation, and its properties for safety checks."""
+"""A launch site on the Setup page: its elevation, and its properties for safety checks."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""The lines around every page: the pages above, notices and the keys below."""
+"""The lines at the edges of every page: the pages above, notices and keys below."""
 
 import re
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ class Notice:
 
 
 def shortened(text: str) -> str:
-    """A text with files shortened to their names; ports such as `/dev/ttyUSB0` do not change."""
+    """A text with paths shortened to file names; ports such as `/dev/ttyUSB0` do not change."""
     root = r"(?!/dev/)(?:/|[A-Za-z]:[/\\]|\\\\)"
-    text = re.sub(rf"^{root}[^:\n]*[/\\]", "", text)  # what is wrong with a file begins with it
+    text = re.sub(rf"^{root}[^:\n]*[/\\]", "", text)  # error messages start with the path of the file
     return re.sub(rf"(?<=[\s'(]){root}(?:[^\s:,;'()/\\]+[/\\])+", "", text)
 
 
@@ -39,7 +39,7 @@ class TopBar(Static):
         self._titles, self._current = titles, current
 
     def render(self) -> Content:
-        """As wide as possible; at 60 columns with little space."""
+        """As wide as possible; narrower spacing at 60 columns."""
         gap = "  " if self.size.width >= 78 else " "
         parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
         for name, number, title in self._titles:
@@ -61,7 +61,7 @@ class NoticeBar(Static):
     """
 
     LINES = 4
-    """Of a notice that is not shown whole; `max-height` says the same."""
+    """Maximum number of lines of a shortened notice, the same as in `max-height`."""
 
     def show_notice(self, notices: Sequence[Notice], whole: bool = False) -> None:
         """Show the first of these, files by their names or by their `whole` paths, and how many more there are."""
@@ -94,7 +94,7 @@ class KeyBar(Static):
     """
 
     MOST = 4
-    """Lines; `max-height` says the same."""
+    """Maximum number of lines, the same as in `max-height`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -106,7 +106,7 @@ class KeyBar(Static):
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
     def on_resize(self) -> None:
-        """Lines are broken again."""
+        """Break the lines again for the new width."""
         self.follow()
 
     def follow(self) -> None:
@@ -128,7 +128,7 @@ class KeyBar(Static):
         return max(20, self.size.width or self.app.size.width - 2)
 
     def _lines(self) -> list[list[Content]]:
-        """Key and word, never apart, a word once; those that work everywhere stand last."""
+        """Each key with its word, never separated and each word once; keys that work everywhere are last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
         room = width = self._room()
@@ -154,6 +154,6 @@ GLOBAL_KEYS = ("Undo", "Copy", "Help", "Quit")
 
 @cache
 def _label(shown: str, word: str, key: str) -> Content:
-    """A key as it is shown and its word, which press it where they are clicked."""
+    """A key and its word; a click on either presses the key."""
     escaped = shown.replace("[", r"\[")
     return Content.from_markup(f"[@click=app.press({key!r})][b $footer-key-foreground]{escaped}[/] {word}[/]")

@@ -25,7 +25,7 @@ GLYPHS = {
 
 
 def large(text: str) -> str:
-    """A number in three lines; a sign without a large form stands on the last of them."""
+    """A number in three lines; a character without a large form is on the last line."""
     drawn = [GLYPHS.get(letter, (" ", " ", letter)) for letter in text]
     return "\n".join(" ".join(glyph[line] for glyph in drawn) for line in range(3)) if drawn else ""
 

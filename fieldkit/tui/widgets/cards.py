@@ -15,7 +15,7 @@ Pairs = Sequence[tuple[str, str]]
 
 
 def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
-    """A heading and `name  value` lines; the values are data and mean nothing but themselves."""
+    """A heading and `name value` lines; values are never interpreted as markup."""
     known = [(printable(name), printable(value)) for name, value in pairs if value]
     width = width or max((len(name) for name, _ in known), default=0)
     made = [(0, Content.assemble((printable(heading), "b $primary")))] if heading else []

@@ -13,7 +13,7 @@ from textual.visual import RenderOptions, Visual
 from fieldkit.safe_text import printable
 
 MIN_LINE_WIDTH = 20
-"""Cells left for a wrapped line, below which the indent is only two."""
+"""Minimum width of a wrapped line; below it the indent is only two. [cell]"""
 LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
 """The prefix of a line: a name and the spaces after it, or spaces."""
 
@@ -34,11 +34,11 @@ class Hanging(Visual):
         return self._within(width).render_strips(width, height, style, options)
 
     def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
-        """That of the longest line."""
+        """The width of the longest line."""
         return max((line.cell_length for _, line in self.lines), default=0)
 
     def get_height(self, rules: RulesMap, width: int) -> int:
-        """Lines that a width takes."""
+        """The number of lines at a width."""
         return self._within(width).get_height(rules, width)
 
     def _within(self, width: int) -> Content:
@@ -70,7 +70,7 @@ def _column(line: str) -> int:
 
 
 def _broken(line: Content, width: int, column: int) -> list[Content]:
-    """A line unchanged, or its parts below each other from a column on."""
+    """A line if it fits, or its parts below each other, indented to a column."""
     if line.cell_length <= width:
         return [line]
     first, *more = line.wrap(width)

@@ -1,6 +1,8 @@
 """Plots in the colors of the app, by textual-plotext."""
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +13,8 @@ from textual_plotext import PlotextPlot
 
 from fieldkit.shapes import Array, Float
 
+MAX_CELLS = 1000
+"""Columns and lines of the largest plot, more than any terminal has. [cell]"""
 POINT = 200
 """Points of a drawn density."""
 MIN_DENSITY_FRACTION = 0.02
@@ -46,12 +50,13 @@ class Plot(PlotextPlot):
         self.refresh()
 
     def render(self) -> RenderResult:
-        """The plot as text, in this size."""
+        """The plot as text in the current size."""
         width, height = self.size
         if self._draw is None or width < 12 or height < 4:
             return ""
         plt, ink = self.plt, self._ink()
-        plt.clear_figure()
+        with _any_terminal_size():
+            plt.clear_figure()
         plt.theme("clear")
         for colour in (plt.canvas_color, plt.axes_color):
             colour(ink.paper)
@@ -68,6 +73,22 @@ class Plot(PlotextPlot):
             Color.parse(names[name]).rgb for name in ("surface", "foreground", "primary", "accent")
         )
         return Ink(*self.size, paper, text, line, mark)
+
+
+@contextmanager
+def _any_terminal_size() -> Iterator[None]:
+    """Let plots be larger than the terminal is now. plotext reads it from the environment when a plot is made, and
+    never draws larger, even after the terminal has grown or if the app is served to a browser."""
+    before = {name: os.environ.get(name) for name in ("COLUMNS", "LINES")}
+    os.environ.update(dict.fromkeys(before, str(MAX_CELLS)))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 AXIS = 8

@@ -9,14 +9,14 @@ NOSE_CALIBERS, FIN_CALIBERS, SPAN_CALIBERS = 3.0, 1.3, 0.9
 MIN_RADIUS = 1.0
 """Minimum half height of the drawn body. [pixel]"""
 POINT = 0.51
-"""Half the drawn height of the very tip: one pixel either side of the axis. [pixel]"""
+"""Half height of the tip of the nose: one pixel on each side of the axis. [pixel]"""
 CELLS = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
-"""Two pixels above each other."""
+"""Characters with two pixels above each other."""
 
 
 def drawing(length: float | None, diameter: float, width: int) -> list[str]:
-    """Lines of a rocket of a length and a diameter [m], as wide as `width` cells; a pixel is a cell wide and half a
-    cell high, which is about a square."""
+    """The lines of a drawing of a rocket with a length and a diameter [m], `width` cells wide. A pixel is one cell wide
+    and half a cell high, which is about square."""
     calibers = length / diameter if length else SKETCHED_FINENESS
     radius = max(MIN_RADIUS, width / calibers / 2)
     pixel = 2 * radius
@@ -35,7 +35,7 @@ def _inside(y: int, top: float) -> bool:
 
 
 def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -> float:
-    """Half the height of a rocket at a place from its tail: body, elliptic nose, swept fins. [pixel]"""
+    """Half height of a rocket at a distance from its tail: body, elliptic nose, swept fins. [pixel]"""
     nose, fins = min(NOSE_CALIBERS * pixel, width / 2), min(FIN_CALIBERS * pixel, width / 3)
     from_tip = width - x - 0.5
     body = radius * sqrt(max(0.0, 1 - (1 - from_tip / nose) ** 2)) if from_tip < nose else radius

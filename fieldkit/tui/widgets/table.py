@@ -33,11 +33,11 @@ Cells = Callable[[Any], Sequence[str]]
 """The cells of a row by its key, as text, which may come from files."""
 
 MARK, NO_MARK = "▸", " "
-"""Prefix of the cursor's row and of the others, for displays without colors."""
+"""Prefix of the current row and of the others, for displays without colors."""
 
 
 class Table(ScrollView, can_focus=True, inherit_bindings=False):
-    """Rows with a cursor. `Moved` when the cursor does, `Chosen` on Enter or a second click."""
+    """Rows with a cursor. Sends `Moved` when the cursor moves, `Chosen` on Enter or a second click."""
 
     DEFAULT_CSS = """
     Table { height: 1fr; background: $surface; color: $foreground; scrollbar-size-vertical: 1; overflow-x: hidden; }
@@ -67,7 +67,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
         @property
         def control(self) -> "Table":
-            """The table it is of."""
+            """The table that sent it."""
             return self.table
 
     class Chosen(Moved):
@@ -82,18 +82,18 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
         @property
         def control(self) -> "Table":
-            """The table it is of."""
+            """The table that sent it."""
             return self.table
 
     @dataclass
     class Sized(Message):
-        """The table has another width: other columns may fit."""
+        """The width of the table has changed, so other columns may fit."""
 
         table: "Table"
 
         @property
         def control(self) -> "Table":
-            """The table it is of."""
+            """The table that sent it."""
             return self.table
 
     cursor: reactive[int] = reactive(0, repaint=False)
@@ -101,7 +101,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
     def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
         super().__init__(**rest)
         self.enter = enter
-        """What Enter does with a row, in a word for the key bar."""
+        """The action of Enter on a row, as a word for the key bar."""
         self.heads: Sequence[Head] = ()
         self.keys: Sequence[Any] = ()
         self.cells: Cells = lambda _: ()
@@ -138,7 +138,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         return "  ".join(f"{head.title.strip(' ▲▼')} {cell}" for head, cell in pairs if cell)
 
     def validate_cursor(self, row: int) -> int:
-        """Within the rows."""
+        """Keep the cursor within the rows."""
         return max(0, min(row, len(self.keys) - 1))
 
     def watch_cursor(self, before: int, after: int) -> None:
@@ -159,7 +159,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.scroll_to(y=top, animate=False, immediate=True)
 
     def on_resize(self, _event: events.Resize) -> None:
-        """Columns are fitted again."""
+        """Fit the columns again."""
         if self.virtual_size.width != self.size.width:
             self.post_message(self.Sized(self))
         self.virtual_size = Size(self.size.width, len(self.keys) + 1)
@@ -172,7 +172,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         return [head.width or max(4, room // max(loose, 1)) for head in self.heads]
 
     def render_line(self, y: int) -> Strip:
-        """The heading stays on the first line; below it the rows."""
+        """Draw a line: the heading on the first, rows below it."""
         base = self.rich_style
         if y == 0:
             style = base + self.get_component_rich_style("table--head")

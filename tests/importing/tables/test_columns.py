@@ -1,4 +1,4 @@
-"""Numbers out of a table: every whole row, no other, and each damaged one told of in a line."""
+"""Numbers from a table: every complete row and no other, with a line about each damaged one."""
 
 import numpy as np
 import pytest

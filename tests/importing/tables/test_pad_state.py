@@ -6,7 +6,7 @@ import pytest
 from fieldkit.importing import Reading
 from fieldkit.importing.recognize import open_log
 from fieldkit.importing.tables.pad_state import along_thrust
-from fieldkit.importing.tables.unit_inference import settle_felt
+from fieldkit.importing.tables.unit_inference import rest, settle_felt
 from fieldkit.units import STANDARD_GRAVITY
 from tests.analysis.recordings import LARGE, SMALL, Logger, fly, log
 
@@ -76,3 +76,11 @@ def test_a_rest_before_a_boost_settles_the_unit(unit: str, one: float) -> None:
     settled = settle_felt(np.concatenate([rest, boost, np.linspace(-one, 0, 500)]))
     assert settled is not None
     assert settled.unit == unit
+
+
+@pytest.mark.parametrize("net", [False, True])
+def test_the_blow_of_a_charge_is_no_boost_to_find_the_rest_before(net: bool) -> None:
+    random, time = np.random.default_rng(2), np.arange(0, 40, 0.002)
+    felt = np.select([time < 3, time < 4.7, time < 9.6], [9.8, 50.0, 0.0], 9.0)
+    felt = felt + 150 * np.exp(-(((time - 9.7) / 0.03) ** 2)) + random.normal(0, 0.4, time.size)
+    assert rest(felt - 9.8 * net, time) == pytest.approx(0.0 if net else 9.8, abs=0.5)

@@ -1,4 +1,4 @@
-"""The rocket of the row under the cursor of the page Home: what it looks like, what it flew on, and how high."""
+"""The rocket of a flight in a strip across the page: what it looks like, what it flew on, and how high."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -21,8 +21,8 @@ HEIGHT = 16
 
 
 class RocketStrip(Horizontal):
-    """Facts on the left, apogees on the right; hidden without a rocket. The plot is mounted once there is something to
-    draw: the first paint goes without its library."""
+    """Facts on the left, apogees on the right; hidden without a rocket. The plot is mounted when there is something to
+    draw, so that the first paint does not need its library."""
 
     DEFAULT_CSS = f"""
     RocketStrip {{ height: {HEIGHT}; display: none; margin: 0 1; border-top: solid $border-blurred;
@@ -33,7 +33,7 @@ class RocketStrip(Horizontal):
     """
 
     def compose(self) -> Iterable[Widget]:
-        """The facts; a plot comes to stand beside them."""
+        """The facts; the plot is added next to them."""
         with VerticalScroll(can_focus=False):
             yield Static()
 

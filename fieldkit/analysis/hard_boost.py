@@ -1,0 +1,109 @@
+"""Whether the whole of a climb agrees with the lift-off that its first heights show: of a hard boost it may not.
+
+Static ports that are off by a part s of the dynamic pressure make heights low by s v²/2g. In a boost with even
+acceleration a that is s a/g of the height itself: at 25 g and s = 0.04 heights stand still until burnout, and seem to
+jump after it. So lift-off, burnout, the coast and s are fitted together, with the spread of s from rocket to rocket.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.analysis.ballistic import Coast, coast, fitted_coast
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.optimize import least_soft_squares
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD
+from fieldkit.analysis.records import Event
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+_HARD = 0.25 / STATIC_SD * GRAVITY
+"""Mean acceleration of a boost in which a usual error of the static ports hides a quarter of the height. [m/s^2]"""
+_BEFORE, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
+"""What is fitted: from so long before the first rise to so long after burnout, but not the very top. [s]"""
+_EVEN, _EVEN_SD = 0.5, 0.06
+"""Height at burnout, as a part of speed there times burn time: of an even push, and its spread over motors. [1]"""
+_BURNOUT_SD = 0.4
+"""Of the burnout that the outline of the heights has. [s]"""
+_MODEL_ERROR, _MIN_ERROR = 0.006, 0.2
+"""What this model of a climb is off by, as a part of v²/2g [1] and at least [m]."""
+_NEAR_SOUND, _SHOCKED = 0.15, 10.0
+"""So near to the speed of sound, as a part of it, heights may be off by so many times as much. [1]"""
+_MAX_SAMPLES, _MIN_SAMPLES, _ROUNDS = 300, 20, 30
+_SOONER = (0.0, 0.7, 1.5, 2.5)
+"""How long before the first rise a fit begins to look for lift-off. [s]"""
+_USUAL_CHANGE = np.array([1.0, 10.0, 0.3, 0.3, 0.3, STATIC_SD])
+_ROOM = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
+"""Of time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], error of ports [1]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Climb:
+    """Samples of a climb: times [s], heights above the pad [m], and what each may be off by [m]; and when heights
+    climb fastest [s]."""
+
+    time: Float[Array, "time"]
+    height: Float[Array, "time"]
+    sd: Float[Array, "time"]
+    fastest: float
+
+    def misfit(self, values: Float[Array, "six"]) -> Float[Array, "_"]:
+        """How far each sample is from a climb, then the priors of push, ports and burnout, all in deviations. [1]"""
+        apogee, top, drag, burnout, lift, static = values.tolist()
+        burn = max(burnout - lift, 0.05)
+        free = coast(apogee, top, float(np.exp(drag)), burnout, apogee)
+        height, speed = (float(np.interp(burnout, free.time, channel)) for channel in (free.height, free.speed))
+        first, jerk = _push(height, speed, burn)
+        since, boost = np.clip(self.time - lift, 0, burn), self.time < burnout
+        way = np.where(boost, (first + jerk * since / 3) * since**2 / 2, np.interp(self.time, free.time, free.height))
+        fast = np.where(boost, (first + jerk * since / 2) * since, np.interp(self.time, free.time, free.speed))
+        away = (way - static * fast * np.abs(fast) / (2 * GRAVITY) - self.height) / self.sd
+        uneven = (height / max(speed * burn, 1.0) - _EVEN) / _EVEN_SD
+        return np.append(away, (uneven, static / STATIC_SD, (burnout - self.fastest) / _BURNOUT_SD))
+
+
+def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
+    """A lift-off by the first rise of pressures, with what it is late by the whole of a hard climb in its error."""
+    if seen.climbs < _HARD * max(seen.fastest - corner.time, 0.0):
+        return corner
+    sooner = _lift_by_climb(corner, track, seen)
+    if sooner is None or sooner >= corner.time:
+        return corner
+    return replace(corner, sd=float(np.hypot(corner.sd, corner.time - sooner)))
+
+
+def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
+    """First acceleration [m/s^2] and jerk [m/s^3] of an evenly changing push to a height and a speed in a burn."""
+    first = 6 * height / burn**2 - 2 * speed / burn
+    return first, (2 * speed / burn - 2 * first) / burn
+
+
+def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None:
+    """Lift-off by the whole climb; None if the log has too little of it. [s]"""
+    inside = (track.time > corner.time - _BEFORE) & (
+        track.time < min(seen.top, seen.fastest + _COAST_TIME) - _TOP_MARGIN
+    )
+    every = max(1, int(inside.sum()) // _MAX_SAMPLES)
+    time, height = track.time[inside][::every], track.height[inside][::every] - seen.pad
+    free = fitted_coast(track.time, track.height - seen.pad, seen.fastest, seen.fastest, seen.top - _TOP_MARGIN)
+    if free is None or time.size < _MIN_SAMPLES:
+        return None
+    climb = _Climb(time, height, _errors(time, free, corner, seen, track.noise), seen.fastest)
+    top = int(np.argmax(free.height))
+    start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
+    starts = [start - sooner * np.eye(6)[4] for sooner in _SOONER]
+    found = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _ROOM, _ROUNDS) for one in starts]
+    costs = [float(np.sqrt(1 + climb.misfit(values) ** 2).sum()) for values in found]
+    return float(found[int(np.argmin(costs))][4])
+
+
+def _errors(
+    time: Float[Array, "time"], free: Coast, corner: Event, seen: Outline, noise: float
+) -> Float[Array, "time"]:
+    """What a sample may be off by: its noise, and what pressure in a fast airframe and this model are. [m]"""
+    burn = max(seen.fastest - corner.time, 0.3)
+    gained = np.clip((time - corner.time) / burn, 0, 1) * np.interp(seen.fastest, free.time, free.speed)
+    speed = np.where(time < seen.fastest, gained, np.interp(time, free.time, free.speed))
+    shocked = np.where(np.abs(speed / SPEED_OF_SOUND - 1) < _NEAR_SOUND, _SHOCKED, 1.0)
+    return np.asarray(np.hypot(noise, _MODEL_ERROR * shocked * speed**2 / (2 * GRAVITY)) + _MIN_ERROR)

@@ -1,0 +1,45 @@
+"""Lift-off of hard boosts behind static ports that are off."""
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import measure
+from fieldkit.analysis.ballistic import coast
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array
+
+LIFT, BURN = 5.0, 1.6
+
+
+def heights(static: float) -> tuple[Array, Array]:
+    """Times [s] and heights [m] of a boost with even push and its coast, as ports with an error show them."""
+    apogee, top, drag = 22.0, 2700.0, 6e-4
+    free = coast(apogee, top, drag, 0.0, apogee)
+    time = np.arange(0, 60, 0.05)
+    burnout = float(free.time[np.argmin(np.abs(free.height - free.speed * BURN / 2))])
+    height, speed = (float(np.interp(burnout, free.time, one)) for one in (free.height, free.speed))
+    shift = LIFT + BURN - burnout
+    since = np.clip(time - LIFT, 0, BURN)
+    boost = time < LIFT + BURN
+    way = np.where(boost, height * (since / BURN) ** 2, np.interp(time, free.time + shift, free.height))
+    fast = np.where(boost, speed * since / BURN, np.interp(time, free.time + shift, free.speed))
+    late = time > apogee + shift
+    way = np.where(late, np.maximum(top - 20 * (time - apogee - shift), 0), way)
+    fast = np.where(late, 0.0, fast)
+    noise = np.random.default_rng(1).normal(0, 0.4, time.size)
+    return time, way - static * fast**2 / (2 * GRAVITY) + noise
+
+
+@pytest.mark.parametrize("static", [-0.03, 0.0, 0.02, 0.036])
+def test_the_true_lift_off_is_within_two_stated_deviations(static: float) -> None:
+    time, height = heights(static)
+    lift = measure([Series(time, altitude=height)]).events["liftoff"]
+    assert abs(lift.time - LIFT) < 2 * lift.sd
+
+
+def test_a_lift_off_that_ports_hide_is_stated_as_uncertain() -> None:
+    clear, hidden = (measure([Series(time, altitude=height)]) for time, height in map(heights, (0.0, 0.036)))
+    assert clear.events["liftoff"].sd < 0.1
+    assert hidden.events["liftoff"].time > LIFT + 0.3
+    assert hidden.events["liftoff"].sd > 0.3
