@@ -79,3 +79,4 @@ fieldkit backups
 fieldkit capture --list
 fieldkit docs
 fieldkit docs predictions
+fieldkit simulate --motor D12-0/C6-0/C6-7 --booster-mass 60g/40g --dry-mass 100g --diameter 30mm --cd 0.6

@@ -1,5 +1,6 @@
 """README and manual are correct: commands run, paths exist, examples work, generated pages are up to date."""
 
+import json
 import re
 import shlex
 import sys
@@ -102,10 +103,24 @@ def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
     """Blocks of `sh` and `python` are run; those of `console` are usages in `docs/commands.md` and the installation."""
     fences = re.findall(r"^```(\w*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
     printed = {""} if page == PAGES["field-ensemble"] else set()  # a log that the page's own tool prints
-    assert {language for language, _ in fences} <= {"sh", "python", "console", "math"} | printed
+    assert {language for language, _ in fences} <= {"sh", "python", "console", "math", "toml"} | printed
     shown = [line for language, block in fences if language == "console" for line in block.splitlines()]
     assert [line for line in shown if not line.startswith("$ fieldkit ") and line != "pipx install ."] == []
     assert not blocks("python", page) or page == PAGES["extending"]
+    assert not blocks("toml", page) or page == PAGES["planning"]
+
+
+@pytest.mark.usefixtures("at_the_root")
+def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (block,) = blocks("toml", PAGES["planning"])
+    (tmp_path / "rules").mkdir()
+    (tmp_path / "rules" / "moorland.toml").write_text(block, encoding="utf-8")
+    plan = ["--motor", "C6-5", "--dry-mass", "70g", "--diameter", "42mm", "--wind", "8.5m/s"]
+    assert main(["predict", *plan, "--rules", "Moorland,FAA", "--json"]) == 0
+    (made,) = json.loads(capsys.readouterr().out)["predictions"]
+    (wind,) = [line for line in made["safety"] if line["check"] == "ground wind"]
+    assert wind["verdict"] == "caution"
+    assert "unverified" in str(wind)
 
 
 def test_every_command_has_an_example() -> None:

@@ -69,7 +69,7 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
         return
     check = MotorCheck()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
-        rows = planned_table(table, check)
+        rows = planned_table(table, check.catalogue.complaint_of_several)
         if not rows:
             raise BadValue(f"{table.name}: found no planned flights, expected a row for each")
         plans = []

@@ -175,7 +175,7 @@ def _compared(file: Path, json: bool) -> None:
         )
         for one in found.differences[:MAX_LISTED_MOTORS]
     ]
-    headers = ("motor", "figure", "catalogue", "tested", "off", "basis")
+    headers = ("motor", "figure", "catalog", "tested", "off", "basis")
     print_table(headers, rows, numbers=headers[2:5])
     complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5%")
     if len(found.differences) > MAX_LISTED_MOTORS:
@@ -203,7 +203,7 @@ def _own_corrections(json: bool) -> None:
     say(f"{file}")
     for one in rows:
         lot = f" lot {one.lot}" if one.lot else ""
-        say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.correction.text()}")
+        say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.text()}")
     if not rows:
         say(f"  one row per figure: {HEADER.strip()}")
 

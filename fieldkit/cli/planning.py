@@ -1,6 +1,6 @@
 """Shared by the planning commands: setting up a plan, its field, and printing the safety checks."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ import typer
 
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import progress, say, say_wrapped, system
-from fieldkit.cli.session import MotorCheck, known_motors, open_ledger
+from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -81,7 +81,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
         yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
 
 
-def planned_table(file: Path, check: MotorCheck) -> "list[Flight]":
+def planned_table(file: Path, check: Callable[[str], str | None]) -> "list[Flight]":
     """The planned flights of a table. Raises DamagedLog for the first bad row."""
     from fieldkit.importing.read import read_plans
     from fieldkit.services.imports import read_file

@@ -81,6 +81,14 @@ class Catalogue:
             return str(error)
         return None
 
+    def complaint_of_several(self, text: str) -> str | None:
+        """As `complaint`, but also None for a cluster that can be flown."""
+        try:
+            self.resolve_several(text)
+        except UnknownMotor as error:
+            return str(error)
+        return None
+
     def search(self, text: str) -> list[Motor]:
         """Every motor that a text could mean, best first; see `fieldkit.motors.search.search`."""
         return search.search(self.listings, text)

@@ -46,13 +46,14 @@ class Correction:
         """Whether the catalog carries `value` instead of `was`."""
         return self.confidence != "open"
 
-    def text(self) -> str:
-        """The correction in a line: `total impulse 4.29 N s instead of 5 (sure: NAR test figures)`."""
+    def text(self, *, before: bool = True) -> str:
+        """The correction in a line: `total impulse 4.29 N s instead of 5 (sure: NAR test figures)`; what it was only if
+        `before` is wanted."""
         what, unit = QUANTITIES.get(self.field, (self.field, ""))
         now, was = f"{self.value} {unit}".strip(), self.was or "none"
         if self.applied:
-            before = f" instead of {was}" if self.field != "motor" else ""
-            return f"{what} {now}{before} ({self.confidence}: {self.source})"
+            instead = f" instead of {was}" if before and self.field != "motor" else ""
+            return f"{what} {now}{instead} ({self.confidence}: {self.source})"
         other = f"; {now} in another document" if self.value else ""
         return f"{what} {was}{other} (open: {self.source})"
 

@@ -33,6 +33,10 @@ class OwnCorrection:
     date: str
     correction: Correction
 
+    def text(self) -> str:
+        """The correction in a line; what it was only if its row has that."""
+        return self.correction.text(before=bool(self.correction.was))
+
 
 def read_own_corrections(folder: Path) -> list[OwnCorrection]:
     """The rows of the flyer's table, none if there is none. Raises BadValue that names the row and the column."""
@@ -87,11 +91,29 @@ def _delays(value: str, where: str) -> tuple[float, ...]:
 
 def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
     """The motor with the figures of some rows that are not open, and the corrections beside those that it has."""
+    reported = []
     for one in rows:
+        was = one.correction.was or _listed(motor, one.correction.field)
+        reported.append(replace(one.correction, was=was, source=_source(one)))
         if one.correction.applied:
             motor = _with(motor, one)
-    told = tuple(replace(one.correction, source=_source(one)) for one in rows)
-    return replace(motor, corrections=(*motor.corrections, *told))
+    return replace(motor, corrections=(*motor.corrections, *reported))
+
+
+def _listed(motor: Motor, field: str) -> str:
+    """A figure of a motor as a table has it, empty if it is not known."""
+    if field == "delays":
+        return ",".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays)
+    value = {
+        "total_impulse_ns": motor.total_impulse,
+        "average_n": motor.certified_average,
+        "peak_n": motor.certified_peak,
+        "burn_s": motor.burn_time,
+        "propellant_g": motor.propellant_mass * 1e3,
+        "loaded_g": motor.loaded_mass * 1e3,
+        "length_mm": motor.length * 1e3,
+    }[field]
+    return "" if value is None else f"{value:.4g}"
 
 
 def _source(one: OwnCorrection) -> str:

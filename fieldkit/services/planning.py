@@ -9,7 +9,9 @@ from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
+from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.kits import read_kits
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown, start_of
 from fieldkit.services.plausible_flights import implausible_flights, plausible
@@ -36,10 +38,13 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
     """A plan with its missing values filled in: mass, diameter and rail as last flown, otherwise mass and diameter of
-    the design and the flyer's usual rail; the last site and its elevation. Weather is that of the day if it was
-    entered, and is never assumed here."""
+    the design or of the flyer's kit of its name, and the flyer's usual rail; the last site and its elevation. Weather
+    is that of the day if it was entered, and is never assumed here.
+
+    Raises BadValue for a damaged file of kits.
+    """
     history = plausible(ledger.flights(plan.rocket), motors)
-    plan = completed(plan, history, start_of(ledger, plan))
+    plan = _of_kit(completed(plan, history, start_of(ledger, plan)))
     last = ledger.latest()
     if not plan.site and plan.site_elevation is None and last is not None:
         plan = plan.with_changes(site=last.site)
@@ -47,6 +52,20 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
     known["site_elevation"] = site_of(ledger, plan.site).elevation
     plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
     return _with_recovery(plan, history)
+
+
+def has_kits() -> bool:
+    """Whether the flyer has kits. Raises BadValue for a damaged file of them."""
+    return bool(read_kits(data_file("kits.toml")))
+
+
+def _of_kit(plan: Flight) -> Flight:
+    """A plan with the mass and the diameter of the kit that its rocket is named after, if it has none of its own."""
+    if not plan.rocket or None not in (plan.dry_mass, plan.diameter):
+        return plan
+    kit = read_kits(data_file("kits.toml")).get(plan.rocket.casefold())
+    known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter} if kit else {}
+    return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
 
 
 INHERITED_RECOVERY = (

@@ -12,7 +12,7 @@ from fieldkit.motors.catalogue import split_lot
 from fieldkit.motors.comparison import compare_tests
 from fieldkit.motors.motor import impulse
 from fieldkit.motors.own import known_motors
-from fieldkit.motors.own_corrections import FILE_NAME, HEADER
+from fieldkit.motors.own_corrections import FILE_NAME, HEADER, read_own_corrections
 
 pytestmark = pytest.mark.fast
 SHARED = Path(__file__).parents[3] / "shared"
@@ -49,6 +49,23 @@ def test_a_lot_has_its_own_figures_and_an_unknown_one_says_so(tmp_path: Path) ->
     assert other.motor.total_impulse == 45.0
     assert any("no figures for lot 99" in note for note in other.notes)
     assert split_lot("Lots of F24") == ("Lots of F24", "")
+
+
+def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_path: Path) -> None:
+    fields = {"total_impulse_ns": "44", "loaded_g": "62", "burn_s": "1.9", "delays": '"4,7,9"', "length_mm": "71"}
+    (tmp_path / FILE_NAME).write_text(
+        HEADER + "".join(f"AeroTech,F24W,{field},,{fields[field]},,,L1,\n" for field in fields)
+    )
+    motors, errors = known_motors(tmp_path)
+    assert not errors
+    before = catalogue().resolve("F24W").motor
+    lines = dict(
+        zip(fields, (one.text() for one in motors.resolve("F24-4W lot L1").motor.corrections[-5:]), strict=True)
+    )
+    assert f"instead of {before.total_impulse:.4g}" in lines["total_impulse_ns"]
+    assert f"instead of {before.loaded_mass * 1e3:.4g}" in lines["loaded_g"]
+    assert not any("none" in line for line in lines.values())
+    assert not any("instead" in one.text() for one in read_own_corrections(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
 ALOFT = {"wind_aloft": "mps", "wind_aloft_height": "m"}
 
 
-def _flown(case: dict[str, Any], stability: str = "") -> dict[str, float]:
+def flown_again(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     """A case of the reference in fieldkit's own physics."""
     found = catalogue().resolve(case["motor"])
     area = np.pi / 4 * case["diameter"] ** 2
@@ -251,7 +251,7 @@ def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> Non
     A rocket that the rail sends upwind by as much as it drifts back lands near the pad, as the difference of two long
     ways; there the miss is judged against the way it drifted under its parachute.
     """
-    own, reference = _flown(case, f"{case['flown']['stability']:.2f}"), case["flown"]
+    own, reference = flown_again(case, f"{case['flown']['stability']:.2f}"), case["flown"]
     assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.02)
     assert own["duration"] == pytest.approx(reference["duration"], rel=0.02)
     assert _miss(own, reference) < 0.10
@@ -260,7 +260,7 @@ def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> Non
 @pytest.mark.parametrize("case", CHOSEN, ids=[case["name"] for case in CHOSEN])
 def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: dict[str, Any]) -> None:
     """Two calibers are assumed and these have three to six, so that they turn into the wind sooner than forecast."""
-    own, reference = _flown(case), case["flown"]
+    own, reference = flown_again(case), case["flown"]
     assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
     assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
     assert _miss(own, reference) < (0.15 if reference["stability"] < USUAL_MOST else 0.25)
@@ -278,7 +278,7 @@ def test_rockets_at_random_land_as_far_away_as_in_rocketpy(known: bool, near: in
     far = []
     for case in DRAWN:
         reference = case["flown"]
-        own = _flown(case, f"{reference['stability']:.2f}" if known else "")
+        own = flown_again(case, f"{reference['stability']:.2f}" if known else "")
         assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
         assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
         assert _miss(own, reference) < 0.20

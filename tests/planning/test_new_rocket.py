@@ -7,9 +7,16 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.kits import kit_of
 from fieldkit.planning.motor_guide import FIT_CHECKS
+from fieldkit.services.launch_day import first_forecast
+from fieldkit.services.planning import completed_plan
+from fieldkit.settings import Settings
+from fieldkit.tui.home.first_run import read_first
 
 CHECK_SHAPES = False
 
@@ -76,6 +83,22 @@ def test_a_kit_is_a_rocket_of_its_own_and_takes_no_motor_wider_than_its_mount(
     for command in ("predict", "landing"):
         assert main([*ledger, command, *kit, "--motor", "F39T-6"]) == 1
         assert "24 mm wide, expected at most 18 mm" in capsys.readouterr().err
+
+
+def test_the_app_takes_mass_and_diameter_of_the_kit_that_a_rocket_is_named_after(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    with pytest.raises(BadValue, match="a mass"):
+        read_first(catalogue(), "dry_mass", "", "g")
+    (tmp_path / "kits.toml").write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\n')
+    assert read_first(catalogue(), "dry_mass", "", "g") is None
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        plan = Flight(rocket="big bertha", motor="C6-5")
+        made = first_forecast(ledger, catalogue(), Settings(), plan)
+        assert (made.plan.dry_mass, made.plan.diameter) == pytest.approx((0.08, 0.0416))
+        heavier = completed_plan(ledger, catalogue(), plan.with_changes(dry_mass=0.1), Settings())
+        assert (heavier.dry_mass, heavier.diameter) == pytest.approx((0.1, 0.0416))
 
 
 def test_a_guide_without_a_rail_or_a_ceiling_says_that_neither_was_judged(

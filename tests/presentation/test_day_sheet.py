@@ -71,3 +71,20 @@ def test_the_command_reads_a_table_of_plans_and_what_is_given_for_the_day(
     assert "altimeter" in sheet
     assert main([*ledger, "daysheet", *given, "--out", str(tmp_path / "day.doc")]) == 1
     assert "day.doc" in capsys.readouterr().err
+
+
+def test_a_table_of_plans_may_have_clusters_and_a_bad_motor_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
+    header = "flight_id,rocket,dry_mass_g,diameter_mm,motor\n"
+    ledger = ["--ledger", str(tmp_path / "a.db")]
+    table.write_text(f"{header}1,Trio,200,50,3 x C6-5\n")
+    assert main([*ledger, "daysheet", "--flights", str(table), "--wind", "3", "--out", str(out)]) == 0
+    assert "failed ignitions are not modeled" in capsys.readouterr().err
+    sheet = text_of(out.read_bytes())
+    assert "3 x C6-5" in sheet
+    assert "complex rocket: caution" in sheet
+    table.write_text(f"{header}1,Trio,200,50,3 x ZZ9-5\n")
+    assert main([*ledger, "daysheet", "--flights", str(table), "--out", str(out), "--force"]) == 1
+    assert "row 2, motor" in capsys.readouterr().err

@@ -151,7 +151,7 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
         "" if mass is None else shown.mass(mass),
         shown.speed(median(said.rail_speed) or 0.0),
         f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
-        "altimeter" if delay is None or not 0 < delay < 1e6 else f"{three(said.eject)[1]:+.1f} s",
+        "altimeter" if delay is None or not 0 < delay < 1e6 else f"{round(three(said.eject)[1], 1) + 0.0:+.1f} s",
         f"{usual:.0f} s ({early:.0f}-{late:.0f})",
         "no wind" if one.down.wind is None else f"{shown.length(three(one.down.away)[1])} away",
         _verdicts(one.lines),

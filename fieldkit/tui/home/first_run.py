@@ -67,8 +67,13 @@ def _ask_rocket(page: PageScreen, motors: "Catalogue") -> None:
 
 
 def read_first(motors: "Catalogue", name: str, text: str, unit: str) -> object:
-    """An answer about a first rocket. Raises BadValue for one that is missing, cannot be read, or names no motor."""
-    if not text.strip() and name in EXAMPLES:
+    """An answer about a first rocket. Raises BadValue for one that is missing, cannot be read, or names no motor.
+
+    A mass may be missing if the flyer has kits, which the rocket may be named after.
+    """
+    from fieldkit.services.planning import has_kits
+
+    if not text.strip() and name in EXAMPLES and not (name == "dry_mass" and has_kits()):
         raise BadValue(f"expected {EXAMPLES[name]}")
     if name == "motor" and (trouble := motors.complaint(text)):
         raise BadValue(trouble)
