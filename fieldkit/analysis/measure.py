@@ -19,6 +19,7 @@ from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import sightings
 from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Flags
 
 _MAX_FILLED_DELAY = 0.1
@@ -128,7 +129,7 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
         return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)
     lasts = float(full.sum()) * median_step(push.time)
-    note = FILLED_NOTE.format(lasts, found.missed)
+    note = FILLED_NOTE.format(lasts, found.missed / GRAVITY)
     filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
     return _Trust(filled, notes=(note,))
 
