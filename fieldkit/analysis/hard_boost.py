@@ -18,11 +18,11 @@ from fieldkit.analysis.records import Event
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
-_HARD = 0.25 / STATIC_SD * GRAVITY
+_HARD_BOOST = 0.25 / STATIC_SD * GRAVITY
 """Mean acceleration of a boost in which a usual error of the static ports hides a quarter of the height. [m/s^2]"""
 _BEFORE, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
 """What is fitted: from so long before the first rise to so long after burnout, but not the very top. [s]"""
-_EVEN, _EVEN_SD = 0.5, 0.06
+_BOOST_SHAPE, _BOOST_SHAPE_SD = 0.5, 0.06
 """Height at burnout, as a part of speed there times burn time: of an even push, and its spread over motors. [1]"""
 _BURNOUT_SD = 0.4
 """Of the burnout that the outline of the heights has. [s]"""
@@ -59,13 +59,13 @@ class _Climb:
         way = np.where(boost, (first + jerk * since / 3) * since**2 / 2, np.interp(self.time, free.time, free.height))
         fast = np.where(boost, (first + jerk * since / 2) * since, np.interp(self.time, free.time, free.speed))
         away = (way - static * fast * np.abs(fast) / (2 * GRAVITY) - self.height) / self.sd
-        uneven = (height / max(speed * burn, 1.0) - _EVEN) / _EVEN_SD
+        uneven = (height / max(speed * burn, 1.0) - _BOOST_SHAPE) / _BOOST_SHAPE_SD
         return np.append(away, (uneven, static / STATIC_SD, (burnout - self.fastest) / _BURNOUT_SD))
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
     """A lift-off by the first rise of pressures, with what it is late by the whole of a hard climb in its error."""
-    if seen.climbs < _HARD * max(seen.fastest - corner.time, 0.0):
+    if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
     sooner = _lift_by_climb(corner, track, seen)
     if sooner is None or sooner >= corner.time:
