@@ -31,6 +31,9 @@ _NEAR_SOUND = 0.13
 """How near to the speed of sound, as a part of it, no sample is believed once some seemed to fall. [1]"""
 _MARGIN = 0.4
 """How long before and after a seeming fall its samples are not believed. [s]"""
+_MAX_COAST_PART = 2.0
+"""A log that ends before the top has too little of a coast to fit one to, if that begins faster than so many times the
+fastest climb that its heights show. [1]"""
 _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
 charge in the airframe, which comes and goes for so long [s]"""
@@ -132,9 +135,16 @@ def _fit_start(
     """The samples that count on a grid, and a first guess by them and by an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
+    if coast is not None and not seen.down and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
+        coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
     samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
     return _FitStart(samples, coast, guess, fused)
+
+
+def _speed(coast: Coast, moment: float) -> float:
+    """The speed of a coast at a time. [m/s]"""
+    return float(np.interp(moment, coast.time, coast.speed))
 
 
 def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:

@@ -18,23 +18,23 @@ from fieldkit.analysis.records import Event
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
-_HARD = 0.25 / STATIC_SD * GRAVITY
+_HARD_BOOST = 0.25 / STATIC_SD * GRAVITY
 """Mean acceleration of a boost in which a usual error of the static ports hides a quarter of the height. [m/s^2]"""
-_BEFORE, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
+_PAD_TIME, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
 """What is fitted: from so long before the first rise to so long after burnout, but not the very top. [s]"""
-_EVEN, _EVEN_SD = 0.5, 0.06
+_BOOST_SHAPE, _BOOST_SHAPE_SD = 0.5, 0.06
 """Height at burnout, as a part of speed there times burn time: of an even push, and its spread over motors. [1]"""
 _BURNOUT_SD = 0.4
 """Of the burnout that the outline of the heights has. [s]"""
 _MODEL_ERROR, _MIN_ERROR = 0.006, 0.2
 """What this model of a climb is off by, as a part of v²/2g [1] and at least [m]."""
-_NEAR_SOUND, _SHOCKED = 0.15, 10.0
+_SOUND_MARGIN, _SHOCK_FACTOR = 0.15, 10.0
 """So near to the speed of sound, as a part of it, heights may be off by so many times as much. [1]"""
 _MAX_SAMPLES, _MIN_SAMPLES, _ROUNDS = 300, 20, 30
-_SOONER = (0.0, 0.7, 1.5, 2.5)
+_START_OFFSETS = (0.0, 0.7, 1.5, 2.5)
 """How long before the first rise a fit begins to look for lift-off. [s]"""
 _USUAL_CHANGE = np.array([1.0, 10.0, 0.3, 0.3, 0.3, STATIC_SD])
-_ROOM = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
+_LIMITS = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
 """Of time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], error of ports [1]."""
 
 
@@ -59,13 +59,13 @@ class _Climb:
         way = np.where(boost, (first + jerk * since / 3) * since**2 / 2, np.interp(self.time, free.time, free.height))
         fast = np.where(boost, (first + jerk * since / 2) * since, np.interp(self.time, free.time, free.speed))
         away = (way - static * fast * np.abs(fast) / (2 * GRAVITY) - self.height) / self.sd
-        uneven = (height / max(speed * burn, 1.0) - _EVEN) / _EVEN_SD
+        uneven = (height / max(speed * burn, 1.0) - _BOOST_SHAPE) / _BOOST_SHAPE_SD
         return np.append(away, (uneven, static / STATIC_SD, (burnout - self.fastest) / _BURNOUT_SD))
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
     """A lift-off by the first rise of pressures, with what it is late by the whole of a hard climb in its error."""
-    if seen.climbs < _HARD * max(seen.fastest - corner.time, 0.0):
+    if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
     sooner = _lift_by_climb(corner, track, seen)
     if sooner is None or sooner >= corner.time:
@@ -81,7 +81,7 @@ def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
 
 def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None:
     """Lift-off by the whole climb; None if the log has too little of it. [s]"""
-    inside = (track.time > corner.time - _BEFORE) & (
+    inside = (track.time > corner.time - _PAD_TIME) & (
         track.time < min(seen.top, seen.fastest + _COAST_TIME) - _TOP_MARGIN
     )
     every = max(1, int(inside.sum()) // _MAX_SAMPLES)
@@ -92,8 +92,8 @@ def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None
     climb = _Climb(time, height, _errors(time, free, corner, seen, track.noise), seen.fastest)
     top = int(np.argmax(free.height))
     start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
-    starts = [start - sooner * np.eye(6)[4] for sooner in _SOONER]
-    found = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _ROOM, _ROUNDS) for one in starts]
+    starts = [start - sooner * np.eye(6)[4] for sooner in _START_OFFSETS]
+    found = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in starts]
     costs = [float(np.sqrt(1 + climb.misfit(values) ** 2).sum()) for values in found]
     return float(found[int(np.argmin(costs))][4])
 
@@ -105,5 +105,5 @@ def _errors(
     burn = max(seen.fastest - corner.time, 0.3)
     gained = np.clip((time - corner.time) / burn, 0, 1) * np.interp(seen.fastest, free.time, free.speed)
     speed = np.where(time < seen.fastest, gained, np.interp(time, free.time, free.speed))
-    shocked = np.where(np.abs(speed / SPEED_OF_SOUND - 1) < _NEAR_SOUND, _SHOCKED, 1.0)
+    shocked = np.where(np.abs(speed / SPEED_OF_SOUND - 1) < _SOUND_MARGIN, _SHOCK_FACTOR, 1.0)
     return np.asarray(np.hypot(noise, _MODEL_ERROR * shocked * speed**2 / (2 * GRAVITY)) + _MIN_ERROR)

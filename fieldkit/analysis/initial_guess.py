@@ -10,7 +10,7 @@ from fieldkit.analysis.smooth import Grid
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
-_MAX_SENSOR_GAP = 0.3
+MAX_SENSOR_GAP = 0.3
 """An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
 
 
@@ -49,7 +49,7 @@ def first_guess(
         boost = push.time[(push.time > start) & (push.time < burnout)]
         if (
             level is not None
-            and np.diff(boost).max(initial=0.0) < _MAX_SENSOR_GAP
+            and np.diff(boost).max(initial=0.0) < MAX_SENSOR_GAP
             and (inside & (knots > start) & (knots < burnout)).sum() > 2
         ):
             total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
@@ -67,7 +67,7 @@ def first_guess(
 def _in_silence(knots: Float[Array, "knot"], push: Push) -> Flags:
     """Knots at which an accelerometer was silent: what it felt there is not between what it felt before and after."""
     after = np.clip(np.searchsorted(push.time, knots), 1, push.time.size - 1)
-    return np.asarray(push.time[after] - push.time[after - 1] > _MAX_SENSOR_GAP)
+    return np.asarray(push.time[after] - push.time[after - 1] > MAX_SENSOR_GAP)
 
 
 def levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:

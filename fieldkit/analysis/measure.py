@@ -11,20 +11,24 @@ from fieldkit.analysis.channels import Heights, Push, at_its_end, heights, pushe
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
+from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
 from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
-from fieldkit.analysis.notes import CLIPPED_NOTE, DISBELIEVED, FILLED_NOTE, LEANED, NO_FLIGHT, NO_HEIGHT
+from fieldkit.analysis.notes import CLIPPED_NOTE, DISBELIEVED, ENDS_IN_BOOST, FILLED_NOTE, LEANED, NO_FLIGHT, NO_HEIGHT
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import sightings
 from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Flags
 
 _MAX_FILLED_DELAY = 0.1
 """Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
 _MAX_MISS = 0.08
 """Part of a climb by which its top by sensors together may be off that by the heights, smoothed over a second. [1]"""
+_LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
+"""What an accelerometer felt last, for so long [s], is thrust if it is above this [m/s^2]."""
 _MIN_LAG = 0.08
 """Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 
@@ -107,6 +111,8 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
 
     A saturated accelerometer, in samples that are `full`, is used for the rest.
     """
+    if push is not None and _ends_in_boost(push, seen):
+        return _Trust(None, notes=(ENDS_IN_BOOST,), blows=push)
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
@@ -122,13 +128,19 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     return _Trust(None, notes=(DISBELIEVED.format(found.why),))
 
 
+def _ends_in_boost(push: Push, seen: Outline) -> bool:
+    """Whether an accelerometer was silent while the climb still grew faster, and felt thrust when it was last heard."""
+    last = push.felt[push.time > push.time[-1] - _LAST_FELT]
+    return bool(push.time[-1] < seen.fastest - MAX_SENSOR_GAP and np.median(last) > _THRUST)
+
+
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     """An accelerometer with what it missed while saturated, if the rest of it agrees with the heights."""
     if found is None or not found.believed or abs(found.late) > _MAX_FILLED_DELAY + found.step:
         return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)
     lasts = float(full.sum()) * median_step(push.time)
-    note = FILLED_NOTE.format(lasts, found.missed)
+    note = FILLED_NOTE.format(lasts, found.missed / GRAVITY)
     filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
     return _Trust(filled, notes=(note,))
 

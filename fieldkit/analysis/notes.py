@@ -12,8 +12,9 @@ NO_PAD = "the log begins in flight and its heights are not above the pad: no apo
 CLIPPED_NOTE = "the accelerometer was saturated in the boost: only heights are used for it"
 FILLED_NOTE = (
     "the accelerometer was saturated for {:.1f} s of the boost: "
-    "the missing {:.0f} m/s² on average are filled in from the heights"
+    "the missing {:.1f} g on average are filled in from the heights"
 )
+ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
 DISBELIEVED = "the acceleration {}: it is not used; the boost is measured from heights only"
 LEANED = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
 NO_LANDING = "the log ends before landing: no duration"

@@ -5,6 +5,7 @@ import pytest
 
 from fieldkit.analysis import measure
 from fieldkit.analysis.ballistic import coast
+from fieldkit.analysis.notes import ENDS_IN_BOOST
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array
@@ -43,3 +44,20 @@ def test_a_lift_off_that_ports_hide_is_stated_as_uncertain() -> None:
     assert clear.events["liftoff"].sd < 0.1
     assert hidden.events["liftoff"].time > LIFT + 0.3
     assert hidden.events["liftoff"].sd > 0.3
+
+
+def test_an_accelerometer_that_ends_in_the_boost_does_not_say_when_it_burned_out() -> None:
+    time, height = heights(0.0)
+    clock = np.arange(0, LIFT + BURN / 2, 0.01)
+    felt = np.where(clock < LIFT, GRAVITY, 26 * GRAVITY) + np.random.default_rng(2).normal(0, 0.5, clock.size)
+    recorded = measure([Series(time, altitude=height), Series(clock, felt=felt)])
+    assert ENDS_IN_BOOST in recorded.notes
+    assert abs(recorded.events["burnout"].time - LIFT - BURN) < 2 * recorded.events["burnout"].sd
+
+
+@pytest.mark.parametrize("end", [7.4, 8.0, 9.0, 12.0])
+def test_a_log_that_ends_in_the_coast_states_no_speed_that_its_heights_contradict(end: float) -> None:
+    time, height = heights(0.0)
+    whole = measure([Series(time, altitude=height)]).figures["top_speed"]
+    cut = measure([Series(time[time < end], altitude=height[time < end])]).figures.get("top_speed")
+    assert cut is None or abs(cut.value - whole.value) < 2 * np.hypot(cut.sd, whole.sd)

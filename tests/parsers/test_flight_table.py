@@ -412,3 +412,12 @@ def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
     (flight,) = intake("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
     assert flight.date_time is None
     assert flight.extra["Date"] == "5/1/2024"
+
+
+@pytest.mark.parametrize("title", ["Spring launch\n", "Spring launch,,,\n\nexported on Sunday\n"])
+def test_a_title_above_the_header_is_skipped(title: str) -> None:
+    log = f"{title}date,rocket,motor,apogee (ft)\n2024-05-04,Alpha,C6-5,812\n".encode()
+    (reading,) = open_log(log, "flights.csv", None).found
+    assert isinstance(reading, Reading)
+    assert reading.row == title.count("\n") + 2
+    assert reading.stated["apogee"] == pytest.approx(812 * 0.3048)

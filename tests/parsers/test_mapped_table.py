@@ -13,7 +13,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Note, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.reading import ColumnChoice
-from fieldkit.importing.recognize import claims, parsers
+from fieldkit.importing.recognize import claims, open_log, parsers
 from fieldkit.importing.tables import mapping
 from fieldkit.importing.tables.headings import channel, heading, stated_unit
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
@@ -469,3 +469,19 @@ def test_an_accelerometer_whose_log_begins_in_flight_has_no_guessed_unit() -> No
     assert series.felt is None
     assert series.felt_total is None
     assert "'ay'" in line
+
+
+@pytest.mark.parametrize("names", ["altitude,height", "height,altitude"])
+@pytest.mark.parametrize("elevation", [310.0, 1500.0])
+def test_of_two_heights_the_one_above_the_pad_is_used(names: str, elevation: float) -> None:
+    rows = []
+    for time in np.arange(0, 16, 0.05):
+        climb = max(0.0, min(time - 2, 12.0))
+        above = 60 * climb - 4.9 * climb**2 if climb < 12.2 else 0.0
+        pair = (above + elevation, above) if names.startswith("altitude") else (above, above + elevation)
+        rows.append(f"{time:.2f},{pair[0]:.2f},{pair[1]:.2f}")
+    log = f"time (s),{names.replace(',', ' (m),')} (m)\n" + "\n".join(rows) + "\n"
+    (reading,) = (one for one in open_log(log.encode(), "log.csv", None).found if isinstance(one, Reading))
+    (series,) = reading.clocks
+    assert series.altitude is not None
+    assert abs(series.altitude[0]) < 1

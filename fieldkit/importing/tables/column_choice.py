@@ -31,6 +31,8 @@ SUFFICIENT_CHANNELS = (
 """Besides time, one of these makes a table worth reading."""
 REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
 """Channels that are never left out for lack of a unit."""
+_START_SAMPLES, _ZERO_PART = 11, 0.01
+"""Heights whose first so many samples are within such a part of their range of zero count from the pad. [1]"""
 _HOUR = 3600.0
 LIMIT = 1e12
 """No sample is this far from zero; what is, was damaged. [any unit but of time]"""
@@ -146,7 +148,10 @@ def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
-    """One column for each channel. Raises DamagedLog for two that disagree and matter."""
+    """One column for each channel: of two heights the one that begins at zero, as the other counts from the sea.
+
+    Raises DamagedLog for two that disagree and matter.
+    """
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
     for pick in picks:
@@ -158,14 +163,35 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
             values[pick.channel] = column
             continue
         rival = next(one for one in kept if one.channel == pick.channel)
-        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in REQUIRED_CHANNELS:
+        if _agree(rival, values[pick.channel], pick, column) or pick.channel not in REQUIRED_CHANNELS:
+            continue
+        from_zero = [_starts_at_zero(one) for one in (values[pick.channel], column)]
+        beside = pick.channel == "altitude" and _differ_in_zero(rival, values[pick.channel], pick, column)
+        if not beside or rival.chosen or all(from_zero) or not any(from_zero):
             raise DamagedLog(
                 f"found two columns for {pick.channel} that differ, {shown(rival.name)} and {shown(pick.name)}; "
                 f"choose one with --map '{pick.channel}=its column'"
             )
+        if from_zero[1]:  # a height above the pad beside one above the sea
+            kept[kept.index(rival)], values[pick.channel] = pick, column
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected some")
     return kept, values
+
+
+def _starts_at_zero(height: Float[Array, "row"]) -> bool:
+    """Whether heights count from where the log begins, in whatever unit."""
+    there = height[np.isfinite(height)]
+    return abs(float(np.median(there[:_START_SAMPLES]))) < _ZERO_PART * float(np.ptp(there))
+
+
+def _differ_in_zero(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
+    """Whether two columns of one unit, stated or not, are the same but for where they count from."""
+    apart = (others - values)[np.isfinite(others - values)]
+    if one.unit != other.unit or not len(apart):
+        return False
+    away = np.abs(apart - float(np.median(apart)))
+    return float(np.percentile(away, 90)) <= 0.02 * float(np.nanmax(values) - np.nanmin(values))
 
 
 def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:

@@ -156,17 +156,29 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             yield row, DamagedLog(found, row=row)
 
 
+_MOST_TITLES, _LEAST_BELOW_TITLE = 5, 3
+"""Rows of titles that a table may have above its header, and the cells that its header then has at least. [1]"""
+
+
 def first_row(text: str, separator: str) -> tuple[int, list[str]]:
-    """The first row that is neither blank nor a spreadsheet's `sep=;`, with its number: the header of a table.
+    """The header of a table, with the number of its row: the first row that is neither blank nor a spreadsheet's
+    `sep=;`, nor a title, alone in its row above a row of several cells.
 
     (0, []) if there is none.
     """
+    titles: list[tuple[int, list[str]]] = []
     for row, cells in rows(text, separator):
         if isinstance(cells, DamagedLog):
             break
-        if any(cell.strip() for cell in cells) and not cells[0].strip().lower().startswith("sep="):
+        filled = sum(bool(cell.strip()) for cell in cells)
+        if not filled or cells[0].strip().lower().startswith("sep="):
+            continue
+        if filled > 1 and (not titles or filled >= _LEAST_BELOW_TITLE):
             return row, cells
-    return 0, []
+        titles.append((row, cells))
+        if len(titles) > _MOST_TITLES or filled > 1:
+            break
+    return titles[0] if titles else (0, [])
 
 
 def first_names(head: bytes) -> tuple[str, ...]:
