@@ -199,6 +199,16 @@ def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is
     assert "fieldkit simulate flies several" in capsys.readouterr().err
 
 
+def test_a_search_for_a_cluster_shows_its_sums(capsys: pytest.CaptureFixture[str]) -> None:
+    one, three = (["motors", *text.split(), "--json"] for text in ("Estes C6", "3 x Estes C6"))
+    found = []
+    for command in (one, three):
+        assert main(command) == 0
+        found.append(json.loads(capsys.readouterr().out)["motors"])
+    assert len(found[1]) == 1
+    assert found[1][0]["total_impulse_ns"] == pytest.approx(3 * found[0][0]["total_impulse_ns"], rel=1e-3)
+
+
 def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
