@@ -118,7 +118,7 @@ async def test_a_plot_fills_its_place_in_a_terminal_that_has_grown(file: Path) -
         await press(pilot, "enter")
         plot = pilot.app.screen.query_one("#drag", Plot)
         await pilot.resize_terminal(250, 40)
-        while plot.size.width <= 80:  # Textual arranges a page anew some time after its terminal has grown
+        while plot.size.width <= 80:  # Textual arranges a page again some time after its terminal has grown
             await calm(pilot)
             await asyncio.sleep(0.01)
         assert max(map(len, str(plot.render()).splitlines())) == plot.size.width
