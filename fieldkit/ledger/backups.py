@@ -215,8 +215,6 @@ def restore(file: Path, backup: Backup) -> Path | None:
             kept = _kept(ledger, file)
             if kept is None:
                 return _put_aside(file, backup)
-            with opened(backup.file) as then:
-                then.backup(ledger)
             if found := _miscopied(ledger, file, backup):
                 raise LedgerError(f"{backup.file}: cannot be restored ({found}); {_put_back(ledger, kept)}")
         _rotate(file)
@@ -226,9 +224,11 @@ def restore(file: Path, backup: Backup) -> Path | None:
 
 
 def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
-    """What is wrong with a ledger into which a backup was copied, empty for nothing: SQLite copies a page that a disk
-    hands over in part only, without an error, as one of zeros."""
+    """Copy a backup into a ledger; what is wrong with it, empty for nothing: SQLite copies a page that a disk hands
+    over in part only, without an error, as one of zeros."""
     try:
+        with opened(backup.file) as then:
+            then.backup(ledger)
         with _claimed(file) as (_, new):
             _copy(ledger, new)
             return fault(new, since=backup.file)
