@@ -41,6 +41,7 @@ class Tape:
     _marked_size: int = 0
     _synced: float = 0.0
     _dirty: bool = False
+    _failed: str = ""
 
     def __enter__(self) -> "Tape":
         return self
@@ -71,11 +72,15 @@ class Tape:
             self._sync()
 
     def close(self) -> None:
-        """Bring everything to the disk and let go of the files."""
-        if not self._raw.closed:
-            self._sync()
-            self._raw.close()
-            self._journal.close()
+        """Bring everything to the disk and let go of the files. Raises CaptureTrouble if the disk failed since the
+        capture began: a disk that fails once does not end a capture, since a logger may send its flight only once."""
+        if self._raw.closed:
+            return
+        self._sync()
+        self._raw.close()
+        self._journal.close()
+        if self._failed:
+            raise CaptureTrouble(f"{self.file}: the disk failed ({self._failed}); some of the capture may not be saved")
 
     def discard_if_empty(self) -> None:
         """Close, and leave nothing behind if nothing ever came."""
@@ -95,8 +100,11 @@ class Tape:
             ) from error
 
     def _sync(self) -> None:
-        os.fsync(self._raw.fileno())
-        os.fsync(self._journal.fileno())
+        try:
+            os.fsync(self._raw.fileno())
+            os.fsync(self._journal.fileno())
+        except OSError as error:
+            self._failed = error.strerror or str(error)
         self._dirty, self._synced = False, time.monotonic()
 
 
@@ -115,7 +123,10 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
     tape = Tape(file, raw, journal, began, _start=time.monotonic())
     tape.note(capture=1, began=began.isoformat(timespec="milliseconds"), **about)
     tape._sync()
-    _sync_names(folder)
+    try:
+        _sync_names(folder)
+    except OSError as error:
+        tape._failed = error.strerror or str(error)
     return tape
 
 

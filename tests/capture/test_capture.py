@@ -1,5 +1,6 @@
 """Captured bytes are saved whatever happens to the cable, the program, the disk or the parser, and are imported."""
 
+import errno
 import json
 import os
 import re
@@ -146,6 +147,26 @@ def test_a_full_disc_is_told_of_in_one_line(tmp_path: Path, monkeypatch: pytest.
             with pytest.raises(CaptureTrouble, match=r"\.raw: cannot be written \(No space left on device\)"):
                 tape.heard(b"after")
     assert read_capture(tape.file).raw == b"before"
+
+
+def test_a_disk_that_fails_once_does_not_end_a_capture_and_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, calls = os.fsync, iter(range(1000))
+
+    def failing(number: int) -> None:
+        if next(calls) == 4:
+            raise OSError(errno.EIO, "Input/output error")
+        real(number)
+
+    monkeypatch.setattr(os, "fsync", failing)
+    tape = begin(tmp_path, {})
+    for chunk in (b"one ", b"two ", b"three"):
+        time.sleep(0.3)
+        tape.heard(chunk)
+    with pytest.raises(CaptureTrouble, match=r"\.raw: the disk failed \(Input/output error\)"):
+        tape.close()
+    assert read_capture(tape.file).raw == b"one two three"
 
 
 def test_bytes_are_synchronised_a_few_times_a_second_also_when_no_more_come(
