@@ -85,6 +85,8 @@ def _mixed(one: Burns, other: Burns, motors: tuple[int, ...]) -> Burns:
     mixed = {}
     for name in one.__dataclass_fields__:
         values, others = getattr(one, name), getattr(other, name)
+        if values is None:  # none of these motors changes the drag
+            continue
         chosen = values.copy()
         chosen[..., list(motors)] = others[..., list(motors)]
         mixed[name] = chosen

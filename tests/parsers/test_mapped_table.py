@@ -307,7 +307,7 @@ def test_a_mapping_to_nothing_says_what_there_is(text: str, complaint: str) -> N
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(mapping, "data_folder", lambda: tmp_path)
+    monkeypatch.setattr(mapping, "data_file", lambda name: tmp_path / name)
     return tmp_path
 
 
