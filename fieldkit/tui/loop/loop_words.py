@@ -196,7 +196,8 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
     plt.scatter(across, up, marker="●", color=ink.mark)
     plt.hline(0.0, color=ink.line)
     low, high = min(math.floor(min(up)), -1), max(math.ceil(max(up)), 1)
-    plt.yticks(list(range(low, high + 1)))
+    step = math.ceil((high - low) * LINES_PER_TICK / max(ink.height - FRAME_LINES, 1))
+    plt.yticks([tick for tick in range(low, high + 1) if tick % step == 0])
     plt.ylim(low - 0.4, high + 0.4)  # a label in the last row would collide with those below it
     if ticks:
         plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
@@ -208,6 +209,10 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
 
 PATTERN_P_VALUE = 0.05
 """A corrected p-value below which a pattern is reported. [1]"""
+LINES_PER_TICK = 1.5
+"""Minimum distance of two labels beside an axis; of two on one line, plotext drops one at random. [cell]"""
+FRAME_LINES = 4
+"""Lines of a plot above and below its points: a frame, and labels. [cell]"""
 TICKS = 6
 """Maximum number of labels below an axis of whole numbers, minus one. [1]"""
 
