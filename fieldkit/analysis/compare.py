@@ -93,7 +93,7 @@ def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array
 
 
 def _joined(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> "pandas.DataFrame":
-    """Heights of both at the first's times, with the second's clock shifted and its samples interpolated linearly. [m]"""
+    """Heights of both at the first's times, with the second's clock shifted and its heights interpolated. [m]"""
     import pandas
 
     first, second = pandas.Series(one.height, one.time), pandas.Series(other.height, other.time + shift)
