@@ -262,8 +262,8 @@ def _resolution(samples: Samples, found: FittedCurve) -> float:
     """Width of the uniform window over which the fitted acceleration is effectively averaged. [s]
 
     With process noise q of the acceleration and heights of spectral density r, a curve passes the fraction 1 / (1 + w^6
-    r/q) of an acceleration of frequency w. A uniform window passes half at the frequency where this fraction is one
-    half, at 3.79 / w.
+    r/q) of an acceleration of frequency w. The window has width 3.79 / w at the w where this fraction is one half:
+    there a uniform window passes half as well.
     """
     own = samples.is_own
     density = float(np.median(found.variance[own])) * median_step(samples.time[own])

@@ -19,8 +19,8 @@ _SHOCK = 4 * GRAVITY
 _RISE = 0.02
 """Rise time of a shock. [s]"""
 _TIME_BEFORE_APOGEE, _BRAKED_SLACK = 1.0, 2.0
-"""How long before apogee an undetected charge may have fired [s], and the slack in the speed at braking [m/s]: a fall
-that was braked at a speed not more than 1.5 times the descent speed plus this slack does not reveal ejection."""
+"""How long before apogee an undetected charge may have fired [s], and the slack in the speed of a fall [m/s]: a fall to
+less than 1.5 times the descent speed plus this slack does not reveal when it was braked."""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 

@@ -1,4 +1,4 @@
-"""Check the lift-off that the first heights show against the whole climb: they disagree in a hard boost.
+"""Check the lift-off that the first heights show against the whole climb: in a hard boost they may disagree.
 
 Static ports that are off by a fraction s of the dynamic pressure lower heights by s v²/2g. In a boost with constant
 acceleration a, that is s a/g of the height itself: at 25 g and s = 0.04 heights remain constant until burnout and then
