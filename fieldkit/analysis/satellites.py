@@ -142,7 +142,7 @@ def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
         time, height, speed = series.time[there], height[there], speed[there]
         fresh = np.concatenate(
             ([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE))
-        )  # a repeated fix does not count
+        )  # no repeated fix
         if fresh.sum() >= MIN_SAMPLES:
             return _Receiver(time[fresh], height[fresh], speed[fresh])
     return None
