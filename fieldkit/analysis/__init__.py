@@ -1,4 +1,4 @@
-"""Measure the events and readouts of a flight from the samples of a log: `measure`, and the records it returns."""
+"""From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
 from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import measure, rises
