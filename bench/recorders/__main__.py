@@ -16,7 +16,7 @@ from bench.recorders.models import RECORDERS
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the table and the largest misses; 1 if a log was refused."""
+    """Print the table and the largest errors. Returns 1 if a log was rejected."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
