@@ -1,7 +1,7 @@
 """The parts of a design: sizes, and masses from geometry and material, with overrides taking precedence.
 
-Lengths are in m, masses in kg, densities in kg/m^3 (bulk), kg/m^2 (surface) and kg/m (line), as in the files. Source:
-the elements of OpenRocket's saved designs, https://openrocket.readthedocs.io.
+Lengths are in m, masses in kg, densities in kg/m^3 (bulk), kg/m^2 (surface) and kg/m (line), as in the files.
+Source: the elements of OpenRocket's saved designs, https://openrocket.readthedocs.io.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Data of a simulation stored in a design: mass without motor, and Cd on the reference area of the design's body.
 
 The columns of a stored flight have three decimals, so that the reference area in m^2 has only one significant digit for
-most rockets; it is never read. A stored Cd refers to the reference diameter of the geometry, which is read. Source:
-OpenRocket's `ReferenceType`, `TextUtil` and `FlightDataBranch`, version 24.12.
+most rockets; it is never read. A stored Cd refers to the reference diameter of the geometry, which is read.
+Source: OpenRocket's `ReferenceType`, `TextUtil` and `FlightDataBranch`, version 24.12.
 """
 
 import math

@@ -1,9 +1,9 @@
 """Parse the flash of an Altus Metrum device into records from the lines of hex bytes that a download writes.
 
 A record is a letter, a checksum, a 16-bit clock and data; the log format determines its length and layout. Erased bytes
-are ff; a record with a wrong checksum is skipped. Source: altoslib and libaltos of AltOS. Formats 1, 7, 16 and 22 were
-checked with real files, but the axial accelerometer of a TeleMega and an EasyMega only with `struct ao_log_mega`
-(ao_log.h).
+are ff; a record with a wrong checksum is skipped.
+Source: altoslib and libaltos of AltOS. Formats 1, 7, 16 and 22 were checked with real files, but the axial
+accelerometer of a TeleMega and an EasyMega only with `struct ao_log_mega` (ao_log.h).
 """
 
 import re
