@@ -140,9 +140,7 @@ def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
         there &= np.concatenate(([True], np.diff(series.time) > 0))
         speed = series.gps_speed if series.gps_speed is not None else np.full(height.size, np.nan)
         time, height, speed = series.time[there], height[there], speed[there]
-        fresh = np.concatenate(
-            ([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE))
-        )  # no repeated fix
+        fresh = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # no repeated fix
         if fresh.sum() >= MIN_SAMPLES:
             return _Receiver(time[fresh], height[fresh], speed[fresh])
     return None
