@@ -26,7 +26,7 @@ VERSION_5 = frozenset({"accel_speed", "baro_speed"})
 LAST_RELIABLE_COLUMN = "main_voltage"
 """The last column of a version 5 header in its stated position."""
 MOST_HEADER, MOST_TITLES = 200, 3
-"""Number of lines searched for the header, and how many of them may be other than comments. [1]"""
+"""Number of lines searched for the header, and largest number of lines above it that are not comments. [1]"""
 FIRST_ROWS = MOST_CELLS = 200
 BAROMETER = {
     "height": "altitude",

@@ -26,7 +26,7 @@ Octets = np.ndarray[Any, np.dtype[np.uint8]]
 MAX_LOG_SIZE = 32 << 20
 """Largest file size: half a day of packets. [byte]"""
 PACKET, FRAME = 32, 36
-"""Size of a packet, and of its line: preceded by its length, followed by signal strength, status and checksum.
+"""Size of a packet, and of its line with the length before it and signal strength, status and checksum after it.
 [bytes]"""
 OLD_FRAMES = (94, 95)
 CHECKSUM_BIT = 0x80

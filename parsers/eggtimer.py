@@ -34,8 +34,7 @@ EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
 """Ranges of the deceleration early and late, with some drag, and extrapolated to zero speed: gravity. [m/s^2]"""
 MAX_TOP_OFFSET = 0.4
-"""Largest distance of the fitted curve's top from the measured top: early parachute deployment truncates a flight.
-[s]"""
+"""Largest time from the fitted to the measured top: early parachute deployment truncates a flight. [s]"""
 SLOW_STEP = 2.0
 """A clock step above this is in ms, because no Eggtimer has a step this long in s. [1]"""
 MOST_LABELS, MOST_FLIGHTS = 60, 64

@@ -33,7 +33,7 @@ RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
 """What a receiver records about its own position; height comes first."""
 GROUND = ("tracker", "date", "time")
 DAY = 86_400.0
-"""[s]"""
+"""Length of a day. [s]"""
 
 
 def _fits(names: Sequence[str]) -> bool:

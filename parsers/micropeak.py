@@ -66,8 +66,7 @@ def _plain(log: bytes) -> bytes:
 
 
 def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
-    """The positions of `MP` followed by enough hex digits for a header, and these digits without anything between
-    them."""
+    """The positions of `MP` followed by enough hex digits for a header, and the digits without other characters."""
     for match in START.finditer(log):
         text = log[match.end() : match.end() + MAX_LOG_SIZE].translate(None, SEPARATOR_BYTES)
         digits = DIGITS.match(text)

@@ -1,7 +1,8 @@
-"""The recorder bench: `python -m bench.recorders`, which prints how well every kind of recorder is read.
+"""The recorder bench, `python -m bench.recorders`: print how well every kind of recorder is read.
 
-`--flights` of each kind (20), `--only` those with a word in their names, `--worst` how many of the largest misses.
-`--keep FILE` keeps each kind of recorder as it finishes and resumes there: a long run may be split.
+`--flights` is the number of flights of each kind (20), `--only` selects kinds with a word in their names, and `--worst`
+is the number of largest errors to print. `--keep FILE` saves each kind of recorder as it finishes; a later run with the
+same file resumes there.
 """
 
 import argparse

@@ -107,7 +107,7 @@ class Cell:
     sd: float
 
     def __str__(self) -> str:
-        """`measured/within/grave`: percent of flights measured, percent of those within two sds, number of severe
+        """`measured/within/grave`: percent of flights measured, percent of these within two sds, number of severe
         errors."""
         if not self.measured:
             return "-"

@@ -38,8 +38,7 @@ gravity removed, its median from then on is near zero and its spread is small [m
 _PAD = 0.1
 """Time on the pad that an accelerometer must have recorded for its climb to be known from the start. [s]"""
 _COAST = 0.6
-"""Fraction of the coast in which the climbs are compared: later the tilt matters, earlier a filtered height lags. [1]
-"""
+"""Fraction of the coast in which the climbs are compared: tilt matters later, and filtered heights lag earlier. [1]"""
 _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Fewest samples [1] and smallest climb [m] that can be compared."""
 _CORRELATION_TIME = 0.5
@@ -49,8 +48,8 @@ _SPARSE = 0.2
 _REACH, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
 _SCALE, _RAM, _ROUGH = 0.3, 0.05, 0.01
-"""Standard deviations: of the scale, of the airframe's pressure error as a fraction of dynamic pressure, and of heights
-as a fraction of themselves. [1]
+"""Standard deviations: of the scale; of the airframe's pressure error, relative to dynamic pressure; of heights,
+relative to themselves. [1]
 """
 _TRANSONIC_SPEEDS = (260.0, 430.0)
 """Range of speeds in which the pressure is not trusted. [m/s]"""
@@ -127,7 +126,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
 
 
 def _is_derived(push: Push, seen: Outline) -> bool:
-    """Whether an acceleration shows no gravity on the way down, as a sensor along the axis would."""
+    """Whether an acceleration lacks the gravity that a sensor along the axis measures on the way down."""
     hangs = push.felt[push.time > seen.top + _HANGS] - GRAVITY
     return bool(hangs.size >= _MIN_SAMPLES and abs(np.median(hangs)) < _LEVEL and mad_sd(hangs) < _QUIET)
 

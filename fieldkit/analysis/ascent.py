@@ -28,8 +28,8 @@ _MAX_SPACING_SAMPLES = 4000
 _MIN_SAMPLES = 10
 """Fewest samples for which a curve is fitted. [1]"""
 _NEAR_SOUND = 0.13
-"""Half-width of the speed range around Mach 1, as a fraction of the speed of sound, in which no sample is trusted once
-some samples appeared to fall. [1]
+"""Half-width of the range around Mach 1, as a fraction of the speed of sound, in which samples are not trusted if some
+appear to fall. [1]
 """
 _MARGIN = 0.4
 """How long before and after an apparent fall the samples are not trusted. [s]"""
@@ -40,8 +40,7 @@ _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Closer to apogee than this a coast is far too slow for shocks [s]. An apparent fall there is ejection gas in the
 airframe, which lasts this long [s]."""
 _LAG_SD = 0.05
-"""Typical delay (root mean square) of heights from filters and vents if no accelerometer reveals it; 0.2 s is rare. [s]
-"""
+"""Typical (rms) delay of heights from filters and vents if no accelerometer reveals it; 0.2 s is rare. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

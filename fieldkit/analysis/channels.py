@@ -39,12 +39,9 @@ _CLIMB_SPEED = 8.0
 _MAX_ACCELERATION = 10_000.0
 """Accelerations beyond this are errors in the log. [m/s^2]"""
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
-"""Number of equal samples that indicate saturation, and how many times more frequent they are than any other value. [1]
-"""
+"""Number of equal samples that indicate saturation, and their smallest ratio to the count of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
-"""Smallest fraction of zeros in a channel that is padded with zeros [1], and the smallest magnitude of its real
-samples. [m, Pa]
-"""
+"""Smallest fraction of zeros in a zero-padded channel [1], and the smallest magnitude of real samples. [m, Pa]"""
 _WINDOW = 0.5
 """Length of the running median that reveals spikes. [s]"""
 

@@ -51,7 +51,7 @@ def undisturbed(track: Heights) -> Heights:
 
 
 def _steps(track: Heights) -> Flags:
-    """Samples between a step and the one that reverses it, and after a last step that is not reversed."""
+    """Samples between a step and the one that reverses it, or from a last step that is not reversed to the end."""
     wrong = np.zeros(track.time.size, bool)
     jumps = list(_jumps(track))
     place = 0

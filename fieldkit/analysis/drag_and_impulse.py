@@ -54,7 +54,7 @@ _SQUARED_SPEED_SD = 0.06
 """Relative error of the integral of v² over a burn: twice that of speeds derived from heights. [1]"""
 _HEIGHT_SCALE_SD = 0.05
 """Standard deviation of the scale of heights: the air is 12 K off the standard atmosphere, and the airframe's pressure
-is off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), which biases heights by that fraction of v²/2g. [1]
+is off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), which biases heights by 0.03 v²/2g. [1]
 """
 _STUDENT_DOF, _MIN_SAMPLE_SD = 4.0, 0.02
 """Errors of samples: degrees of freedom [1] and smallest standard deviation [m]."""

@@ -180,8 +180,7 @@ def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
-    """When a receiver appears to fall around the boost because it lost its satellites and extrapolated; None if never.
-    [s]"""
+    """When a receiver appears to fall around the boost after losing its satellites; None if never. [s]"""
     inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
     height = track.height[inside]
     if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:

@@ -68,8 +68,8 @@ class _Climb:
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
-    """A lift-off from the first rise of the heights, with its delay according to the whole of a hard climb in its
-    error."""
+    """A lift-off from the first rise of the heights; its error includes its delay according to the whole of a hard
+    climb."""
     if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
     sooner = _lift_by_climb(corner, track, seen)
@@ -79,8 +79,8 @@ def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
 
 
 def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
-    """Initial acceleration [m/s^2] and jerk [m/s^3] of a linearly changing thrust that reaches a height and speed in a
-    burn."""
+    """Initial acceleration [m/s^2] and jerk [m/s^3] of a linearly changing thrust, given burnout height, speed and
+    time."""
     first = 6 * height / burn**2 - 2 * speed / burn
     return first, (2 * speed / burn - 2 * first) / burn
 

@@ -12,8 +12,7 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
-    """Lift-off from the accelerometer if it recorded it, otherwise from the rise off the pad; None if neither shows
-    it."""
+    """Lift-off from the accelerometer if possible, otherwise from the rise off the pad; None if neither shows it."""
     felt = _by_push(push, seen) if push else None
     if felt is not None:
         return felt
@@ -49,8 +48,7 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
 
 
 def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: float, bar: float) -> int:
-    """Index of the crossing that begins the boost: the first after which most of the acceleration stays above the
-    bar."""
+    """Index of the crossing that begins the boost: the first after which most of the acceleration is above the bar."""
     for place, index in enumerate(crossing):
         if np.mean(felt[index + 1 :] > bar) > 0.6:
             return place

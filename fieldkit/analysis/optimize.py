@@ -11,11 +11,9 @@ _REFLECTED, _EXPANDED, _CONTRACTED, _SHRUNK = 1.0, 2.0, 0.5, 0.5
 _CLOSE = 1e-4
 """Convergence tolerance: size of the simplex and spread of its values. [unit of each]"""
 _DAMPING, _EASED, _HARDENED = 1e-2, 1 / 3, 4.0
-"""Damping of the first step, relative to the diagonal, and its factors after a successful and an unsuccessful step.
-[1]"""
+"""Damping of the first step, relative to the diagonal, and its factors after a successful and a failed step. [1]"""
 _DIFFERENCE, _MIN_RELATIVE_GAIN = 1e-5, 1e-8
-"""Step of a numerical derivative, in scales, and the relative reduction of the cost below which a fit has converged.
-[1]"""
+"""Step of a numerical derivative, in scales, and the relative reduction of the cost that counts as converged. [1]"""
 
 
 def nelder_mead(cost: Callable[[Array], float], simplex: Float[Array, "corner value"], evaluations: int) -> Array:

@@ -13,8 +13,7 @@ LEAST_GAIN = 5.0
 LEAST_SPEED = 5.0
 """Smallest climb rate that counts as a flight. [m/s]"""
 _MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
-"""If a log begins less than this before lift-off [s], it may begin in flight, and its pad height be off by this much
-[m]."""
+"""If a log begins less than this before lift-off [s], it may begin in flight; error of its pad height then [m]."""
 _ZERO, _GROUND = 1.0, 20.0
 """Drift of a logger's own zero while it waits, and the largest difference of the landing from it that is attributed to
 the zero instead of the terrain. [m]"""
@@ -109,11 +108,11 @@ def _lift(
 
 
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
-    """The pad's height in this channel and its standard deviation, from the log up to lift-off.
+    """The pad's height in this channel and its standard deviation, from the log up to lift-off. [m]
 
-    A zero that drifts there continues to drift, and has that error at apogee. Without samples on the pad, or if they
-    already rise, the pad is the logger's own zero. If the heights have another reference, it is zero with an infinite
-    standard deviation.
+    A zero that drifts there continues to drift, and has that error at apogee. Without samples at rest on the pad, the
+    pad is the logger's own zero. If the logger does not set a zero and the log begins in flight, the standard deviation
+    is infinite.
     """
     if lift is None:
         return (0.0, _own_zero(track)) if track.zeroed else (float(track.height[0]), np.inf)

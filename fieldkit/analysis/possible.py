@@ -103,7 +103,7 @@ def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
     """The measurements, with larger errors if the device states a different apogee or top speed, and a note about it.
 
     Device and samples measure the same figure. If they differ by more than the samples' own error and more than device
-    filters explain, either may be wrong, so half of the difference is added to the error.
+    filters explain, either may be wrong, so half of the difference is added to the error in quadrature.
     """
     figures, notes = dict(recorded.figures), []
     for name, usual in _STATED_TOLERANCE.items():

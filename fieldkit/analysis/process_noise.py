@@ -23,7 +23,7 @@ _STUDENT = 4.0
 """Degrees of freedom of the errors of a sample. [1]"""
 STATIC_SD = 0.03
 """Standard deviation of the airframe's pressure error in subsonic flight, as a fraction of the dynamic pressure, and so
-of the height error as a fraction of v²/2g. In real logs with an accelerometer and a barometer it was -0.06 to 0.04. [1]
+of the height error as a fraction of v²/2g. In real logs with an accelerometer it was -0.06 to 0.04. [1]
 """
 _RAM = 0.006
 """Smallest part of it that changes within a flight. [1]"""
@@ -101,8 +101,10 @@ def samples_on(
     sighted: Sightings | None = None,
     lag: float = 0.0,
 ) -> Samples:
-    """Prepare heights above the pad for fits on a grid, with an accelerometer that shapes the curve and satellite
-    data."""
+    """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
+
+    `height` and `noise` are in m, `time` and `lag` in s.
+    """
     own = time.size
     order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
     if sighted is not None:

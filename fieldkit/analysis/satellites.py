@@ -82,8 +82,7 @@ class _Alike:
 
 
 def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sightings | None:
-    """Satellite data that complement heights from another sensor; None if they contain nothing usable or another
-    flight."""
+    """Satellite data that complement heights from another sensor; None if unusable or of another flight."""
     receiver = _receiver(clocks)
     if receiver is None or track.source == SOURCE:
         return None

@@ -27,8 +27,7 @@ class Original:
 
 
 def _packed(content: bytes) -> bytes:
-    """Compress the bytes piece by piece, because compressing them in one call would hold the output of a long log
-    twice."""
+    """Compress the bytes in pieces, because a single call would hold the output of a long log twice."""
     packer, packed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
     for start in range(0, len(content), _PIECE):
         packed.write(packer.compress(view[start : start + _PIECE]))

@@ -63,8 +63,7 @@ class Simulation:
 
 
 def simulations(root: "Element") -> list[Simulation]:
-    """The simulations with stored flight data: those of the current design first, default configuration before
-    others."""
+    """The simulations with stored flight data: those of the current design first, then the default configuration."""
     rocket = root.find("rocket")
     assert rocket is not None
     found = [_read(rocket, one) for one in root.iterfind("simulations/simulation")]

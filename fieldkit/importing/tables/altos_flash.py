@@ -65,8 +65,7 @@ class Flash:
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records in lines of hex bytes; a damaged line counts as erased. Raises DamagedLog if there is too much
-    memory."""
+    """The records in lines of hex bytes; a damaged line counts as erased. Raises DamagedLog for too much data."""
     damaged = Damaged()
     flash, missing = bytearray(), 0
     widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())

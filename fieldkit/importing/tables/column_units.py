@@ -114,8 +114,7 @@ def _settled(
 
 
 def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
-    """Rename columns to what they prove to be: felt or net acceleration, height above the pad or above another
-    level."""
+    """Rename columns to what they prove to be: felt or net acceleration, height above the pad or another level."""
     if "felt?" in units:
         unit = units.pop("felt?")
         time = to_si(units["time"][0], values["time"]) if "time" in units else None

@@ -19,7 +19,7 @@ class Damaged:
     count: int = 0
 
     def add(self, error: DamagedLog) -> None:
-        """Count one more."""
+        """Count one more damaged line."""
         self.last = error
         self.first += [error] if len(self.first) < MAX_REPORTED else []
         self.count += 1

@@ -101,8 +101,7 @@ def plain(spelled: str) -> str:
 
 @cache
 def _known_names() -> Mapping[str, Mapping[str, str]]:
-    """Other names of columns and fieldkit's own: those valid anywhere, those valid next to a motor, and those of
-    masses."""
+    """Other names of columns and fieldkit's own: valid anywhere, valid in a table with motors, and names of masses."""
     known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
     return {part: {other: name for name, others in names.items() for other in others} for part, names in known.items()}
 

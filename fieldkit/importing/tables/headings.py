@@ -218,8 +218,7 @@ def channel(head: Heading) -> str:
 
 
 def barometric(head: Heading) -> bool:
-    """Whether a header names a height that a filter derived from a barometer, which is acceptable if there is no
-    other."""
+    """Whether a header names a height that a filter derived from a barometer, which is used if there is no other."""
     words = set(head.words)
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 

@@ -34,8 +34,7 @@ def scale_at_rest(magnitude: Float[Array, "row"], scales: Sequence[float]) -> fl
 
 
 def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] | None:
-    """The one of three axes that measures gravity on the pad, positive with the nose up; None if there is none.
-    [m/s^2]"""
+    """The axis that measures gravity on the pad, positive with the nose up; None if there is none. [m/s^2]"""
     if not rest.any() or not np.isfinite(axes[:, rest]).any(axis=1).all():
         return None
     levels = np.nanmedian(axes[:, rest], axis=1) / STANDARD_GRAVITY

@@ -194,7 +194,7 @@ def shown(cell: str, most: int = 40) -> str:
 
 
 def line_end(log: bytes) -> bytes:
-    """The line ending of a log: a carriage return if it uses only those, otherwise a line feed, with or without one."""
+    """The line ending of a log: a carriage return if there are no line feeds, otherwise a line feed."""
     return b"\n" if b"\n" in log[: 1 << 21] or b"\r" not in log[: 1 << 21] else b"\r"
 
 
