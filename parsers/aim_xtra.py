@@ -1,7 +1,7 @@
 """Entacore AIM XTRA, the CSV export: groups of columns, each starting with its own `time` column.
 
-Seconds from launch, from about -100; Pa, m, g and V. A group ends where its samples end, so the lower rows are
-empty on the right. Flags come with a clock of their own as well.
+Units are seconds from launch (from about -100), Pa, m, g and V. A group ends where its samples end, so the lower rows
+are empty on the right. Flags have their own clock as well.
 """
 
 from collections.abc import Mapping, Sequence
@@ -70,7 +70,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _groups(names: Sequence[str]) -> list[tuple[int, list[int]]]:
-    """The clock of each group of columns and the columns of it that are known, if there are any."""
+    """The clock of each group of columns, and the known columns of the group, if there are any."""
     starts = [place for place, name in enumerate(names) if name == "time"]
     groups = [
         (clock, [place for place in range(clock + 1, end) if names[place] in {*CHANNELS, *FLAGS}])

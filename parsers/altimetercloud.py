@@ -1,8 +1,8 @@
 """AltimeterCloud Nano and Mercury (Rocketry Limited): a block of labels and values, an empty row, then the table.
 
-The table begins with `time(ms)`; its names carry their units. Older logs begin with it at once. Labels and
-values stand side by side and are kept as they are; an apogee among them counts as stated if it has a unit. The axis
-that points up is found from the rest before launch.
+The table begins with `time(ms)`; its column names include their units. Older logs begin with the table. Labels and
+values are side by side and are stored unchanged; an apogee among them counts as stated if it has a unit. The axis that
+points up is determined from the rest before launch.
 """
 
 import re
@@ -34,7 +34,7 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
 }
 AXES = ("acceleration_x", "acceleration_y", "acceleration_z")
 LABELS = 40
-"""So many rows before the table may hold labels. [1]"""
+"""Largest number of label rows before the table. [1]"""
 
 
 def _fits(names: Sequence[str]) -> bool:
@@ -73,7 +73,7 @@ def _series(table: LogTable) -> Series:
 
 
 def _labels(log: bytes, head: Header) -> dict[str, str]:
-    """The labels before the table with their values, which stand side by side."""
+    """The labels before the table and their values, which are next to each other."""
     labels: dict[str, str] = {}
     for line in lines_of(decode(log[:HEAD]))[: min(head.row - 1, LABELS)]:
         cells = [printable(cell.strip().strip('"')) for cell in line.split(head.separator)]
@@ -82,7 +82,7 @@ def _labels(log: bytes, head: Header) -> dict[str, str]:
 
 
 def _stated(labels: Mapping[str, str]) -> dict[str, object]:
-    """The apogee that the altimeter states, if its label or its value names the unit. [m]"""
+    """The apogee that the altimeter states, if its label or value includes the unit. [m]"""
     for label, value in labels.items():
         match = re.fullmatch(r"(?:max(?:imum)? )?apogee(?: altitude)?\s*[(\[]?(m|ft|feet)?[)\]]?", label.lower())
         if match and (match[1] or value[-1:].isalpha()):

@@ -1,14 +1,14 @@
 """RocketLaunchJournal: a flyer's ledger of AltimeterTwo readouts, typed by hand into a table.
 
-Two files belong together. The launches have one row per flight, in feet, miles per hour, seconds and g,
-numbers without their leading zero (`.800`, `-.100`), an empty cell for "none seen". The rockets have one
-row per rocket: number, name and weight in grams, presumably without the motor. Launches read alone
-give their rocket only by its number. The motors of one flight are separated by commas (`4 C6-3, D12-3`), its
-stages by a question mark or the byte 0xBD between spaces; 0xBD at a name is the half of `½A3-2`. The note
-comes last and is not quoted, so it may hold commas.
+It has two files. The launches file has one row per flight, in feet, miles per hour, seconds and g, with numbers without
+their leading zero (`.800`, `-.100`) and an empty cell for "none seen". The rockets file has one row per rocket: number,
+name and weight in grams, presumably without the motor. Without the rockets file, a launch identifies its rocket only by
+number. The motors of one flight are separated by commas (`4 C6-3, D12-3`), its stages by a question mark or the byte
+0xBD between spaces; 0xBD next to a name is the half in `½A3-2`. The note is the last field and is not quoted, so it may
+contain commas.
 
-`DelayNote` is no delay. Rows that hold 5 ejected near apogee, those with 2 well after it, whatever their
-motor's delay: it grades how well the delay fitted, so it is kept as an unknown column and not used.
+`DelayNote` is not a delay. Flights with 5 ejected near apogee and those with 2 well after it, whatever their motor's
+delay. It grades how well the delay fit, so it is stored as an unknown column and not used.
 
 Format: jdsmith39/RocketLaunchJournal, source/RocketLaunchJournal.DataSeed/SeedData.
 """
@@ -37,7 +37,7 @@ COLUMNS = {
     "DescentSpeed": ("descent_speed", "mph"),
     "Duration": ("duration", "s"),
 }
-"""The ten readouts as the journal names them: field of `Flight`, unit."""
+"""The ten readouts by their names in the journal: field of `Flight`, unit."""
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
 COPIED_FIELDS = ("LaunchNumber", "DelayNote")
@@ -50,13 +50,13 @@ def recognises(head: bytes) -> bool:
 
 
 def _header(text: str) -> tuple[int, list[str], str] | None:
-    """The row of names, the names and what parts them, None if none is of the journal."""
+    """Row number, column names and separator of the header; None if it is not a journal."""
     rows = ((*first_row(text, separator), separator) for separator in SEPARATORS)
     return next((one for one in rows if _kind(one[1])), None)
 
 
 def _kind(header: list[str]) -> str | None:
-    """Which of the two files a header begins, if any."""
+    """Which of the two files has this header, if any."""
     names = {name.strip() for name in header}
     if names >= set(LAUNCH):
         return "launches"
@@ -92,7 +92,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _record(row: int, cells: list[str] | DamagedLog, names: list[str]) -> dict[str, str]:
-    """A row as name to text. Raises DamagedLog if it has not a cell for every name."""
+    """A row as a mapping of name to text. Raises DamagedLog if it does not have a cell for every name."""
     if isinstance(cells, DamagedLog):
         raise cells
     while len(cells) > len(names) and not cells[-1].strip():
@@ -157,10 +157,10 @@ def _date(row: int, cell: str) -> datetime | None:
 
 
 def _tags(motors: str, readouts: Flight) -> list[str]:
-    """Why a flight is not one to learn from: several motors, or figures that slipped a column.
+    """Reasons to exclude a flight from the fit: several motors, or figures shifted by a column.
 
-    A slipped row is one if the average acceleration is above the peak, or the top speed is not
-    within a factor of two of what acceleration and burn time make it; a mere typing error is less.
+    A row is considered shifted if the average acceleration is above the peak, or if the top speed differs by more than
+    a factor of two from acceleration times burn time. An ordinary typing error has a smaller effect.
     """
     stages = STAGE_MARK.split(motors)
     several = any("," in stage or re.match(r"\s*\d+\s+\S", stage) for stage in stages)

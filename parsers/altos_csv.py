@@ -1,8 +1,8 @@
-"""AltOS CSV, every generation: what Altus Metrum's software writes of a log or of a radio flight, in SI.
+"""AltOS CSV, all generations: the export of a log or a radio flight by Altus Metrum's software, in SI.
 
-Comment lines, a header that begins `#version,serial,flight`, padded cells; `time` is 0 at boost. The second column
-called `altitude` is the satellites'. Version 5 (2012-2013) has headers that do not fit their rows: then only the
-columns up to `main_voltage` are where their names say. The radio form begins `serial,tick,ptype`.
+The file has comment lines, a header that begins `#version,serial,flight`, and padded cells; `time` is 0 at boost. The
+second column called `altitude` is from the satellites. Version 5 (2012-2013) has headers that do not match their rows:
+only the columns up to `main_voltage` are in the stated positions. The radio form begins `serial,tick,ptype`.
 Source: altoslib/AltosCSV.java of AltOS; five files of two generations.
 """
 
@@ -22,11 +22,11 @@ from fieldkit.importing.tables.text import first_lines
 from fieldkit.units import UNITS, Unit
 
 VERSION_5 = frozenset({"accel_speed", "baro_speed"})
-"""What only a header of version 5 names."""
+"""Column names that occur only in a header of version 5."""
 LAST_RELIABLE_COLUMN = "main_voltage"
-"""The last column of a version 5 header that is where its name says."""
+"""The last column of a version 5 header in its stated position."""
 MOST_HEADER, MOST_TITLES = 200, 3
-"""The header is looked for among so many lines, of which so few are no comments. [1]"""
+"""Number of lines searched for the header, and largest number of lines above it that are not comments. [1]"""
 FIRST_ROWS = MOST_CELLS = 200
 BAROMETER = {
     "height": "altitude",
@@ -43,7 +43,7 @@ BAROMETER = {
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
 MAX_RADIO_GAP = 2.0
-"""A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
+"""If a state is entered during a longer radio gap, its time is unknown. [s]"""
 WRAP = 65536 * TICK
 """Period after which the clock of the radio form wraps around. [s]"""
 
@@ -78,7 +78,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _header(log: bytes) -> tuple[int, list[str], str] | None:
-    """The row, the names and the separator of the header, None if it is none of AltOS."""
+    """The row, the names and the separator of the header; None if it is not from AltOS."""
     titles = 0
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         for separator in SEPARATORS:
@@ -92,7 +92,7 @@ def _header(log: bytes) -> tuple[int, list[str], str] | None:
 
 
 def _widths(log: bytes, header_row: int, names: Sequence[str], separator: str) -> Counter[int]:
-    """How many cells the first rows have, apart from blank ones that a spreadsheet put behind them."""
+    """Number of cells in the first rows, ignoring blank ones that a spreadsheet appended."""
     lines = first_lines(log, after=header_row, most=FIRST_ROWS)
     widths = Counter[int]()
     for line in lines:
@@ -104,7 +104,7 @@ def _widths(log: bytes, header_row: int, names: Sequence[str], separator: str) -
 
 
 def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:
-    """Raise DamagedLog for rows without a decimal point, in which a comma may part cells or decimals."""
+    """Raise DamagedLog for rows without a decimal point, in which a comma may separate cells or decimals."""
     rows = [line for line in first_lines(log, after=header_row, most=FIRST_ROWS) if not line.startswith("#")]
     if separator == "," and not any(re.search(r"\d\.\d", line) for line in rows):
         expected = "expected decimal points, or semicolons between cells"
@@ -112,7 +112,7 @@ def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:
 
 
 def _certain(names: Sequence[str], row: int) -> list[str]:
-    """The names up to the last that is surely where it stands; a comma may be lost right behind it."""
+    """The names up to the last one whose position is certain; a comma may be missing right after it."""
     for place, name in enumerate(names):
         if name.startswith(LAST_RELIABLE_COLUMN):
             return [*names[:place], LAST_RELIABLE_COLUMN]
@@ -120,7 +120,8 @@ def _certain(names: Sequence[str], row: int) -> list[str]:
 
 
 def _channels(names: Sequence[str], row: int) -> list[Channel]:
-    """The columns worth reading; of several of one name the first, but the second altitude is the satellites'."""
+    """The columns to read. Of several with one name the first is used, but the second altitude is from the
+    satellites."""
     clock = "time" if "time" in names else "tick"
     if clock not in names or not {"height", "pressure", "altitude"} & {*names}:
         raise DamagedLog("found no time and no height, expected both", row=row)
@@ -138,7 +139,8 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
 
 
 def _present(table: LogTable) -> LogTable:
-    """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
+    """The table with nan for values that were not measured, and without repeated fixes while there are no
+    satellites."""
     for name, values in table.values.items():
         if name != "time":
             values[np.abs(values) >= NO_VALUE] = np.nan
@@ -151,7 +153,7 @@ def _present(table: LogTable) -> LogTable:
 
 
 def _by_flight(table: LogTable) -> list[LogTable]:
-    """A table for each serial number and flight, in the order in which they come."""
+    """A table for each serial number and flight, in order of appearance."""
     keys = [table.values[name] for name in ("serial", "flight") if name in table.values]
     marks = np.nan_to_num(np.column_stack(keys), nan=-1.0) if keys else np.zeros((len(table), 1))
     _, first, which = np.unique(marks, axis=0, return_index=True, return_inverse=True)
@@ -160,7 +162,7 @@ def _by_flight(table: LogTable) -> list[LogTable]:
 
 
 def _unwrapped(table: LogTable) -> LogTable:
-    """The table with a clock that continues when its 16 bits wrap around."""
+    """The table with a continuous clock across 16-bit wraparounds."""
     time = table.values["time"]
     fallen = np.diff(time, prepend=time[:1]) < -WRAP / 2
     table.values["time"][:] = time + WRAP * np.cumsum(fallen)
@@ -168,7 +170,7 @@ def _unwrapped(table: LogTable) -> LogTable:
 
 
 def _about(log: bytes, header_row: int) -> dict[str, str]:
-    """What the comment lines say, by name in lower case."""
+    """The comment lines as values by name in lower case."""
     lines = first_lines(log, most=header_row - 1)
     pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines)
     return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
@@ -187,13 +189,13 @@ def _reading(part: LogTable, about: dict[str, str]) -> Reading:
 
 
 def _number(part: LogTable, name: str) -> str:
-    """A whole number that every row of a flight repeats, as text."""
+    """An integer that every row of a flight repeats, as text."""
     values = part.get(name)
     return "" if values is None or not abs(values[0]) < NO_VALUE else f"{values[0]:.0f}"
 
 
 def _events(part: LogTable) -> dict[str, float]:
-    """When each state was first entered; the state at the start of the log shows only that time 0 is boost. [s]"""
+    """When each state was first entered [s]. The state at the start of the log only shows that time 0 is boost."""
     states = part.get("state")
     if states is None:
         return {}

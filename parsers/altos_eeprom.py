@@ -1,9 +1,9 @@
-"""AltOS .eeprom: the flash of an Altus Metrum device as its download brings it, in the new form and the old.
+"""AltOS .eeprom: the flash of an Altus Metrum device as downloaded, in the new form and the old.
 
-New: an object of settings, then lines of hex bytes, records whose length follows from `log_format`. Old: settings as
-text, perhaps among the commands of a terminal, then a record a line, `A 1f2e 00 12 ...`. A record is a letter, a
-checksum, a clock of 16 bits and what the letter says. Erased bytes are ff; a record with a wrong checksum is skipped.
-Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files.
+New form: an object of settings, then lines of hex bytes with records whose length depends on `log_format`. Old form:
+settings as text, possibly among the commands of a terminal, then one record per line, `A 1f2e 00 12 ...`. A record is a
+letter, a checksum, a 16-bit clock and data. Erased bytes are ff; a record with a wrong checksum is skipped.
+Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 were checked with real files.
 """
 
 import codecs
@@ -40,13 +40,13 @@ from fieldkit.importing.tables.text import blocks, first_lines, shown
 from fieldkit.shapes import Array, Float, Int
 
 MAX_LOG_SIZE = 32 << 20
-"""No flash of these devices fills a longer file. [byte]"""
+"""Largest file size; the flash of these devices fits in it. [byte]"""
 LARGEST_SETTINGS = 1 << 18
-"""The first record is looked for in so much of a file. [bytes]"""
+"""Size of the beginning of a file that is searched for the first record. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
 FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
-"""A record of a letter and three numbers: log format 1, whose first devices do not name it."""
+"""A record of a letter and three numbers: log format 1, which its first devices do not state."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
 TELEMINI_1 = 2
 OTHER_DEVICES = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
@@ -83,12 +83,12 @@ def read(log: bytes) -> list[Found]:
 
 
 def _plain(log: bytes) -> bytes:
-    """A log without the NUL that pads it or that UTF-16 puts between its letters, and without the mark before them."""
+    """A log without NUL padding, the NULs that UTF-16 puts between letters, and the byte order mark."""
     return log.translate(None, b"\0").lstrip(codecs.BOM_UTF8 + codecs.BOM_UTF16)
 
 
 def _settings(log: bytes) -> tuple[str, int]:
-    """The text above the first record, and the row of that."""
+    """The text above the first record, and the row of that record."""
     above: list[str] = []
     for first, lines in blocks(log[:LARGEST_SETTINGS]):
         for row, line in enumerate(lines, start=first):
@@ -103,19 +103,19 @@ def _line(log: bytes, row: int) -> str:
 
 
 def _setting(settings: str, name: str) -> int | None:
-    """A number among the settings, however its name is joined; None if it is not there or says "none"."""
+    """A number among the settings, regardless of how its name is joined; None if it is missing or "none"."""
     found = re.search(rf"(?i)\b(?:ms5607.)?{name}\b\"?\s*[:=]?\s*\"?(-?\d{{1,10}})\b", settings.replace("_", "-"))
     return None if found is None or int(found[1]) == NO_VALUE else int(found[1])
 
 
 def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record byte"]]:
-    """The records of each flight, which a record of the letter F begins."""
+    """The records of each flight, which begin with a record of the letter F."""
     starts = np.flatnonzero(records[:, 0] == FLIGHT)
     return [part for part in np.split(records, starts[starts > 0]) if len(part)]
 
 
 def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordLayout) -> Reading | None:
-    """The flight of records, None if there are no samples in it."""
+    """The flight in records; None if they contain no samples."""
     time = seconds(number_at(records, -2, 2))
     samples = records[:, 0] == SAMPLE
     if not samples.any():
@@ -139,7 +139,7 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
 
 
 def _onward(time: Float[Array, "record"]) -> Float[Array, "record"]:
-    """Times of which one that is a tick before the one ahead of it counts as that one. [s]"""
+    """Times in which a tick just before its predecessor is replaced by the predecessor. [s]"""
     return np.maximum.accumulate(time)
 
 
@@ -174,7 +174,7 @@ def _samples(
 
 
 def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:
-    """Pressures with nan for what is none. Raises DamagedLog if that is all of them. [Pa]"""
+    """Pressures with nan for invalid ones. Raises DamagedLog if all are invalid. [Pa]"""
     real = (pressure > 0) & (pressure < 130_000)
     if not real.any():
         raise DamagedLog("found no pressure that air can have, expected other settings or another log format")
@@ -182,7 +182,7 @@ def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:
 
 
 def _gravities(settings: str) -> tuple[int | None, int | None]:
-    """What the accelerometer counts with the nose up and down."""
+    """Counts of the accelerometer with the nose up and down."""
     both = re.search(r"(?i)accel[ _-]cal\D{0,10}?(?:\+1g)?:?\s*(-?\d{1,6})\s*(?:-1g)?:?\s+(-?\d{1,6})", settings)
     if both:
         return int(both[1]), int(both[2])
@@ -190,7 +190,7 @@ def _gravities(settings: str) -> tuple[int | None, int | None]:
 
 
 def _coefficients(settings: str) -> Coefficients:
-    """The sensor's own calibration. Raises DamagedLog if a part of it is not there."""
+    """The sensor's own calibration. Raises DamagedLog if part of it is missing."""
     found = {}
     for place, name in enumerate((f.name for f in fields(Coefficients)), start=1):
         value = _setting(settings, f"(?:{name}|c{place})")
@@ -211,7 +211,7 @@ def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"]) 
 
 
 def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
-    """The flight of a TeleMini 1: words of 2 bytes, the flight first, then pressures and, with the high bit, states."""
+    """The flight of a TeleMini 1: 2-byte words, the flight number first, then pressures and states (high bit set)."""
     data, damaged = bytearray(), Damaged()
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):

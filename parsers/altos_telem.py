@@ -1,9 +1,9 @@
-"""AltOS .telem: what a ground station heard, `TELEM` and a line of hex for each packet of 32 bytes.
+"""AltOS .telem: telemetry received by a ground station, `TELEM` and a line of hex for each 32-byte packet.
 
-Only packets whose line has its checksum and whose radio checksum was good are used. Rockets on one channel are
-distinguished by their serial numbers, and each becomes a reading; if nothing was received there is a gap. Lines of
-other kinds, and the packets of 94 and 95 bytes of versions before 1.0, are counted and left out.
-Source: altoslib/AltosLink.java and the AltOS telemetry document (places of fields within a packet).
+Only packets with a valid line checksum and a valid radio checksum are used. Rockets on one channel are distinguished by
+their serial numbers, and each becomes a reading; if nothing was received there is a gap. Lines of other kinds, and the
+packets of 94 and 95 bytes of versions before 1.0, are counted and skipped.
+Source: altoslib/AltosLink.java and the AltOS telemetry document (positions of fields within a packet).
 """
 
 from collections import Counter
@@ -24,19 +24,20 @@ from fieldkit.units import ZERO_CELSIUS
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
 MAX_LOG_SIZE = 32 << 20
-"""Half a day of packets. [byte]"""
+"""Largest file size: half a day of packets. [byte]"""
 PACKET, FRAME = 32, 36
-"""A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
+"""Size of a packet, and of its line with the length before it and signal strength, status and checksum after it.
+[bytes]"""
 OLD_FRAMES = (94, 95)
 CHECKSUM_BIT = 0x80
-"""The status bit that says that the radio's own checksum was right."""
+"""Status bit that is set if the radio's own checksum was valid."""
 SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
-"""Without one of these a clock is of no use."""
+"""Channels of which one is required, because a clock without any is useless."""
 
 
 @dataclass(frozen=True, slots=True)
 class PacketField:
-    """A number in a packet: its place, how it is written, and what one of it is in SI."""
+    """A number in a packet: its position, its format, and its unit in SI."""
 
     place: int
     kind: str
@@ -49,7 +50,7 @@ FLIGHT_STATE = {"state": PacketField(5, "u1")}
 
 
 def _kalman(place: int) -> Mapping[str, PacketField]:
-    """Acceleration, speed and height, as every device sends them. [m/s^2, m/s, m]"""
+    """Acceleration, speed and height, as every device transmits them. [m/s^2, m/s, m]"""
     return {
         "acceleration": PacketField(place, "<i2", 1 / 16),
         "speed": PacketField(place + 2, "<i2", 1 / 16),
@@ -58,7 +59,7 @@ def _kalman(place: int) -> Mapping[str, PacketField]:
 
 
 def _air(pressure: int, temperature: int) -> Mapping[str, PacketField]:
-    """Pressure and temperature, as devices with a digital sensor send them. [Pa, K]"""
+    """Pressure and temperature, as devices with a digital sensor transmit them. [Pa, K]"""
     return {
         "pressure": PacketField(pressure, "<i4"),
         "temperature": PacketField(temperature, "<i2", 0.01, ZERO_CELSIUS),
@@ -90,12 +91,12 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
     19: ("TeleMega", _air(8, 12)),
     20: ("TeleMega", _air(8, 12)),
 }
-"""The packets that are read, by their type: whose they are, and what they hold."""
+"""The supported packets by type: the device, and the fields."""
 MAX_RADIO_GAP = 2.0
-"""A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
+"""If a state is entered during a longer radio gap, its time is unknown. [s]"""
 POSITION = 5
 FIX_BIT, HIGH_BYTE_BIT = 0x10, 0x01
-"""The bits of a position that say that it is one, and that its height has a third byte."""
+"""Bits of a position that mark a valid fix, and a height with a third byte."""
 
 
 def recognises(head: bytes) -> bool:
@@ -120,7 +121,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
-    """Packets that came whole, and what is to be said of the others."""
+    """Complete packets, and notes about the others."""
     good, damaged, left_out = bytearray(), Damaged(), Counter[str]()
     for first, lines in blocks(log):
         for row, line in enumerate(lines, start=first):
@@ -162,7 +163,7 @@ def _complaint(line: str, frame: bytes | None) -> str:
 
 
 def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
-    """What was heard of one rocket: a clock for each type of packet, the one with its states first."""
+    """Everything received from one rocket: a clock for each type of packet, the one with its states first."""
     time = seconds(_numbers(packets, 2, "<u2"))
     kinds = packets[:, 4]
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
@@ -185,7 +186,7 @@ def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
 
 
 def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "packet"]) -> Series | None:
-    """What packets of one type hold; None if they hold nothing that a flight could have."""
+    """The samples in packets of one type; None if they contain nothing plausible for a flight."""
     values: dict[str, Any] = {name: _values(packets, field) for name, field in PACKETS[kind][1].items()}
     values.pop("state", None)
     if "pressure" in values:
@@ -199,7 +200,7 @@ def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "
 
 
 def _position(values: dict[str, Any]) -> dict[str, Any]:
-    """Positions with nan if there was no fix, and heights with all the bytes they have. [deg, m]"""
+    """Positions with nan if there was no fix, and heights from all of their bytes. [deg, m]"""
     fixed = values.pop("fixed").astype(int) & FIX_BIT == FIX_BIT
     high = values.pop("mode").astype(int) & HIGH_BYTE_BIT == HIGH_BYTE_BIT
     whole = values.pop("height_low") + values.pop("height_high") * 65536.0
@@ -213,7 +214,7 @@ def _values(packets: Int[Octets, "packet byte"], field: PacketField) -> Float[Ar
 
 
 def _numbers(packets: Int[Octets, "packet byte"], place: int, kind: str) -> Int[Integers, "packet"]:
-    """The whole number at a place of every packet."""
+    """The integer at a position of every packet."""
     raw = packets[:, place : place + np.dtype(kind).itemsize]
     return np.frombuffer(raw.tobytes(), kind).astype(np.int64)
 

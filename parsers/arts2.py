@@ -1,9 +1,9 @@
-"""ARTS2 of Loki Research: text, 50 samples a second, in two exports.
+"""ARTS2 of Loki Research: text, 50 samples per second, in two exports.
 
-The interpreted one has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure. Blanks may
-stand between its names and commas between its numbers.
-The raw one, `MET,Acc(HI),Acc/Baro(LO),Baro(HI),State`, holds counts of a converter whose scale is in no public
-document, so it is refused. Whether `Acc` includes gravity is found from the rest on the pad.
+The interpreted export has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure. Its
+names may be separated by spaces and its numbers by commas. The raw export, `MET,Acc(HI),Acc/Baro(LO),Baro(HI),State`,
+contains converter counts whose scale is not publicly documented, so it is rejected. Whether `Acc` includes gravity is
+determined from the rest on the pad.
 """
 
 import re
@@ -24,11 +24,11 @@ NAMES = ("met", "acc", "vel", "ialt", "palt")
 RAW_COLUMNS = ("met", "acc(hi)")
 _INTERPRETED = re.compile(r"^\s*#?\s*MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
 RESTING = 25
-"""So many samples at the start, half a second, are taken to be on the pad. [1]"""
+"""Number of samples at the start, half a second, that are assumed to be on the pad. [1]"""
 
 
 def _interpreted(head: bytes) -> tuple[int, str | None] | None:
-    """The row of the interpreted header and what parts the cells below it (None: blanks), or None."""
+    """The row of the interpreted header and the separator of the cells below it (None: whitespace), or None."""
     lines = lines_of(decode(head[:HEAD]))
     for row, line in enumerate(lines, start=1):
         if match := _INTERPRETED.match(line):

@@ -1,10 +1,10 @@
-"""AltiMulti, AltiDuo, TTGO Bear, AltiGPS and kin by bdureau: what they send over a serial line, kept as it came.
+"""AltiMulti, AltiDuo, TTGO Bear, AltiGPS and related altimeters by bdureau: their output over a serial line.
 
-`$start;`, a sentence a line, `$end;`. `$data,flight,ms,m,degC,Pa,...,checksum;` are samples, always metric.
-The checksum is the sum of the characters after `$` up to and including the comma before it, modulo 256. A
-sentence whose checksum is wrong is skipped and reported. Telemetry may come in between. What follows the
-pressure depends on the board, which `$alticonfig` names; without it only the battery of a short sentence is
-certain. Eight-bit boards print through 16 bits, so time and pressure wrap.
+The output is `$start;`, one sentence per line, and `$end;`. `$data,flight,ms,m,degC,Pa,...,checksum;` are samples,
+always metric. The checksum is the sum of the characters after `$` up to and including the comma before it, modulo 256.
+A sentence with a wrong checksum is skipped and reported. Telemetry may be interleaved. The values after the pressure
+depend on the board, which `$alticonfig` names; without it only the battery of a short sentence is certain. Eight-bit
+boards print 16-bit numbers, so time and pressure wrap.
 """
 
 import math
@@ -24,13 +24,13 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import ZERO_CELSIUS
 
 WRAP = 65_536.0
-"""What a 16-bit print format leaves out. [1]"""
+"""Period of numbers printed in 16 bits. [1]"""
 GROUND = (60_000.0, 110_000.0)
-"""Pressure where rockets are launched. [Pa]"""
+"""Range of pressures at launch sites. [Pa]"""
 MAX_SAMPLES, MOST_FLIGHTS = 100_000, 100
-"""More samples, and more flights, than any of these altimeters can hold. [1]"""
+"""More samples, and more flights, than any of these altimeters can store. [1]"""
 WIDTH = 12
-"""So many numbers of a sample are looked at. [1]"""
+"""Largest number of values read from a sample. [1]"""
 _SENTENCE = re.compile(rb"\$([A-Za-z]{1,20}(?:,[^$;\r\n]{0,400})?);")
 _KNOWN_SENTENCE = re.compile(rb"\$(?:data|telemetry|alticonfig),[^;\r\n]{1,400};|\$start;\s{0,4}\$")
 
@@ -45,7 +45,7 @@ def recognises(head: bytes) -> bool:
 
 
 def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
-    """The sentences with their row: fields if the checksum holds, else what is wrong."""
+    """The sentences with their row: fields if the checksum is valid, otherwise the error."""
     row, place = 1, 0
     for match in _SENTENCE.finditer(log):
         row, place = row + log.count(b"\n", place, match.start()), match.start()
@@ -96,7 +96,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _numbers(cells: Sequence[bytes], least: int, width: int, row: int) -> list[float]:
-    """The numbers of a sentence, filled up with nan to a width, or cut to it. Raises DamagedLog."""
+    """The numbers of a sentence, padded with nan or cut to `width`. Raises DamagedLog."""
     try:
         numbers = [float(cell) for cell in cells[:width]]
     except ValueError:
@@ -108,12 +108,12 @@ def _numbers(cells: Sequence[bytes], least: int, width: int, row: int) -> list[f
 
 
 def _unwrapped(clock: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A clock in ms printed in 16 bits, with its overflows removed. [ms]"""
+    """A clock in ms printed in 16 bits, with its wraparounds removed. [ms]"""
     return clock + WRAP * np.concatenate([[0], np.cumsum(np.diff(clock) < -WRAP / 2)])
 
 
 def _pressure(printed: Float[Array, "row"], altitude: Float[Array, "row"]) -> Float[Array, "row"] | None:
-    """Pressures that may have been printed through 16 bits, resolved by the altitude, or None. [Pa]"""
+    """Pressures that may have been printed in 16 bits, resolved with the altitude, or None. [Pa]"""
     ground = [p for p in printed[0] + WRAP * np.arange(3) if GROUND[0] <= p <= GROUND[1]]
     if len(ground) != 1:
         return None
@@ -146,7 +146,7 @@ def _flight(number: int, samples: "array[float]", board: str, notes: list[Found]
 
 
 def _of_board(table: Float[Array, "row column"], board: str) -> tuple[Mapping[str, Array], int]:
-    """What a board adds after the pressure, by channel, and how many numbers stay without a name."""
+    """The values that a board adds after the pressure, by channel, and how many numbers remain unnamed."""
     more = int((~np.isnan(table)).any(axis=0).sum()) - 5
     name = board.lower()
     if more == 1:
@@ -162,7 +162,7 @@ def _of_board(table: Float[Array, "row column"], board: str) -> tuple[Mapping[st
 
 
 def _live(table: Float[Array, "row column"]) -> Reading:
-    """A flight as telemetry reported it in flight, with the apogee that the altimeter stated."""
+    """A flight as reported by live telemetry, with the apogee that the altimeter stated."""
     clock = _unwrapped(table[:, 7])
     order = np.argsort(clock, kind="stable")
     table, time = table[order], clock[order] / 1000

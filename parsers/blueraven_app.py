@@ -1,10 +1,9 @@
-"""Blue Raven, the CSV files of its app: low rate (50 a second, barometer) and high rate (500 a second, no barometer).
+"""Blue Raven, the CSV files of its app: low rate (50 per second, barometer), high rate (500 per second, none).
 
-Flag columns share their names; the first of a name is meant. The velocity and the altitude that the logger
-integrated run away after the landing and are kept apart from what its barometer says. `..._fired` flags
-are kept under their own names, for they come more than a second after the times that the summary states.
-One file may hold the same flight twice. No public document names the columns of the high rate: those that
-speak of acceleration are used if they show one g before launch.
+Several flag columns have the same name; the first one is used. The velocity and the altitude that the logger integrated
+drift after landing and are separate from the barometer's. `..._fired` flags keep their own names, because they come
+more than a second after the times that the summary states. One file may contain the same flight twice. No public
+document names the columns of the high rate: columns named acceleration are used if they read one g before launch.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,7 +44,7 @@ FLAGS = {
 }
 AXES = ("axis 0", "axis 1", "axis 2")
 SCALES = (STANDARD_GRAVITY, 1.0, STANDARD_GRAVITY / 1000)
-"""An acceleration may be in g, m/s^2 or thousandths of a g: on the pad only one of them is one g."""
+"""Possible units of acceleration: g, m/s^2 or thousandths of a g. On the pad only one of them gives one g."""
 
 
 def _is_low(names: Sequence[str]) -> bool:
@@ -104,7 +103,7 @@ def _reading(series: Series, table: LogTable, head: Header, log: bytes) -> Readi
 
 
 def _lift_off(table: LogTable, head: Header, log: bytes) -> datetime | None:
-    """When the clock of a flight was zero; the day alone if a spreadsheet has spoilt the time of day."""
+    """When the clock of a flight was zero; only the date if a spreadsheet has corrupted the time of day."""
     lines = lines_of(decode(log[:HEAD]))
     row = int(table.rows[0])
     places = [head.place(name) for name in ("year", "month", "day", "time")]

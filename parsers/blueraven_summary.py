@@ -1,7 +1,7 @@
-"""Blue Raven, the summary of its app: one `key,value unit` a line, what the logger itself made of a flight.
+"""Blue Raven, the summary from its app: one `key,value unit` per line with the logger's own results for a flight.
 
-Units miss here and there (`Main chute descent rate,-23.5 feet`), rates of descent are negative, and the key of
-the serial number is spelt `Searial`. The maximum by inertial navigation is kept apart from the altitude.
+Some units are incomplete (`Main chute descent rate,-23.5 feet`), descent rates are negative, and the key of the serial
+number is spelled `Searial`. The maximum by inertial navigation is stored separately from the altitude.
 """
 
 import re
@@ -22,7 +22,7 @@ STATED_READOUTS: Mapping[str, tuple[str, str, str]] = {
     "main chute descent rate": ("descent_speed", "speed", "ft/s"),
     "pad altitude asl": ("site_elevation", "length", "ft"),
 }
-"""Lines that state a field of `Flight`: which, of what quantity, in which unit if none is given."""
+"""Lines that state a field of `Flight`: the field, its quantity, and the unit if none is given."""
 EVENTS = {
     "time to first burnout": "burnout",
     "time to apo channel fire": "drogue",
@@ -35,7 +35,7 @@ _FIRST = re.compile(r'^"?Max Altitude"?[,;\t]', re.M | re.I)
 _THEN = re.compile(r'^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.I)
 _MARK = re.compile(r"[,;\t]")
 _PADDING = " \t\r\n\f\v,;"
-"""Of cells at the end of a line that a spreadsheet added."""
+"""Characters at the end of a line, from cells that a spreadsheet added."""
 _DATE = re.compile(r"(\d{1,2})-([A-Za-z]{3})-(\d{2}|\d{4})$")
 
 
@@ -69,7 +69,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
-    """The row of each line, its key as it is spelt and in plain words, and its value."""
+    """The row of each line, its key as spelled and in plain words, and its value."""
     for row, line in enumerate(lines_of(decode(log[:HEAD])), start=1):
         key, *values = _MARK.split(line.replace('"', "").lstrip(), maxsplit=1)
         if key.strip() and values:
@@ -77,7 +77,7 @@ def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
 
 
 def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[str, str]) -> Reading:
-    """The flight, with the times of day that its lines give."""
+    """The flight, with the times of day from its lines."""
     lift_off, landing = _moment(said, "launch time"), _moment(said, "landing time")
     if lift_off:
         stated["date_time"] = lift_off
@@ -96,7 +96,7 @@ def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[
 
 
 def _number(value: str, quantity: str, unit: str) -> float:
-    """The SI value of a text; of a speed the unit may say how far and leave out in what time. Raises BadValue."""
+    """The SI value of a text; the unit of a speed may lack the time (`feet`). Raises BadValue."""
     text = re.sub(r"/\s*s(ec)?$", "", value) if quantity == "speed" else value
     length = re.search(r"(feet|ft|m)$", text) if quantity == "speed" else None
     if length:
@@ -108,7 +108,7 @@ def _number(value: str, quantity: str, unit: str) -> float:
 
 
 def _moment(lines: Mapping[str, str], key: str) -> datetime | None:
-    """A time of day on the day of launch, or None if either is not to be read."""
+    """A time of day on the day of launch, or None if either is unreadable."""
     date = _DATE.match(lines.get("launch date", ""))
     if not date or date[2].lower() not in _MONTHS:
         return None

@@ -1,8 +1,8 @@
-"""Blue Raven over USB: what `download l` and `download h` print, a frame a line, each with its own checksum.
+"""Blue Raven over USB: the output of `download l` and `download h`, one frame per line with its own checksum.
 
-`@ LOG_LOW 212 2024 5 11 14:09:44.602 ... Bo: ... Vel: ... CRC: FEE8`, 50 a second, and `@ LOG_HIR`, 500 a second.
-A line may be overprinted by the next (`...0@ LOG_LOW   @ LOG_LOW  212 ...`): the last `@ LOG_` of it is tried.
-Frames without a good checksum are lost and counted. Numbers are scaled integers; acceleration is read from a label that
+`@ LOG_LOW 212 2024 5 11 14:09:44.602 ... Bo: ... Vel: ... CRC: FEE8`, 50 per second, and `@ LOG_HIR`, 500 per second. A
+line may be overwritten by the next (`...0@ LOG_LOW   @ LOG_LOW  212 ...`): the last `@ LOG_` in it is tried. Frames
+without a valid checksum are skipped and counted. Numbers are scaled integers; acceleration is read from a label that
 names it, if some scale makes it one g at the start. Time starts at the first frame.
 """
 
@@ -27,19 +27,19 @@ from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 
 KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")
 LINE = 4096
-"""The longest line that is looked at; frames have about 200 characters. [bytes]"""
+"""Longest line that is examined; frames have about 200 characters. [bytes]"""
 CHECKSUM_BATCH = 2048
 """Number of lines whose checksums are computed together. [1]"""
 MAX_NUMBERS = 1_500_000
-"""More numbers than the flights of a Blue Raven have at one rate. [1]"""
+"""More numbers than the flights of a Blue Raven have at either rate. [1]"""
 MAX_FRAME_GAP = 60.0
 """Frames further apart than this belong to two flights. [s]"""
 EPOCH = datetime(2000, 1, 1)
 LOW_RATE_FIELDS = (("bo", 0), ("bo", 1), ("v", 0), ("vel", 0), ("ang", 0))
-"""The numbers used of a low-rate frame: label and index."""
+"""The numbers used from a low-rate frame: label and index."""
 SCALES = (STANDARD_GRAVITY / 100, STANDARD_GRAVITY / 1000, STANDARD_GRAVITY / 10_000)
 PAD = 0.5
-"""So long from the first frame on the rocket is taken to stand on its pad. [s]"""
+"""Time after the first frame during which the rocket is assumed to be on the pad. [s]"""
 _HEAD = re.compile(
     rb"@ LOG_(LOW|HIR)\s+\d+"
     rb"\s+(\d{4})[\s\-/,]+(\d{1,2})[\s\-/,]+(\d{1,2})[\s,]+(\d{1,2}):(\d{1,2}):(\d{1,2})\.(\d{1,6})"
@@ -51,7 +51,7 @@ _FIELD = re.compile(rb"([A-Za-z]\w*):((?:\s*,?\s*[-+]?\d+(?![\w:.]))+)")
 def crcs(frames: Sequence[bytes]) -> list[int]:
     """CRC-16/BUYPASS of each frame: polynomial 0x8005, from zero, not reflected; 0xFEE8 for `123456789`.
 
-    Zeros before a frame change nothing, so all are worked through together.
+    Leading zeros do not change it, so frames are padded and processed together.
     """
     longest = max(map(len, frames), default=0)
     columns = (
@@ -77,7 +77,7 @@ class SampleFrame:
     fields: Mapping[str, tuple[int, ...]]
 
     def numbers(self) -> list[float]:
-        """The clock [s from `EPOCH`] and what is used of the sample, nan for what is missing."""
+        """The clock [s from `EPOCH`] and the numbers used from the sample, nan for missing ones."""
         wanted: tuple[tuple[str, int], ...] = LOW_RATE_FIELDS
         if self.kind == "HIR":
             label = next((name for name, values in self.fields.items() if "acc" in name and len(values) >= 3), "")
@@ -91,7 +91,7 @@ def recognises(head: bytes) -> bool:
 
 
 def frames_of(lines: Sequence[bytes]) -> list[SampleFrame | None]:
-    """The frame of each line, the last one if several were printed over each other; None if none is sound."""
+    """The frame in each line, the last one if several were printed over each other; None if none is valid."""
     starts = [line.rfind(b"@ LOG_") for line in lines]
     checked = [
         _CHECKED_LINE.match(line, start) if start >= 0 else None for line, start in zip(lines, starts, strict=True)
@@ -149,7 +149,7 @@ def read(log: bytes) -> list[Found]:
 def _readings(
     low: Float[Array, "frame number"], high: Float[Array, "frame axis"], notes: list[Found]
 ) -> Iterator[Reading]:
-    """A reading for each flight: frames of either kind that no gap in the clock parts."""
+    """A reading for each flight: frames of both rates without a gap in the clock."""
     clock = np.unique(np.concatenate([low[:, 0], high[:, 0]]))
     starts = clock[np.concatenate([[True], np.diff(clock) > MAX_FRAME_GAP])]
     for zero, end in zip(starts, [*starts[1:], np.inf], strict=True):

@@ -1,9 +1,9 @@
-"""CATS flight computer: one CSV file for each kind of record of a flight, the clock `ts` in its first column.
+"""CATS flight computer: one CSV file for each kind of record of a flight, with the clock `ts` in the first column.
 
-Names are joined (`filteredAltitudeAGL`) or parted by underscores (`filtered_altitude_AGL`); sensors are numbered or
-named (`BARO0`). `flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its
+Names are in camel case (`filteredAltitudeAGL`) or have underscores (`filtered_altitude_AGL`); sensors are numbered or
+named (`BARO0`). `flightInfo` is the computer's state estimate (height, velocity, acceleration), `filteredDataInfo` its
 filtered barometer and accelerometer, `baro` and `imu` raw samples of several sensors, numbered by `id`, `gnssInfo`
-positions. Files of one flight bear neither a date nor a serial number; those read together are one flight.
+positions. The files contain neither a date nor a serial number; files read together are one flight.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,17 +39,17 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "baro": ("id", "t", "p"),
     "imu": ("id", "ax", "ay", "az"),
 }
-"""Each kind of file, by columns that it has after `ts`."""
+"""Each kind of file, identified by columns that follow `ts`."""
 MOST_ABOVE = 5
-"""A header further down is that of another table. [1]"""
+"""Largest number of lines above the header. [1]"""
 MOST_SENSORS = 16
-"""So many sensors of one kind are read. [1]"""
+"""Largest number of sensors of one kind. [1]"""
 PASCAL = (1_000.0, 115_000.0)
-"""What air a rocket flies in may measure. [Pa]"""
+"""Plausible range of air pressures in a flight. [Pa]"""
 
 
 def kind_of(names: Sequence[str]) -> str:
-    """The kind of file that a header belongs to, empty if to none."""
+    """The kind of file that a header belongs to; empty if none."""
     if names[0] != "ts":
         return ""
     return next((kind for kind, columns in KINDS.items() if set(columns) <= set(map(_joined, names))), "")
@@ -81,7 +81,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _sensors(table: LogTable) -> list[LogTable]:
-    """The rows of each sensor by itself: a file of raw samples mixes those of several."""
+    """The rows of each sensor separately, because a file of raw samples contains several."""
     if "id" not in table.words:
         return [table]
     names, which = table.words["id"]
@@ -90,7 +90,7 @@ def _sensors(table: LogTable) -> list[LogTable]:
 
 
 def _series(table: LogTable, notes: list[Found]) -> list[Series]:
-    """The samples of one sensor, none if it is not certain what they mean."""
+    """The samples of one sensor; empty if their meaning is uncertain."""
     time, values = table.values["time"], dict(table.values)
     if (pressure := table.get("raw pressure")) is not None:
         if not PASCAL[0] <= np.nanmedian(pressure) <= PASCAL[1]:

@@ -1,9 +1,9 @@
 """Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
 
-Neither text names its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall settles it:
-near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. If that does not show, the log is
-refused, and a unit in the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s, as its steps of a tenth or a
-twentieth of a second show. A column of events holds the altitude at its event, else zero.
+Neither text states its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall determines the
+unit: near the top of an undisturbed flight the acceleration is 9.8 m/s^2 or 32 ft/s^2. If that is inconclusive, the log
+is rejected; adding a unit to the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s, according to its steps of
+a tenth or a twentieth of a second. A column of events contains the altitude at its event, otherwise zero.
 """
 
 import codecs
@@ -30,13 +30,13 @@ ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_
 CLASSIC = ("t", "alt", "vraw", "vfilt")
 SPEEDS = ("fveloc", "veloc", "vfilt")
 EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
-"""Where before the top the fall is looked at. [s]"""
+"""Time windows before the top in which the fall is measured. [s]"""
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
-"""What it may be early and late, with some drag, and as what follows of them at no speed: gravity. [m/s^2]"""
+"""Ranges of the deceleration early and late, with some drag, and extrapolated to zero speed: gravity. [m/s^2]"""
 MAX_TOP_OFFSET = 0.4
-"""How far from the top the curve may have its own: a parachute that opens early cuts a flight short. [s]"""
+"""Largest time from the fitted to the measured top: early parachute deployment truncates a flight. [s]"""
 SLOW_STEP = 2.0
-"""A step of the clock above this is in ms: no Eggtimer takes so long in s. [1]"""
+"""A clock step above this is in ms, because no Eggtimer has a step this long in s. [1]"""
 MOST_LABELS, MOST_FLIGHTS = 60, 64
 _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
 
@@ -53,7 +53,7 @@ def recognises(head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _TextTable:
-    """One table of a text: its header, the labels above it, and where its rows begin and end. [bytes]"""
+    """One table of a text: its header, the labels above it, and its beginning and end. [bytes]"""
 
     head: Header
     summary: Mapping[str, str]
@@ -79,7 +79,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _parts(log: bytes) -> Iterator[_TextTable]:
-    """The tables of a text: each ends where the labels of the next begin, or its header."""
+    """The tables of a text: each ends where the labels or the header of the next one begin."""
     part: _TextTable | None = None
     labels: dict[str, str] = {}
     place = 0
@@ -121,7 +121,7 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
 
 
 def _unit(table: LogTable, head: Header) -> str:
-    """The unit of the heights of a table. Raises DamagedLog if nothing settles it."""
+    """The unit of the heights of a table. Raises DamagedLog if it cannot be determined."""
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
     settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
     if not settled:
@@ -131,7 +131,7 @@ def _unit(table: LogTable, head: Header) -> str:
 
 
 def _seconds(time: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A clock in seconds, whether it counts those or milliseconds. [s]"""
+    """A clock in seconds or milliseconds, converted to seconds. [s]"""
     steps = np.diff(time[:40])
     return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
 
@@ -154,7 +154,7 @@ def _why(table: LogTable, head: Header) -> str:
 
 
 def _below(item: Found, rows: int) -> Found:
-    """A remark whose row is counted from the start of the file."""
+    """A note whose row is counted from the start of the file."""
     if isinstance(item, Note) and item.row is not None:
         return replace(item, row=item.row + rows)
     if isinstance(item, DamagedLog) and item.row is not None:
@@ -163,7 +163,7 @@ def _below(item: Found, rows: int) -> Found:
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:
-    """`m` or `ft`, by how the height changes in the last seconds before its top; empty if neither is sure."""
+    """`m` or `ft`, from the change of height in the last seconds before the top; empty if neither is certain."""
     middle = np.median([altitude[:-4], altitude[1:-3], altitude[2:-2], altitude[3:-1], altitude[4:]], axis=0)
     clock = time[2:-2]
     if len(middle) < 40:
@@ -187,7 +187,7 @@ def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> st
 def _fall(
     clock: Float[Array, "row"], height: Float[Array, "row"], start: float, stop: float
 ) -> tuple[float, float, float]:
-    """By what the speed changes between two times, the speed amid them, and when it would be zero; nan if not evenly.
+    """Change of speed between two times, the mean speed, and the time of zero speed; nan for uneven changes.
 
     [1/s^2], [1/s], [s]
     """

@@ -1,8 +1,8 @@
-"""Featherweight GPS: what its tracker recorded, what the ground station heard, and copies with fewer columns.
+"""Featherweight GPS: tracker recordings, ground station recordings, and copies with fewer columns.
 
-`ALT` is in feet above sea level. Rows can be out of order, and some come twice. The stated Unix time has been
-seen seven hours off beside the UTC of the same row, so only its differences are used, from the first sample
-on. A ground station hears several trackers, each of which is a reading of its own.
+`ALT` is in feet above sea level. Rows can be out of order or duplicated. The stated Unix time has been observed seven
+hours off the UTC of the same row, so only its differences are used, from the first sample on. A ground station receives
+several trackers, each of which becomes a separate reading.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,10 +30,10 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "fix": ("fix", Unit(1.0)),
 }
 RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
-"""What a receiver records about its own position, its height first."""
+"""What a receiver records about its own position; height comes first."""
 GROUND = ("tracker", "date", "time")
 DAY = 86_400.0
-"""[s]"""
+"""Length of a day. [s]"""
 
 
 def _fits(names: Sequence[str]) -> bool:
@@ -80,7 +80,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
-    """The lines of a ground station's log, with the time of day in seconds if it was `14:09:44.6`."""
+    """The lines of a ground station's log, with a time of day such as `14:09:44.6` converted to seconds."""
     mark = head.separator.encode()
     for row, line in enumerate(lines(log), start=1):
         cells = line.rstrip(b"\r").replace(b'"', b"").split(mark)
@@ -98,8 +98,8 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
 
 
 def _receivers(head: Header) -> list[Header]:
-    """A header for each receiver of a log: a ground station may write its own place beside the tracker's, by the same
-    names. In each the columns of the others have none."""
+    """A header for each receiver of a log: a ground station may record its own position along with the tracker's, with
+    the same column names. In each header the columns of the others have no name."""
     starts = [place for place, name in enumerate(head.names) if name == "alt"]
     if len(starts) < 2:
         return [head]
@@ -113,7 +113,7 @@ def _receivers(head: Header) -> list[Header]:
 
 
 def _rise(table: LogTable) -> float:
-    """By how much the heights of a table differ, but for a few that are far off. [m]"""
+    """Range of the heights of a table, without a few outliers. [m]"""
     height = table.values["gps_altitude_msl"]
     height = height[np.isfinite(height)]
     return float(np.subtract(*np.quantile(height, [0.98, 0.02]))) if height.size else -1.0
@@ -127,7 +127,7 @@ def _trackers(table: LogTable) -> list[tuple[str, LogTable]]:
 
 
 def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
-    """The samples; without a fix there is no position, and without one in three dimensions no height."""
+    """The samples. Without a fix there is no position, and without a three-dimensional fix no height."""
     fix = values.pop("fix", None)
     for name, least in {"gps_altitude_msl": 3, "gps_speed": 3, "latitude": 2, "longitude": 2}.items():
         if name in values and fix is not None:
@@ -136,7 +136,7 @@ def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
 
 
 def _utc(log: bytes, head: Header, table: LogTable, time: np.ndarray) -> dict[str, str]:
-    """The stated UTC of the earliest row, if it stands near the start of the log."""
+    """The stated UTC of the earliest row, if it is near the start of the log."""
     place = head.place("utctime")
     texts = lines_of(decode(log[:HEAD]))
     row = int(table.rows[int(np.argmin(time))])

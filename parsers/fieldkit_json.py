@@ -1,9 +1,8 @@
-"""Flights as fieldkit writes them in JSON: what `export` to a `.json` file and `flights --json` print.
+"""Flights in fieldkit's own JSON: the output of `export` to a `.json` file and of `flights --json`.
 
-One document, `{"flights": [{...}, ...]}`, with the columns of the flight table. Numbers are in the unit
-that the column's name says, `null` is "not recorded"; a column that fieldkit does not know is kept. Standard deviations
-of readouts are numbers, or texts as an older fieldkit wrote them.
-A flight's row is its place in the list, counted from 1.
+One document, `{"flights": [{...}, ...]}`, with the columns of the flight table. Numbers are in the unit in the column's
+name, `null` is "not recorded"; unknown columns are kept. Standard deviations of readouts are numbers, or text in files
+from older versions of fieldkit. A flight's row is its position in the list, counted from 1.
 """
 
 import json
@@ -43,7 +42,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _reading(row: int, flight: object) -> Found:
-    """The flight of one entry, or what is wrong with it."""
+    """The flight of one entry, or its error."""
     if not isinstance(flight, dict):
         return DamagedLog(f"found {shown(str(flight))}, expected a flight in braces", row=row)
     stated: dict[str, object] = {}
@@ -71,7 +70,7 @@ def _reading(row: int, flight: object) -> Found:
 def _beside(
     name: str, value: object, flight: Mapping[str, object], sd: dict[str, float], source: dict[str, str]
 ) -> None:
-    """Note the standard deviation or the source of a readout of a flight. Raises BadValue."""
+    """Record the standard deviation or the source of a readout. Raises BadValue."""
     column: Column = SDS.get(name) or SOURCES[name]
     if flight.get(column.header) is None:
         raise BadValue(f"found {shown(str(value))} beside an empty {column.header}, expected none")

@@ -1,14 +1,14 @@
 """The flight table: one row per flight, from a spreadsheet, an editor or fieldkit itself.
 
-Columns are those of `fieldkit.flight`, in any order and case; a unit other than the usual one is named
-by the header (`apogee_ft`, `Apogee (ft)`) or in the cell (`923ft`). A header without a unit wants one in
-every cell. Beside a readout may stand its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source
-(`apogee_source`). Columns that fieldkit does not know are kept as they are.
+Columns are those of `fieldkit.flight`, in any order and case; a unit other than the default is named in the header
+(`apogee_ft`, `Apogee (ft)`) or in the cell (`923ft`). If the header has no unit, every cell needs one. A readout may
+have columns for its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source (`apogee_source`). Unknown
+columns are kept unchanged.
 
-Names that others give these columns are in `fieldkit/data/flight_columns.toml`.
+Other names for these columns are in `fieldkit/data/flight_columns.toml`.
 
-An empty cell, `-`, `n/a` or `none` under a number is "not recorded"; `NaN` is what programs write when
-their arithmetic failed, and is refused. Tags are separated by `;`, `|` or `,`.
+An empty cell, `-`, `n/a` or `none` in a column of numbers means "not recorded"; `NaN` is the result of failed
+arithmetic in a program, and is rejected. Tags are separated by `;`, `|` or `,`.
 """
 
 import re
@@ -54,7 +54,7 @@ def recognises(head: bytes) -> bool:
         and {"date_time"} == fields & set(OWN_COLUMNS)
         and not fields & {column.name for column in READOUTS}
     ):
-        return False  # a log of samples has a date and time in every row too
+        return False  # a log of samples may have a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     named = {role_of(name, strict=False, taken=fields).field for name in spelled}
     if not ours and named & set(OWN_COLUMNS) and named & {column.name for column in READOUTS}:
@@ -63,7 +63,7 @@ def recognises(head: bytes) -> bool:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell is a bare number, as it follows each label in a row of labels and values."""
+    """Whether a cell is a bare number, as after each label in a row of labels and values."""
     return re.fullmatch(r"\s*[+-]?\d+([.,]\d+)?\s*", cell) is not None
 
 
@@ -72,7 +72,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
-    """The flights of a table, whose columns are what the first choice for such headers says, or what their names say.
+    """The flights of a table, with columns assigned by the first matching choice, otherwise by their names.
 
     Raises DamagedLog.
     """
@@ -104,12 +104,12 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
 
 
 def _widest(text: str) -> str:
-    """The separator that parts the header into most cells."""
+    """The separator that splits the header into the most cells."""
     return max(SEPARATORS, key=lambda separator: len(first_row(text, separator)[1]))
 
 
 def _separator(text: str) -> str:
-    """The separator by which the header falls into most columns that we know."""
+    """The separator that splits the header into the most known columns."""
     return max(SEPARATORS, key=lambda separator: sum(map(_is_known, first_row(text, separator)[1])))
 
 
@@ -131,7 +131,7 @@ def _blank(cells: list[str] | DamagedLog) -> bool:
 
 
 def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, list[str] | DamagedLog]:
-    """The last row of a file that ends within a line: torn, if cells are missing from it."""
+    """The last row of a file that ends within a line: an error if cells are missing."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
     return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
@@ -139,11 +139,11 @@ def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, lis
 
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
-"""`1,148` and `1.148`: a number with three decimals or one above a thousand."""
+"""`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
 
 
 def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
-    """Every cell of the columns that hold numbers."""
+    """All cells of the columns with numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
             yield from (c for h, c in zip(headings, cells, strict=False) if _holds_numbers(h))
@@ -154,11 +154,11 @@ def _holds_numbers(heading: ColumnRole) -> bool:
 
 
 def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
-    """The decimal mark of a table, `.` or `,`; empty if `1,148` could be either number.
+    """The decimal mark of a table, `.` or `,`; empty if `1,148` is ambiguous.
 
-    A number that has no second meaning (`281,3`) settles it for the table. Without one, points are
-    decimal points, and commas are decimal commas if semicolons stand between the cells, which is what
-    programs write if the comma is decimal; elsewhere a comma may part the thousands.
+    A single unambiguous number (`281,3`) determines it for the table. Without one, points are decimal points, and
+    commas are decimal commas if the cells are separated by semicolons, which is what programs write when the comma is
+    the decimal mark. Otherwise a comma may separate thousands.
     """
     cells = list(numbers)
     used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}
@@ -173,7 +173,7 @@ def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
 def _reading(
     row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str
 ) -> Reading | DamagedLog:
-    """The flight of one row, or what is wrong with the row."""
+    """The flight of one row, or the error in the row."""
     if isinstance(cells, DamagedLog):
         return cells
     if any(cell.strip() for cell in cells[len(headings) :]):
@@ -192,7 +192,7 @@ def _reading(
             elif cell.strip():
                 extra[heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
-            if heading.loose:  # by a name that may mean something else
+            if heading.loose:  # matched by a name that may mean something else
                 extra[heading.spelled] = from_cell(cell)
                 continue
             return DamagedLog(str(error), row=row, column=heading.spelled or None)
@@ -215,8 +215,8 @@ def _reading(
 
 
 def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
-    """A mass that is no field of a flight, from the column that one of these words and a unit name. Raises BadValue.
-    [kg]"""
+    """A mass that is not a field of a flight, from the column named with one of these words and a unit. Raises
+    BadValue. [kg]"""
     for heading, cell in zip(headings, cells, strict=False):
         if is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
             unit = plain(heading.spelled).rpartition("_")[2]
@@ -225,7 +225,7 @@ def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collectio
 
 
 def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
-    """The value of a cell beside a readout: a standard deviation in SI, or a source. Raises BadValue. [SI]"""
+    """The standard deviation or source of a readout in a cell. Raises BadValue. [SI]"""
     cell = cell.strip()
     if cell.lower() in NOT_RECORDED:
         return None
@@ -256,7 +256,7 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
 
 
 def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:
-    """Raise BadValue for a cell whose number or unit is in doubt."""
+    """Raise BadValue for a cell with an ambiguous number or unit."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")

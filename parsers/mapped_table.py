@@ -1,11 +1,11 @@
-"""Any table of samples that no logger's parser knows: a team's own logger, AltimeterThree's mailed sheet.
+"""Any table of samples without a parser of its own: a team's own logger, the spreadsheet mailed by AltimeterThree.
 
-The columns are taken from the flyer's mapping if there is one (`altitude=Alt (ft)`), else from their names.
-A unit is what the header or the mapping says, or what physics settles; one that stays open is an error for time,
-height and pressure, and leaves out any other column. What is read as what comes back as a `Mapped`, to be shown.
+The columns are assigned by the flyer's mapping if there is one (`altitude=Alt (ft)`), otherwise by their names. A unit
+is taken from the header or the mapping, or inferred from physics; an undetermined unit is an error for time, height and
+pressure, and any other column without a unit is dropped. The assignment is returned as a `Mapped` for display.
 
-A second flight in a file restarts the clock; a counter of 16 or 32 bits that wraps around does not. A clock that
-counts from 1970 starts at the first sample, and the moment of that is kept.
+The clock restarts at a second flight in a file; a 16- or 32-bit counter that wraps around does not count as a restart.
+A clock that counts from 1970 is shifted to start at the first sample, whose date and time are stored.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
 MIN_FLIGHT_ROWS = 10
-"""Rows between two jumps of a clock that make a flight, if there is a longer one. [1]"""
+"""Smallest number of rows between two jumps of a clock that form a flight, if there is a longer one. [1]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -53,7 +53,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
-    """The flights of a table by the first choice that is for it; raises DamagedLog that says what to write."""
+    """The flights of a table by the first matching choice. Raises DamagedLog that explains what to write."""
     layout = layout_of(log[:HEAD])
     choice = choice_for(layout.headers, choices)
     first, *others = side_by_side(layout)
@@ -78,10 +78,10 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
 def _one_table(
     log: bytes, layout: Layout, picks: Sequence[Pick], choice: ColumnChoice | None
 ) -> tuple[str, list[Found]]:
-    """How the picked columns are read, in a line, and the flights in them."""
+    """The assignment of the columns, in one line, and the flights in them."""
     table = _table(log, layout, picks)
     picks, values = one_a_channel(picks, table)
-    table = replace(table, values={}, words={})  # a long log is not kept twice
+    table = replace(table, values={}, words={})  # a long log is not stored twice
     units, left_out = units_of(picks, values)
     whole = {name: to_si(units[name][0], values[name]) for name in units}
     note_columns([column_read(_column_of(picks, name), name, unit) for name, (_, unit, _) in units.items()])
@@ -89,10 +89,10 @@ def _one_table(
 
 
 def _together(found: Sequence[Found], other: Sequence[Found]) -> list[Found]:
-    """The flights of two tables side by side: of each the samples of both, or the flights of both by themselves.
+    """The flights of two side-by-side tables: samples merged flight by flight, or the flights of both separately.
 
-    Tables that hold the same channels are of different flights, and clocks that began at different moments of the day
-    do not agree.
+    Tables with the same channels belong to different flights, and clocks that started at different times of day do not
+    match.
     """
     flights, more = ([item for item in items if isinstance(item, Reading)] for items in (found, other))
     apart = any(_channels(one) & _channels(two) for one, two in zip(flights, more, strict=False))
@@ -110,8 +110,8 @@ def _channels(reading: Reading) -> set[str]:
 
 
 def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
-    """The picked columns as they stand, each under its place; without samples that no sensor gives."""
-    alone = len(side_by_side(layout)) == 1  # of tables side by side one ends before the other
+    """The selected columns, unconverted, each with its index as its name; without values that no sensor returns."""
+    alone = len(side_by_side(layout)) == 1  # of side-by-side tables one ends before the other
     channels = [
         Channel(
             f"{pick.place}",
@@ -131,7 +131,7 @@ def _line(
     left_out: Sequence[str],
     choice: ColumnChoice | None,
 ) -> str:
-    """The mapping in one line."""
+    """The mapping as one line of text."""
     parts = []
     for name, (_, unit, why) in units.items():
         column = shown(_column_of(picks, name))
@@ -144,7 +144,7 @@ def _line(
 
 
 _ALIASES = {"felt": "felt?", "acceleration": "felt?", "altitude_msl": "altitude"}
-"""What a channel was picked as before it proved to be another."""
+"""What a channel was assigned as before it proved to be another."""
 
 
 def _column_of(picks: Sequence[Pick], channel: str) -> str:
@@ -154,7 +154,7 @@ def _column_of(picks: Sequence[Pick], channel: str) -> str:
 
 
 def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> list[Found]:
-    """A reading for every flight of the table, each with a clock that never runs backwards."""
+    """A reading for every flight of the table, each with a clock that never runs backward."""
     time = values["time"]
     extra = {}
     if epoch_unit(time) == "s":
@@ -179,7 +179,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
 
 
 def _with_total(table: LogTable) -> LogTable:
-    """The table with what three axes come to, if it lacks that: their magnitude, and the push along the rocket."""
+    """The table with the magnitude of three axes and the acceleration along the rocket, if it lacks these."""
     if not all(name in table.values for name in AXES):
         return table
     values = dict(table.values)
@@ -195,7 +195,7 @@ def _with_total(table: LogTable) -> LogTable:
 
 
 def _is_total(felt: Float[Array, "row"], total: Float[Array, "row"]) -> bool:
-    """Whether a column without a word on its axis is the magnitude of the three beside it."""
+    """Whether a column with no axis in its name is the magnitude of the three axes in the same table."""
     there = np.isfinite(felt) & np.isfinite(total)
     return bool(there.any()) and float(np.quantile(np.abs(felt - total)[there], 0.9)) < 0.05 * STANDARD_GRAVITY
 

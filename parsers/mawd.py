@@ -1,11 +1,11 @@
-"""PerfectFlite MAWD: what its serial port answers to I, V, S and D, one after the other.
+"""PerfectFlite MAWD: the answers of its serial port to I, V, S and D, one after the other.
 
-Model (two lines), firmware (one), then five statistics of a letter and five digits: G ground, A apogee and
-M main altitude in feet, N samples, D Mach delay in seconds. Then a line with the sample interval, two digits of
-milliseconds at its 21st character, and a sample a line: a character, which is taken for a sign, and four digits of
-feet. Nothing marks the end; the statistics say how many samples there should be.
+Model (two lines), firmware (one), then five statistics of a letter and five digits: G ground, A apogee and M main
+altitude in feet, N samples, D Mach delay in seconds. Then a line with the sample interval, two digits of milliseconds
+at its 21st character, and one sample per line: a character, which is interpreted as a sign, and four digits of feet.
+Nothing marks the end; the statistics state the number of samples.
 
-Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author calls untested.
+Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author describes as untested.
 """
 
 import re
@@ -22,7 +22,7 @@ STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})
 SAMPLE = re.compile(r"([^\r\n])(\d{4})")
 INTERVAL = slice(20, 22)
 MAX_LOG_SIZE = 4 << 20
-"""No MAWD answers more: a sample is a line of 7 bytes, and their number has five digits. [byte]"""
+"""Largest file size: a sample is a line of 7 bytes, and the number of samples has five digits. [byte]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -51,13 +51,13 @@ def read(log: bytes) -> list[Found]:
 
 
 def _plain(log: bytes) -> bytes:
-    """A log with one byte a character whose lines end in a line feed, whatever a terminal made of them."""
+    """A log with one byte per character and line feeds as line ends, regardless of what a terminal changed."""
     log = narrow(log)
     return log.replace(b"\r", b"\n") if line_end(log) == b"\r" else log
 
 
 def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()], list[Found]]:
-    """The samples after the statistics, whose first line is `first`. Raises DamagedLog without a usable interval."""
+    """The samples after the statistics, starting at line `first`. Raises DamagedLog without a usable interval."""
     rows = [(row, line) for row, line in enumerate(lines, start=first) if line.strip()]
     if not rows:
         return (), [Note("found statistics and no samples")]
@@ -79,7 +79,7 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
 
 
 def _height(text: str) -> float:
-    """A sample, nan if it is none. [ft]"""
+    """A sample, nan if it is invalid. [ft]"""
     match = SAMPLE.fullmatch(text.rstrip("\r"))
     return np.nan if not match else float(match[2]) * (-1 if match[1] == "-" else 1)
 

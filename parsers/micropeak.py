@@ -1,9 +1,9 @@
-"""MicroPeak .mpd: what the altimeter blinks after a flight, `MP`, then hex, CRC last; also MicroKite and MicroPeak 2.
+"""MicroPeak .mpd: the altimeter's optical output after a flight, `MP`, hex and CRC; also MicroKite and MicroPeak 2.
 
-It keeps the ground's pressure, the least pressure that its filter saw, and the low 16 bits of each sample, the first
-one step after the ground was measured. Heights are above that pressure, by the standard atmosphere, and so is the
-apogee stated, which is what the device blinks: the samples may end before it. The clock of the first model may be
-off by a tenth. Characters between the digits do not matter, a wrong checksum does.
+It contains the ground pressure, the lowest pressure after its filter, and the low 16 bits of each sample, the first one
+step after the ground pressure was measured. Heights are above that pressure level, by the standard atmosphere. So is
+the stated apogee, which the device blinks: the samples may end before it. The clock of the first model may be off by 10
+%. Characters between the digits are ignored; a wrong checksum is an error.
 Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 """
 
@@ -29,16 +29,16 @@ SEPARATOR_BYTES = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=[\s\0]*[0-9a-fA-F])")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
 MAX_LOG_SIZE = 4 << 20
-"""Size limit: more than the digits and separators of a day of flight. [byte]"""
+"""Largest file size: more than the digits and separators of a day of flight. [byte]"""
 MOST_FLIGHTS = 100
-"""A file of more transmissions is read up to here. [1]"""
+"""Largest number of transmissions that are read from a file. [1]"""
 MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000
 """Range of the pressure on the ground. [Pa]"""
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceModel:
-    """A device that speaks this way, and how far apart its samples are. [s]"""
+    """A device with this protocol, and its sample interval. [s]"""
 
     name: str
     step: float
@@ -61,12 +61,12 @@ def read(log: bytes) -> list[Found]:
 
 
 def _plain(log: bytes) -> bytes:
-    """A log with one byte a character, also if a terminal saved it as UTF-16 with its mark."""
+    """A log with one byte per character, even if a terminal saved it as UTF-16 with a byte order mark."""
     return narrow(log) if log.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else log
 
 
 def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
-    """Where `MP` and enough hex digits for a header are, and the digits, without what is between them."""
+    """The positions of `MP` followed by enough hex digits for a header, and the digits without other characters."""
     for match in START.finditer(log):
         text = log[match.end() : match.end() + MAX_LOG_SIZE].translate(None, SEPARATOR_BYTES)
         digits = DIGITS.match(text)
@@ -75,13 +75,13 @@ def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _is_header(data: bytes) -> bool:
-    """Whether bytes begin a flight or the memory of one that was erased."""
+    """Whether bytes are the start of a flight or of erased memory."""
     ground, _, count = struct.unpack("<IIH", data)
     return (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and count >> 12 < len(MODELS)) or data == b"\xff" * 10
 
 
 def _flight(digits: bytes, row: int) -> list[Found]:
-    """The flight of one transmission, or what is wrong with it."""
+    """The flight in one transmission, or its error."""
     data = bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
     if data[:10] == b"\xff" * len(data[:10]):
         return [Note("holds no flight, its memory is erased", row)]
@@ -126,7 +126,7 @@ def _reading(model: DeviceModel, ground: int, least: int, samples: Float[Array, 
 
 
 def _whole(ground: int, samples: Float[Array, "sample"]) -> Float[Array, "time"]:
-    """Pressures from the ground's and the low 16 bits of those that follow, each nearest to the one before. [Pa]"""
+    """Pressures from the ground pressure and the low 16 bits of the samples, each closest to its predecessor. [Pa]"""
     steps = np.diff(samples, prepend=ground % 65536)
     return ground + np.cumsum((steps + 32768) % 65536 - 32768)
 

@@ -1,7 +1,8 @@
-"""MicroPeak CSV: what its program makes of a .mpd file, with pressures, heights and speeds in several units.
+"""MicroPeak CSV: its program's export of a .mpd file, with pressures, heights and speeds in several units.
 
-The pressures are the device's, the heights and speeds the program's; its accelerations, which it also derives from the
-heights, are not read. Source: the header as listed with the format.
+Pressures are from the device, heights and speeds from the program; its accelerations, which it also derives from the
+heights, are not read.
+Source: the header as listed with the format.
 """
 
 from collections.abc import Sequence

@@ -1,8 +1,8 @@
 """OpenRocket's CSV export of a simulation.
 
-The header is a comment, `# Time (s),Altitude (m),...`, unless somebody took the mark off. Between the rows stand
-`# Event APOGEE occurred at t=5.2 seconds`. What separates cells and what marks a comment is the user's choice, and
-so are the columns, their units and the language of their names; a zero-width character in the brackets is "no unit".
+The header is a comment, `# Time (s),Altitude (m),...`, unless somebody removed the mark. Between the rows there are
+lines such as `# Event APOGEE occurred at t=5.2 seconds`. The user chooses the separator, the comment mark, the columns,
+their units and the language of their names; a zero-width character in the brackets means "no unit".
 
 Format: openrocket/openrocket, core/.../file/CSVExport.java.
 """
@@ -24,9 +24,9 @@ EVENTS = {
     "EJECTION_CHARGE": "ejection",
     "GROUND_HIT": "landing",
 }
-"""Events that have a word of ours; others keep theirs in lower case, and one that recurs a number."""
+"""Events with a fieldkit name; others keep their own in lower case, and repeated ones are numbered."""
 MOST_EVENTS = 200
-"""So many events are kept. [1]"""
+"""Largest number of events. [1]"""
 _EVENT = re.compile(r"Event ([A-Z][A-Z_]{1,40}) occurred at t=([+-]?[\d.]+(?:[eE][+-]?\d+)?) seconds")
 _POINTS = re.compile(r"\d+ data points written for \d+ variables")
 _STATE = re.compile(
@@ -38,9 +38,9 @@ _SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach numbe
 
 @dataclass(frozen=True, slots=True)
 class ExportHeader:
-    """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off.
+    """The names of the columns, their row, and the marks of this export; `mark` is "" if there is none.
 
-    `quoted` if a spreadsheet put quotation marks about every cell, the comments among them.
+    `quoted` if a spreadsheet put every cell in quotation marks, including the comments.
     """
 
     names: tuple[str, ...]
@@ -75,7 +75,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _header(text: str) -> ExportHeader | None:
-    """The line of names, in which time comes with its unit and every cell ends in brackets."""
+    """The line of names, in which time has its unit and every cell ends in brackets."""
     for row, line in enumerate(lines_of(text)[:500], start=1):
         match = _HEADER.match(line)
         if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
@@ -90,20 +90,20 @@ def _header(text: str) -> ExportHeader | None:
 
 
 def _split(line: str, separator: str | None) -> list[str]:
-    """The names of a header; blanks between cells are those that follow a bracket."""
+    """The names of a header; spaces separate cells only after a bracket."""
     if separator is not None:
         return [name.strip() for name in line.strip().rstrip(separator).split(separator)]
     return re.split(r"(?<=\))\s+(?=[^\s(])", line.strip())
 
 
 def _mark(text: str) -> str:
-    """The comment mark of the events, if the header lost its own."""
+    """The comment mark of the events, if the header has lost its own."""
     match = re.search(r'^"?([^\w\s"]{1,4})\s*Event [A-Z_]+ occurred', text, re.MULTILINE)
     return match[1] if match else "#"
 
 
 def _events(lines: Iterable[str]) -> dict[str, float]:
-    """Seconds by event; the second burn-out is `burnout 2`. [s]"""
+    """Times by event; the second burnout is `burnout 2`. [s]"""
     events: dict[str, float] = {}
     for line in lines:
         match = _EVENT.search(line)
@@ -121,7 +121,7 @@ def _events(lines: Iterable[str]) -> dict[str, float]:
 
 
 def _description(lines: Sequence[str], mark: str) -> dict[str, str]:
-    """What the comments above the header say of the simulation."""
+    """The description of the simulation in the comments above the header."""
     said = [line.removeprefix(mark).rstrip(' ",;\t').strip() for line in lines]
     extra: dict[str, str] = {}
     for line in said:

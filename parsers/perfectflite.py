@@ -1,9 +1,9 @@
-"""PerfectFlite .pf2, by whatever name: Pnut, StratoLogger SL100 and StratoLoggerCF, 20 samples a second.
+"""PerfectFlite .pf2, regardless of the name: Pnut, StratoLogger SL100 and StratoLoggerCF, 20 samples per second.
 
-A block of `Name: value` lines, a line that names the columns, and rows. Heights are in feet, temperatures in the
-unit that the line of columns says. The stated apogee is the device's own and is not the highest row. If power
-was lost the log is filled with 25.50 V to its end; what these rows say of heights was never measured. A spreadsheet
-may have put quotation marks and commas about the lines.
+A block of `Name: value` lines, a line of column names, and rows. Heights are in feet, temperatures in the unit given in
+the line of column names. The stated apogee is the device's own and may differ from the highest row. If power was lost
+the rest of the log is filled with 25.50 V; the heights in these rows were never measured. A spreadsheet may have added
+quotation marks and commas.
 Source: files of nine flights, listed with the format.
 """
 
@@ -22,11 +22,11 @@ from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
 
 MOST_ABOVE = 5
-"""Among so many lines is the first, behind blank ones or a title. [1]"""
+"""Number of lines in which the first one must be, after blank lines or a title. [1]"""
 MOST_HEADER = 100
-"""The row of columns is looked for among so many lines. [1]"""
+"""Number of lines that are searched for the column names. [1]"""
 ERASED_VOLTAGE = 25.50
-"""The battery voltage of an erased byte: no sample was written here. [V]"""
+"""Battery voltage of an erased byte: no sample was written here. [V]"""
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
@@ -67,7 +67,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
-    """The lines above the samples by name, and the row and the text of that of the columns."""
+    """The lines above the samples by name, and the row and text of the line of column names."""
     header: dict[str, str] = {}
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         if DATA.match(line):
@@ -98,9 +98,9 @@ def _table(log: bytes, data_row: int, data: str) -> LogTable:
 
 
 def _written(table: LogTable) -> int:
-    """How many rows there are before those that were never written, up to the end of the log.
+    """Number of rows before those that were never written, up to the end of the log.
 
-    The last row cannot be used: it may be cut off within its voltage.
+    The last row is ignored, because it may be truncated within its voltage.
     """
     written = np.flatnonzero(table.values["voltage"][:-1] != ERASED_VOLTAGE)
     last = int(written[-1]) + 1 if len(written) else 0
@@ -108,7 +108,7 @@ def _written(table: LogTable) -> int:
 
 
 def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
-    """The device's own apogee and pad; an impossible one is left out and reported."""
+    """The device's own apogee and pad height; impossible values are dropped and reported."""
     stated: dict[str, object] = {"notes": header["Comments"]} if header.get("Comments") else {}
     if "Apogee" in header and not header["Apogee"]:
         found.append(Note("says PWRLOSS where the apogee should be"))
@@ -126,7 +126,7 @@ def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
 
 
 def _events(header: Mapping[str, str]) -> dict[str, float]:
-    """When the outputs fired; none if the header says no time after launch. [s]"""
+    """When the outputs fired; empty if the header has no time after launch. [s]"""
     events = {}
     for name, value in header.items():
         seconds = re.match(r"\s*(\d{1,4}(?:\.\d{1,3})?)", value)

@@ -1,8 +1,8 @@
-"""What PerfectFlite's program exports beside .pf2: `Time,Altitude,Temp,Voltage` with commas or tabs, or no header.
+"""Other exports of PerfectFlite's program: `Time,Altitude,Temp,Voltage` with commas or tabs, or no header.
 
-A spreadsheet may have put semicolons between the cells, and commas in their numbers.
-The unit of temperature stands in each cell, `14.2C` or `76.7F`. Heights have none and are in feet, as everywhere in
-this program, unless somebody who renamed the columns wrote another.
+A spreadsheet may have used semicolons between cells, and decimal commas. Each cell of temperature includes its unit,
+`14.2C` or `76.7F`. Heights have none and are in feet, as everywhere in this program, unless somebody renamed the column
+with another unit.
 Source: exports of four flights, listed with the format.
 """
 
@@ -23,7 +23,7 @@ FIRST_ROWS = 20
 
 @dataclass(frozen=True, slots=True)
 class ExportLayout:
-    """How an export is laid out; `header_row` 0 is none, `voltage_suffix` ends every cell of voltage."""
+    """The layout of an export; `header_row` 0 means no header, `voltage_suffix` ends every cell of voltage."""
 
     header_row: int
     separator: str
@@ -60,7 +60,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _layout(log: bytes) -> ExportLayout | None:
-    """How a log is laid out, None if it is no such export."""
+    """The layout of a log; None if it is not such an export."""
     lines = enumerate((line.rstrip(",;\t ") for line in first_lines(log, most=FIRST_ROWS)), start=1)
     rows = [(row, line) for row, line in lines if line and not line.startswith("sep=")]
     if not rows:
@@ -88,7 +88,7 @@ def _layout(log: bytes) -> ExportLayout | None:
 
 
 def _kind(line: str, separator: str) -> tuple[str, str] | None:
-    """What ends the cells of temperature and of voltage in a row, None if it is not one of an export."""
+    """The suffixes of the temperature and voltage cells in a row; None if it is not a row of an export."""
     cells = _cells(line, separator)
     warmth = TEMPERATURE_WORDS.match(cells[2]) if len(cells) == 4 else None
     if not warmth or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):

@@ -1,6 +1,6 @@
 """RASAero II's CSV export of a simulation: `Time (sec),Stage,Stage Time (sec),Mach Number,...,Altitude (ft),...`.
 
-Rows are a hundredth of a second apart. Units stand in brackets; `lb` is a force for thrust and drag.
+Rows are a hundredth of a second apart. Units are in brackets; `lb` is a force for thrust and drag.
 """
 
 from collections.abc import Sequence

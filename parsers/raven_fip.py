@@ -1,10 +1,10 @@
 """Featherweight Raven, exported by its interface program: `Time@<channel>,<channel>,bILBA` for every channel.
 
-Each channel has a clock and a length of its own, and a channel that has ended leaves two empty cells where its three
-were, so rows have many widths. The digits of `bILBA` are flags: I, liftoff, burnout (the integrated speed begins to
-fall), apogee (it has become zero), as real flights show. What stands in brackets the program computed afterwards.
-Copies edited by hand (`Time-...`, `Time (s)`, two channels) read the same, and so do those that a spreadsheet has
-saved with semicolons.
+Each channel has its own clock and length. A channel that has ended leaves two empty cells instead of three, so rows
+have different widths. The digits of `bILBA` are flags: I, liftoff, burnout (the integrated speed begins to fall),
+apogee (it has reached zero), as confirmed by real flights. Channels with brackets in their names were computed
+afterwards by the program. Hand-edited copies (`Time-...`, `Time (s)`, two channels) are also read, and so are those
+that a spreadsheet saved with semicolons.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -35,11 +35,11 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "temperature (f)": ("temperature", UNITS["temperature"]["f"]),
     "volts battery (v)": ("voltage", Unit(1.0)),
 }
-"""Channels by header, the logger's own before what was computed from them."""
+"""Channels by header; the logger's own come before computed ones."""
 MAX_LOG_SIZE = 1 << 25
-"""More than the exported memory of a Raven. [byte]"""
+"""Larger than the exported memory of a Raven. [byte]"""
 EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
-"""The place of each flag in a cell such as `b1100`."""
+"""Index of each flag in a cell such as `b1100`."""
 
 
 def _fits(names: Sequence[str]) -> bool:
@@ -70,9 +70,9 @@ def read(log: bytes) -> list[Found]:
 
 
 def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
-    """The lines of a log with three cells for every channel, also for those that have ended.
+    """The lines of a log with three cells for every channel, including those that have ended.
 
-    A spreadsheet pads each line to the longest, so the flags, not the length, show whether cells are missing.
+    A spreadsheet pads each line to the longest, so missing cells are detected by the flags, not by the length.
     """
     for line in lines(log):
         line = line.rstrip(b"\r").replace(b'"', b"")
@@ -88,7 +88,7 @@ def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
 
 
 def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:
-    """The samples, channels together that were taken at the same times."""
+    """The samples; channels that were sampled at the same times are grouped together."""
     found: list[Series] = []
     for name, place in places.items():
         time, values = in_order(table.values[f"time {place}"], table.values[name])
@@ -109,7 +109,7 @@ def _series(series: Series, name: str, values: Float[Array, "time"]) -> Series:
 
 
 def _events(table: LogTable) -> dict[str, float]:
-    """When each flag is first set on any channel, for some end before others. [s]"""
+    """When each flag is first set on any channel, because some channels end before others. [s]"""
     events: dict[str, float] = {}
     for place, (known, which) in table.words.items():
         time = table.values[f"time {place}"]

@@ -1,8 +1,8 @@
 """RockSim's CSV export of a simulation.
 
-One line of names, each followed by its unit after a blank: `Time,Thrust N,Altitude Feet,Velocity Feet / Sec`. Cells
-have leading blanks, and some names one before their comma. Time alone has no unit; it counts seconds, and the climb
-that the speed makes of them must be the one that the height shows.
+One line of names, each followed by a space and its unit: `Time,Thrust N,Altitude Feet,Velocity Feet / Sec`. Cells have
+leading spaces, and some names have one before the comma. Only time has no unit; it is in seconds, which is checked by
+comparing the integrated speed with the height.
 """
 
 from fieldkit.errors import DamagedLog
@@ -17,7 +17,7 @@ _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
 
 
 MOST_ABOVE = 5
-"""Among so many lines that are not blank are the names, behind a title or two. [1]"""
+"""Number of nonblank lines in which the names must be, after a title or two. [1]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -33,7 +33,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _header(head: bytes) -> tuple[int, list[str], str] | None:
-    """The row of names, the names and what parts them, or None if none is RockSim's."""
+    """The row of names, the names and the separator, or None if it is not from RockSim."""
     text = decode(head)
     first = [(row, line) for row, line in enumerate(lines_of(text), start=1) if line.strip()][:MOST_ABOVE]
     rows = ((row, split(line, separator), separator) for row, line in first for separator in SEPARATORS)
@@ -41,7 +41,8 @@ def _header(head: bytes) -> tuple[int, list[str], str] | None:
 
 
 def _is_rocksims(names: list[str]) -> bool:
-    """Whether time comes first and bare, height has its unit after a blank, and something only a program knows too."""
+    """Whether time comes first without a unit, height has its unit after a space, and a column exists only in
+    simulations."""
     if not names or names[0].strip().lower() != "time" or any(mark in name for name in names for mark in "()[]_"):
         return False
     heads = [heading(name) for name in names]

@@ -1,9 +1,10 @@
-"""Missile Works RRC3, exported by mDACS: `Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages`, 20 a second.
+"""Missile Works RRC3, exported by mDACS: `Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages`, 20 per second.
 
-The header has no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
-whether altitude and velocity are in feet or in meters; if it proves neither they are left out. Temperature is
-in the degrees that go with them; it is filled once a second. Cells are parted by comma, TAB or semicolon (with
-decimal commas), the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
+The header has no units. Pressure is in mbar, and the height from it by the standard atmosphere determines whether
+altitude and velocity are in feet or in meters; if the result is ambiguous they are dropped. Temperature is in the
+corresponding unit (degrees Fahrenheit or Celsius) and is recorded once per second. Cells are separated by comma, TAB or
+semicolon (with decimal commas), and the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at
+apogee.
 """
 
 import re
@@ -23,17 +24,17 @@ from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
 WORDS = ("temperature", "events")
-"""If there is no temperature the event stands in its place, so both are read as words."""
+"""Columns read as words, because without a temperature the event takes its place."""
 MOST_WORDS = 300
-"""So many different words are looked at for events. [1]"""
+"""Number of different words that are searched for events. [1]"""
 AIR = (100.0, 115_000.0)
-"""What an altimeter can measure at all. [Pa]"""
+"""Range of pressures that an altimeter can measure. [Pa]"""
 CLIMB = 20.0
-"""Heights below this say nothing about units: noise is as large. [m]"""
+"""Smallest height that determines units; noise is as large as smaller ones. [m]"""
 HEIGHT_RATIO_TOLERANCE = 0.08
-"""How far the ratio of two heights may be from that of their units: real air is not standard air. [1]"""
+"""Tolerance of the ratio of two heights for a unit: real air differs from standard air. [1]"""
 TAIL, JUMP = 3, 5_000.0
-"""A pressure that jumps so far from the row before, among so many last rows, is garbage. [1], [Pa]"""
+"""Number of last rows that may be garbage [1], and the smallest jump from the previous row that is garbage [Pa]."""
 
 
 def _fits(names: Sequence[str]) -> bool:
@@ -61,7 +62,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _reading(table: LogTable, found: list[Found]) -> Reading | None:
-    """The flight of a table, or None if its pressures are of no air."""
+    """The flight of a table, or None if its pressures are impossible."""
     events = _events(table)
     table, garbage = _without_garbage(table)
     pressure = table.get("pressure")
@@ -73,7 +74,7 @@ def _reading(table: LogTable, found: list[Found]) -> Reading | None:
 
 
 def _events(table: LogTable) -> dict[str, float]:
-    """The words among the samples, each with the time of its first row. [s]"""
+    """The words in the samples, each with the time of its first row. [s]"""
     events: dict[str, float] = {}
     for name in WORDS:
         known, which = table.words[name]
@@ -85,14 +86,14 @@ def _events(table: LogTable) -> dict[str, float]:
 
 
 def _temperature(table: LogTable) -> Float[Array, "row"] | None:
-    """The temperature in the log's own degrees, or None."""
+    """The temperature in the log's own unit, or None."""
     known, which = table.words["temperature"]
     degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
     return None if np.isnan(degrees[which]).all() else degrees[which]
 
 
 def _without_garbage(table: LogTable) -> tuple[LogTable, list[Found]]:
-    """The table up to the first of its last rows whose pressure cannot follow the one before."""
+    """The table up to the first of its last rows whose pressure cannot follow the previous one."""
     pressure = table.values["pressure"]
     jumps = np.flatnonzero(np.abs(np.diff(pressure)) > JUMP) + 1
     bad = [int(row) for row in jumps if row >= len(table) - TAIL]
@@ -110,7 +111,7 @@ def _without_garbage(table: LogTable) -> tuple[LogTable, list[Found]]:
 
 
 def _settled(table: LogTable) -> tuple[Series, Note]:
-    """The samples in SI, and by what the units were settled."""
+    """The samples in SI, and a note on how the units were determined."""
     time, pressure, printed = (table.values[name] for name in ("time", "pressure", "altitude"))
     series = Series(time=time, pressure=pressure, voltage=table.get("voltages"))
     height = pressure_height(np.clip(pressure, *AIR))

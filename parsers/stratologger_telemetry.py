@@ -1,8 +1,8 @@
-"""StratoLogger live telemetry: a table of seconds and feet that a capture makes of the lines the unit sends.
+"""StratoLogger live telemetry: a table of seconds and feet, captured from the lines that the unit sends.
 
-The unit sends one altitude in feet a line and no clock; the seconds are those of arrival. If it sends on the
-pad already, its first line is the pad's elevation above sea level and the others are above the pad; if it sends
-from launch on, all are. The first kind shows by a step down to about nothing after the first line.
+The unit sends one altitude in feet per line without a time; the seconds are times of reception. If it already transmits
+on the pad, its first line is the pad's elevation above sea level and the others are above the pad. If it transmits from
+launch on, all are above the pad. The first case is recognized by a drop to about zero after the first line.
 
 Source: docs/telem.md (UND-ARC/StratoLogger).
 """
@@ -22,7 +22,7 @@ from fieldkit.units import FOOT, UNITS
 
 TITLE = "StratoLogger live telemetry, captured by fieldkit"
 ON_PAD = 30 * FOOT
-"""Heights of a rocket that is still on its pad, by its own barometer. [m]"""
+"""Largest height of a rocket that is still on its pad, by its own barometer. [m]"""
 CHANNELS = (
     Channel("time", 0, needed=True, header="seconds"),
     Channel("altitude", 1, UNITS["length"]["ft"], header="feet"),
@@ -67,7 +67,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def _began(log: bytes, head: Header) -> str:
-    """When the capture began, as the lines above the table say; empty if they do not."""
+    """When the capture began according to the lines above the table; empty if they do not state it."""
     above = lines_of(decode(log[:HEAD]))[: head.row - 1]
     parted = (line.replace('"', "").partition(head.separator) for line in above)
     return next((value.strip(head.separator) for name, _, value in parted if name == "began"), "")

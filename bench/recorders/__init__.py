@@ -1,1 +1,1 @@
-"""Simulated recorders: what sixty kinds of loggers write of flights that are known, and how well they are read."""
+"""Simulated recorders: the logs that sixty kinds of loggers write of known flights, and how well they are read."""

@@ -1,7 +1,8 @@
-"""The recorder bench: `python -m bench.recorders`, which prints how well every kind of recorder is read.
+"""The recorder bench, `python -m bench.recorders`: print how well every kind of recorder is read.
 
-`--flights` of each kind (20), `--only` those with a word in their names, `--worst` how many of the largest misses.
-`--keep FILE` keeps each kind of recorder as it finishes and resumes there: a long run may be split.
+`--flights` is the number of flights of each kind (20), `--only` selects kinds with a word in their names, and `--worst`
+is the number of largest errors to print. `--keep FILE` saves each kind of recorder as it finishes; a later run with the
+same file resumes there.
 """
 
 import argparse
@@ -16,7 +17,7 @@ from bench.recorders.models import RECORDERS
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print the table and the largest misses; 1 if a log was refused."""
+    """Print the table and the largest errors. Returns 1 if a log was rejected."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--flights", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Flights to be recorded: rigid rockets in wind (`bench.fast_truth`), slow ones and ones faster than sound."""
+"""Flights to be recorded: rigid rockets in wind (`bench.fast_truth`), both subsonic and supersonic."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,21 +17,21 @@ from fieldkit.shapes import Array, Float
 SONIC_MOTORS = ("AeroTech I211W", "AeroTech J350W", "AeroTech I357T", "AeroTech J570W", "AeroTech K550W")
 """Motors that take a slender rocket through the speed of sound."""
 STEP = 0.005
-"""Of the path that is recorded. [s]"""
+"""Time step of the recorded path. [s]"""
 PEAK_WINDOW = 0.05
-"""Over so long a time a peak of acceleration lasts. [s]"""
+"""Averaging window of the peak acceleration. [s]"""
 GUST, GUST_TIME = 0.5, 3.0
-"""Vertical gusts near the ground on a day for rockets [m/s], and how long one lasts [s]."""
+"""Vertical gusts near the ground on a launch day [m/s], and the duration of one [s]."""
 UNDER_WAY, EXTENSION = 1.0, 30.0
-"""From so long after apogee and ejection they lift, and by how much they make a flight longer at most. [s]"""
+"""Time after apogee and ejection from which gusts act, and by how much they lengthen a flight at most. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """What a flight did on even times from lift-off, and what its charge did. SI.
+    """The path of a flight at regular time steps from lift-off, and the time of its charge. SI.
 
-    `height` is what a perfect barometer shows and `above` the true one, `speed` the true vertical one, `push` the
-    specific force along the axis.
+    `height` is the reading of a perfect barometer and `above` the true height, `speed` the true vertical speed, `push`
+    the specific force along the axis.
     """
 
     time: Float[Array, "step"]
@@ -48,11 +48,12 @@ class Path:
 
     @property
     def apogee_time(self) -> float:
-        """When it was highest. [s]"""
+        """Time of apogee. [s]"""
         return float(self.time[np.argmax(self.height)])
 
     def readouts(self, *, barometric: bool = True) -> dict[str, float]:
-        """The readouts of a perfect device, in SI, with heights by pressure or by satellites; speeds are vertical."""
+        """The readouts of a perfect device in SI units, with heights from pressure or from satellites; speeds are
+        vertical."""
         if not barometric:
             return replace(self, height=self.above).readouts()
         climbs = self.time <= self.apogee_time
@@ -78,14 +79,14 @@ class Path:
 
 
 def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: float = 0.0) -> list[Path]:
-    """Flights as sport flyers make them, or such as pass Mach 1; from rails at this angle, or at a random one. [rad]"""
+    """Typical sport flights, or supersonic ones, from rails at the given angle, or at a random one. [rad]"""
     launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
     launches = [replace(one, tilt=lean or one.tilt) for one in launches]
     return [_path(launch, track, rng) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
 
 
 def _sport(rng: np.random.Generator) -> Launch:
-    """A rocket of any size on a motor that lifts it well, with a delay about its coast."""
+    """A rocket of any size with a motor of sufficient thrust, and a delay that fits its coast."""
     while True:
         names, diameters, masses = CLASSES[str(rng.choice(list(CLASSES)))]
         diameter, mass = float(rng.uniform(*diameters)), float(rng.uniform(*masses))
@@ -106,7 +107,7 @@ def _sonic(rng: np.random.Generator) -> Launch:
 def _launch(
     rng: np.random.Generator, burning: Motor, diameter: float, mass: float, fastest: float = 0.0
 ) -> Launch | None:
-    """A launch of a stable rocket; None if it would not leave its rail well, or is too slow."""
+    """A launch of a stable rocket; None if it would leave its rail too slowly, or be too slow."""
     frame = Airframe(
         diameter,
         diameter * float(rng.uniform(13, 22)),
@@ -126,7 +127,7 @@ def _launch(
     elevation = float(rng.uniform(0, 1500))
     kelvin = (
         SEA_TEMPERATURE - LAPSE * elevation + float(rng.normal(0, 5))
-    )  # readouts are of the sensor, not the weather
+    )  # readouts describe the sensor, not the weather
     air = Air(elevation, kelvin, wind=float(rng.uniform(0, 6)))
     drag = Drag(float(rng.uniform(0.35, 0.8)), float(rng.uniform(0.9, 1.2)), float(rng.uniform(0.3, 0.8)))
     launch = Launch(
@@ -174,7 +175,7 @@ def _path(launch: Launch, track: Track, rng: np.random.Generator) -> Path:
 def _in_gusts(
     time: Float[Array, "step"], above: Float[Array, "step"], ejection: float, rng: np.random.Generator
 ) -> tuple[Float[Array, "step"], Float[Array, "step"]]:
-    """Times [s] and heights [m] of a flight whose descent gusts lift and sink, to where it meets the ground."""
+    """Times [s] and heights [m] of a flight whose descent is changed by vertical gusts, until it reaches the ground."""
     top, second = float(time[np.argmax(above)]), round(1 / STEP)
     sinks = max(float(above[-second] - above[-1]), 1.0)
     later = np.arange(time[-1] + STEP, time[-1] + EXTENSION, STEP)
@@ -186,7 +187,7 @@ def _in_gusts(
 
 
 def _lifted(since: Float[Array, "step"], rng: np.random.Generator) -> Float[Array, "step"]:
-    """By how much the air lifts what hangs from a parachute: gusts that follow an Ornstein-Uhlenbeck process. [m]"""
+    """Height change of a rocket under a parachute from gusts that follow an Ornstein-Uhlenbeck process. [m]"""
     from scipy.signal import lfilter
 
     part = STEP / GUST_TIME
@@ -197,5 +198,5 @@ def _lifted(since: Float[Array, "step"], rng: np.random.Generator) -> Float[Arra
 def sampled(
     path: Path, when: Float[Array, "time"], values: Sequence[float] | Float[Array, "step"], rest: float
 ) -> Array:
-    """A quantity of the flight at some times; before lift-off and after landing what it is at rest."""
+    """A quantity of the flight at given times; before lift-off and after landing it has its value at rest."""
     return np.asarray(np.interp(when, path.time, values, left=rest, right=rest))

@@ -1,4 +1,4 @@
-"""How well the logs of recorders are read: every readout against the truth, in standard deviations and in percent."""
+"""How well the logs of recorders are read: each readout compared with the truth, in standard deviations and percent."""
 
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,14 +28,14 @@ READOUTS = (
     "duration",
 )
 GROSS, HONEST = 0.05, 3.0
-"""An error beyond such a part of the truth [1] is grave if it is beyond so many standard deviations [1]."""
+"""An error is severe if it exceeds this fraction of the truth [1] and this number of standard deviations [1]."""
 LEAST = {"apogee_to_eject": 2.0, "eject_altitude": 20.0, "burn_time": 0.5}
-"""Parts of a readout near zero are parts of so much. [SI]"""
+"""Smallest denominators of relative errors, for readouts near zero. [SI]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Miss:
-    """One readout of one flight: how far it is from the truth, its standard deviation and the truth. [SI]"""
+    """The error of one readout of one flight, its standard deviation, and the truth. [SI]"""
 
     recorder: str
     flight: int
@@ -46,27 +46,27 @@ class Miss:
 
     @property
     def sds(self) -> float:
-        """How many standard deviations it is off."""
+        """The error in standard deviations."""
         return self.error / self.sd if self.sd > 0 else np.inf
 
     @property
     def relative(self) -> float:
-        """By which part of the truth it is off."""
+        """The error as a fraction of the truth."""
         return abs(self.error) / max(abs(self.truth), LEAST.get(self.readout, 0.0))
 
     @property
     def relative_sd(self) -> float:
-        """Its standard deviation, as a part of the truth."""
+        """The standard deviation as a fraction of the truth."""
         return self.sd / max(abs(self.truth), LEAST.get(self.readout, 0.0))
 
     @property
     def grave(self) -> bool:
-        """Whether it is far off without a note."""
+        """Whether the error is severe."""
         return bool(self.relative > GROSS and abs(self.sds) > HONEST)
 
 
 def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[Miss], list[str]]:
-    """The readouts of some flights as one recorder has them, and what went wrong altogether."""
+    """The readouts of some flights from one recorder, and the logs that failed completely."""
     rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
     misses: list[Miss] = []
     wrong: list[str] = []
@@ -80,14 +80,14 @@ def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[M
 
 
 def read(log: bytes) -> Recorded:
-    """What is measured in a log, as an import does it. Raises FieldkitError for one that is refused."""
+    """Measure a log as an import does. Raises FieldkitError if it is rejected."""
     found = open_log(log, "log", None).found
     readings = [item for item in found if isinstance(item, Reading) and item.clocks]
     return measure(readings[0].clocks, readings[0].events) if readings else Recorded()
 
 
 def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recorded) -> Iterator[Miss]:
-    """Each readout that was measured, beside the truth."""
+    """Compare each measured readout with the truth."""
     for readout, truth in right.items():
         figure = recorded.figures.get(readout)
         if figure is not None and readout in READOUTS:
@@ -96,8 +96,8 @@ def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recor
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One readout of one recorder: of how many flights, of how many there, how many within two deviations and far
-    off, and in the middle the error and the standard deviation, as parts of the truth. [1]"""
+    """One readout of one recorder: the number of flights, how many have it, how many are within two standard
+    deviations, how many are severely off, and the median error and standard deviation as fractions of the truth. [1]"""
 
     flights: int
     measured: int
@@ -107,7 +107,8 @@ class Cell:
     sd: float
 
     def __str__(self) -> str:
-        """`measured/within/grave`: of a hundred flights, of a hundred measured, and how many."""
+        """`measured/within/grave`: percent of flights measured, percent of these within two sds, number of severe
+        errors."""
         if not self.measured:
             return "-"
         return f"{100 * self.measured / self.flights:.0f}/{100 * self.within / self.measured:.0f}/{self.grave}"
@@ -130,11 +131,11 @@ def cells(misses: Sequence[Miss], flights: int) -> dict[str, Cell]:
 
 
 def table(kept: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
-    """Lines of a table: a row a recorder, and of each readout how many in a hundred lie within two deviations.
+    """Lines of a table with one row per recorder: for each readout, the percentage within two standard deviations.
 
-    A cell is `measured/within/grave`: how many flights of a hundred have it, and how many of these are within two
-    standard deviations and how many are far off. Below are all together, and the error and the standard deviation
-    in the middle of the recorders, in percent of the truth.
+    A cell is `measured/within/grave`: the percentage of flights that have the readout, and among these the percentage
+    within two standard deviations and the number of severe errors. Below are the totals, and the medians over recorders
+    of the error and the standard deviation, in percent of the truth.
     """
     yield "| recorder | " + " | ".join(READOUTS) + " |"
     yield "|---" * (len(READOUTS) + 1) + "|"

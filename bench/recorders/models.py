@@ -1,4 +1,4 @@
-"""Kinds of recorders: a barometer, an accelerometer, satellites, and what is wrong with each."""
+"""Kinds of recorders: a barometer, an accelerometer, satellites, and the faults of each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,60 +6,60 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Recorder:
-    """What a logger measures and how; a rate of 0 is a sensor that it lacks. SI unless said otherwise."""
+    """What a logger measures and how; a rate of 0 means no such sensor. SI unless stated otherwise."""
 
     baro: float = 20.0
-    """Samples a second. [1/s]"""
+    """Sampling rate of the barometer. [1/s]"""
     baro_noise: float = 0.4
     resolution: float = 0.1
-    """Heights, or pressures, are written in such steps. [m, Pa]"""
+    """Resolution of recorded heights or pressures. [m, Pa]"""
     column: str = "altitude_m"
     """`altitude_m`, `altitude_ft` or `pressure_pa`."""
     lag: float = 0.0
-    """Time constant of the filter, or of the vents, that heights come through. [s]"""
+    """Time constant of the filter or vents. [s]"""
     static: float = 0.02
-    """Spread of the error of the pressure in the airframe, as a part of the dynamic pressure, from rocket to rocket:
-    no static port is free of it, and real logs with an accelerometer beside the barometer have -0.06 to 0.04. [1]"""
+    """Standard deviation between rockets of the airframe's pressure error, as a fraction of the dynamic pressure. No
+    static port is free of it, and in real logs with an accelerometer and a barometer it is -0.06 to 0.04. [1]"""
     shocks: float = 0.0
-    """By how much heights are off near the speed of sound. [m]"""
+    """Height error near the speed of sound. [m]"""
     spikes: float = 0.0
-    """Part of the samples that are far off. [1]"""
+    """Fraction of samples that are spikes. [1]"""
     charge: float = 0.0
-    """What the gas of the ejection charge does to the height, for a fifth of a second. [m]"""
+    """Height error from ejection gas, for a fifth of a second. [m]"""
     drift: float = 0.0
-    """Of the zero, while the log lasts. [m/s]"""
+    """Drift of the zero during the log. [m/s]"""
     jitter: float = 0.0
-    """Of the clock, as a part of a step. [1]"""
+    """Jitter of the clock, as a fraction of a time step. [1]"""
     accel: float = 0.0
-    """Samples a second. [1/s]"""
+    """Sampling rate of the accelerometer. [1/s]"""
     accel_noise: float = 0.5
     accel_range: float = 0.0
-    """At which it is full; 0 for never. [g]"""
+    """Range of the accelerometer; 0 for unlimited. [g]"""
     accel_step: float = 0.01
-    """In which it is written. [g]"""
+    """Resolution of the accelerometer. [g]"""
     axes: int = 1
-    """3 if the axis of the rocket lies somewhere between three."""
+    """Number of axes: 3 if the rocket's axis is somewhere between them."""
     scale: float = 0.01
-    """Spread of the accelerometer's scale. [1]"""
+    """Standard deviation of the accelerometer's scale. [1]"""
     bias: float = 0.15
-    """Spread of its zero. [m/s^2]"""
+    """Standard deviation of its zero. [m/s^2]"""
     late: float = 0.0
-    """By how much its clock is late. [s]"""
+    """Delay of its clock. [s]"""
     derived: bool = False
-    """Whether the acceleration is made of the heights instead."""
+    """Whether the acceleration is derived from the heights instead."""
     speed: bool = False
-    """Whether it writes a speed of its own, made of filtered heights."""
+    """Whether it records a speed, derived from filtered heights."""
     gps: float = 0.0
-    """Samples a second. [1/s]"""
+    """Sampling rate of the satellite receiver. [1/s]"""
     gps_noise: float = 1.5
     wait: float = 3.0
-    """On the pad before lift-off; below 0 for a log that begins in flight. [s]"""
+    """Time on the pad before lift-off; negative if the log begins in flight. [s]"""
     gap: tuple[float, float] = (0.0, 0.0)
-    """When nothing is written, from the time of apogee on: begin and length. [s]"""
+    """Gap in the log: its start relative to apogee, and its length. [s]"""
     sonic: bool = False
-    """Whether it is flown beyond Mach 1."""
+    """Whether it flies beyond Mach 1."""
     lean: float = 0.0
-    """Of the rail that it is flown from; 0 for a few degrees by chance. [deg]"""
+    """Angle of the launch rail; 0 for a few random degrees. [deg]"""
 
 
 _PLAIN = {
@@ -150,4 +150,4 @@ _SONIC = {
     "sonic satellites 5 Hz": Recorder(sonic=True, baro=0, gps=5),
 }
 RECORDERS: Mapping[str, Recorder] = {**_PLAIN, **_BAROMETERS, **_ACCELEROMETERS, **_RADIO, **_SONIC}
-"""Every kind of recorder by a name."""
+"""All kinds of recorders by name."""

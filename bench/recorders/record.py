@@ -1,4 +1,4 @@
-"""What a recorder writes of a flight: a table as loggers write it, with a header of names and units."""
+"""The log that a recorder writes of a flight: a table with a header of names and units, as loggers write it."""
 
 import io
 
@@ -14,15 +14,15 @@ from fieldkit.units import FOOT
 REST = 12.0
 """How long the log continues after landing. [s]"""
 SOUND, SHOCK_WIDTH, SHOCKED = 335.0, 0.05, (0.92, 1.12)
-"""Speed of sound [m/s], and the Mach numbers between which shocks stand on the vents, to within a width."""
+"""Speed of sound [m/s], width of the edges of the shock region, and its range [Mach]."""
 BLOW, BLOW_LASTS = 15 * GRAVITY, 0.03
-"""The blow of a charge on an accelerometer [m/s^2], and how long it lasts [s]."""
+"""Acceleration from the shock of a charge [m/s^2], and its duration [s]."""
 SWING = 8.0
-"""What swinging under a parachute does to it. [m/s^2]"""
+"""Acceleration from swinging under a parachute. [m/s^2]"""
 
 
 def written(path: Path, recorder: Recorder, rng: np.random.Generator) -> bytes:
-    """The log of one flight, as CSV: a row for each time at which some sensor was read."""
+    """The log of one flight as CSV: a row for each time at which some sensor was read."""
     begin, end = -recorder.wait, path.landing + REST
     columns: dict[str, tuple[Array, Array]] = {}
     if recorder.baro:
@@ -54,7 +54,7 @@ def _clock(begin: float, end: float, rate: float, jitter: float, rng: np.random.
 def _barometer(
     path: Path, recorder: Recorder, when: Float[Array, "time"], rng: np.random.Generator
 ) -> Float[Array, "time"]:
-    """What it shows, above the pad. [m]"""
+    """Readings of the barometer above the pad. [m]"""
     time = np.arange(when[0] - 1, when[-1] + 1, STEP)
     height = np.interp(time, path.time, path.height, left=0, right=0)
     speed = np.interp(time, path.time, path.speed, left=0, right=0)
@@ -85,7 +85,7 @@ def _height_columns(
 def _accelerometer(
     path: Path, recorder: Recorder, when: Float[Array, "time"], rng: np.random.Generator
 ) -> dict[str, tuple[Array, Array]]:
-    """What its axes feel. [g]"""
+    """Readings of the accelerometer's axes. [g]"""
     late = when - recorder.late
     felt = np.interp(late, path.time, path.push, left=GRAVITY, right=0.0)
     if path.ejection is not None:
@@ -107,7 +107,7 @@ def _accelerometer(
 
 
 def _lagged(values: Float[Array, "time"], when: Float[Array, "time"], over: float) -> Float[Array, "time"]:
-    """Values through a filter of first order."""
+    """Values after a first-order filter."""
     if over <= 0:
         return values
     from scipy.signal import lfilter

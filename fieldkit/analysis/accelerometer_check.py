@@ -1,8 +1,9 @@
-"""Whether an accelerometer recorded the same flight as the heights: its scale and its clock, checked against them.
+"""Check whether an accelerometer recorded the same flight as the height samples, by its scale and its clock.
 
-Its acceleration, integrated twice, is a climb. If that differs from the barometer's in quiet air, in size or in time,
-the column is not the axial acceleration on this clock: it is another axis, has another scale, or was derived from the
-pressure, which a filter delays. A tilted flight makes the climb along the axis slightly longer than the vertical one.
+The acceleration, integrated twice, gives a climb. If that climb differs from the barometer's in quiet air, in size or
+in time, the column is not the axial acceleration on this clock: it is another axis, has another scale, or was derived
+from pressure, which a filter delays. In a tilted flight the climb along the axis is slightly longer than the vertical
+one.
 """
 
 from dataclasses import dataclass
@@ -18,46 +19,48 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 SCALES = (0.75, 1.35)
-"""Ratio of the climb by the heights to that by a trusted accelerometer: a calibration error of a tenth and a flight
-tilted by 30 degrees stay within. [1]"""
+"""Allowed ratio of the climb from heights to the climb from a trusted accelerometer. A calibration error of 10 % and a
+flight tilted by 30 degrees stay inside. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
 """Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
-be known well, because what was missed and a scale error make nearly the same climb."""
+be known well, because a missed peak and a scale error produce nearly the same climb."""
 _MAX_MISFIT = 3.0
-"""Of a climb that was filled so, in standard deviations of the heights. [1]"""
+"""Largest misfit of a climb with its saturated samples filled in, in standard deviations of the heights. [1]"""
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
-"""An accelerometer is trusted if it is later or earlier than the heights by no more: vents and filters delay pressures,
-and nothing delays what a mass feels. [s]"""
+"""Largest delay and lead of a trusted accelerometer relative to the heights. Vents and filters delay pressure; nothing
+delays what a mass feels. [s]"""
 MAX_DERIVED_DELAY = 0.05
-"""One that shows no gravity on the way down is no sensor of the airframe: it was worked out, of heights or of several
-sensors, and is trusted only if it is in time. [s]"""
+"""Largest delay of an acceleration that shows no gravity on the way down. It was derived from heights or from several
+sensors rather than measured in the airframe, and is trusted only if it is on time. [s]"""
 _HANGS, _LEVEL, _QUIET = 3.0, 0.7, 3.0
-"""From so long after the top a rocket hangs or lies, its axis anywhere but upright [s]; an acceleration that is net of
-gravity there is near zero in the middle, and quiet. [m/s^2]"""
+"""How long after apogee the rocket hangs or lies, with its axis anywhere but upright [s]. If an acceleration has
+gravity removed, its median from then on is near zero and its spread is small [m/s^2]."""
 _PAD = 0.1
 """Time on the pad that an accelerometer must have recorded for its climb to be known from the start. [s]"""
 _COAST = 0.6
-"""Fraction of the coast in which climbs are compared: tilt matters later, and a filtered height lags earlier. [1]"""
+"""Fraction of the coast in which the climbs are compared: tilt matters later, and filtered heights lag earlier. [1]"""
 _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
-"""Samples [1] and a climb [m] without which there is nothing to compare."""
+"""Fewest samples [1] and smallest climb [m] that can be compared."""
 _CORRELATION_TIME = 0.5
 """Correlation time of the errors of heights. [s]"""
 _SPARSE = 0.2
-"""An accelerometer that was read less often has not felt all of a boost. [s]"""
+"""Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
 _REACH, _STEP = 1.5, 0.02
-"""Clocks are tried so far apart, in such steps. [s]"""
+"""Range of clock shifts to try, and the step. [s]"""
 _SCALE, _RAM, _ROUGH = 0.3, 0.05, 0.01
-"""How far a scale is off, the pressure in an airframe as a part of the dynamic one, heights as a part of them. [1]"""
+"""Standard deviations: of the scale; of the airframe's pressure error, relative to dynamic pressure; of heights,
+relative to themselves. [1]
+"""
 _TRANSONIC_SPEEDS = (260.0, 430.0)
-"""Speeds at which the pressure is not believed. [m/s]"""
+"""Range of speeds in which the pressure is not trusted. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s].
+    """Ratio of the climb from heights to the climb from the accelerometer [1], and the accelerometer's delay [s].
 
-    `missed` is what it felt beyond the end of its range in the mean, with its standard deviation [m/s^2], `misfit`
-    what that leaves [1]. `derived` if it is no sensor's but was worked out.
+    `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
+    remains after that [1]. `derived` if the channel was computed rather than measured by a sensor.
     """
 
     scale: float
@@ -70,29 +73,29 @@ class Agreement:
 
     @property
     def believed(self) -> bool:
-        """Whether both recorded the same flight; widely spaced samples constrain the clock less."""
+        """Whether both recorded the same flight. Widely spaced samples constrain the clock less."""
         same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
         return same_scale and self.missed >= 0 and self.misfit < _MAX_MISFIT
 
     @property
     def is_off(self) -> bool:
-        """Whether the clocks differ by more than sensors make them differ."""
+        """Whether the clocks differ by more than sensor delays explain."""
         latest = MAX_DERIVED_DELAY + self.step / 2 if self.derived else MAX_DELAY + self.step
         return not -MAX_LEAD - self.step <= self.late <= latest
 
     @property
     def why(self) -> str:
-        """What is wrong if they do not."""
+        """The reason if they do not agree."""
         if self.is_off:
             return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
         return f"makes a climb of {100 / self.scale:.0f}% of that by the heights"
 
 
 def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:
-    """How an accelerometer agrees with heights from lift-off, by the heights, into the coast.
+    """Compare an accelerometer with the heights, from the lift-off found in the heights into the coast.
 
-    What it missed while saturated, in samples that are `full`, is fitted along with its scale. None if too few samples
-    in quiet air are left to decide.
+    What it missed while saturated (samples marked in `full`) is fitted together with its scale. None if too few samples
+    in quiet air remain to decide.
     """
     net = levelled(push, lift.time)
     end = seen.fastest + _COAST * (seen.top - seen.fastest)
@@ -123,7 +126,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
 
 
 def _is_derived(push: Push, seen: Outline) -> bool:
-    """Whether an acceleration shows no gravity on the way down, where a sensor along the axis does."""
+    """Whether an acceleration lacks the gravity that a sensor along the axis measures on the way down."""
     hangs = push.felt[push.time > seen.top + _HANGS] - GRAVITY
     return bool(hangs.size >= _MIN_SAMPLES and abs(np.median(hangs)) < _LEVEL and mad_sd(hangs) < _QUIET)
 
@@ -137,10 +140,10 @@ def _fit(
     beyond: Float[Array, "time"] | None,
     noise: float,
 ) -> tuple[float, float, float, float]:
-    """How badly a climb at some times fits heights, the scale that fits best, how much of `beyond` was missed, and the
-    standard deviation of that.
+    """Weighted misfit of a climb to heights, the best scale, how much of `beyond` was missed, and its standard
+    deviation.
 
-    The pressure in the airframe is off by a part of the dynamic pressure, which is fitted beside the scale.
+    The airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)

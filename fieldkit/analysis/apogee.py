@@ -1,4 +1,4 @@
-"""The top of a fitted ascent: when and how high, if the samples show it."""
+"""Apogee of a fitted ascent: its time and height, if the samples show it."""
 
 import numpy as np
 
@@ -10,22 +10,21 @@ from fieldkit.analysis.robust_statistics import lag_one, mad_sd
 from fieldkit.shapes import Array, Flags, Float
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
-"""How long a curve must continue after its top [s] and how far it must clearly fall [m] before it counts as coming
-down."""
+"""How long a curve must continue after its top [s] and how far it must clearly fall [m] to count as coming down."""
 _MAX_TAKEN = 0.8
-"""The part of a variance that the mean of a short rest may have taken. [1]"""
+"""Largest fraction of the variance that subtracting the mean of a short rest may have removed. [1]"""
 _LEAST_GPS = 2.0
-"""Error of a satellite apogee from the drift of one receiver's height within a minute. [m]"""
+"""Smallest error of a satellite apogee: the drift of one receiver's height within a minute. [m]"""
 _MAX_HEARD_GAP = 2.0
-"""Between samples that are further apart nothing is known of a top. [s]"""
+"""Longest gap between samples in which an apogee can still be located. [s]"""
 _REST, _MAX_WANDER = 10.0, 20.0
-"""The end of a log that is looked at for a rest [s], in which heights move by less [m]."""
+"""Length of the end of a log that is searched for a rest [s], and the largest movement of heights in a rest [m]."""
 _MIN_APOGEE_ERROR = 0.15
-"""Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
+"""Smallest error of any apogee: variation of the air and sensor drift within a flight. [m]"""
 
 
 def falls(ascent: Ascent) -> bool:
-    """Whether the curve surely comes down at its end, though the samples that show it are few."""
+    """Whether the curve clearly comes down at its end, even though few samples show it."""
     late = ascent.time[-1] - ascent.time[int(np.argmax(ascent.height))]
     return bool(
         late > _MIN_TIME_AFTER_TOP and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL
@@ -57,7 +56,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
 
 
 def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
-    """Which knots of a curve lie among samples and not in a long silence, where a curve may swing as it likes."""
+    """Which knots of a curve lie among samples rather than in a long gap, in which the curve is unconstrained."""
     after = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
     gap = track.time[after] - track.time[after - 1]
     heard = np.asarray(gap <= _MAX_HEARD_GAP)
@@ -65,8 +64,10 @@ def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
 
 
 def drift_of_receiver(track: Heights, seen: Outline) -> float:
-    """By how much a receiver's height moves on the ground, before lift-off or after landing: the difference of two such
-    heights, at the pad and at the top, is larger. [m]"""
+    """Drift of a receiver's height on the ground, before lift-off or after landing [m].
+
+    The difference of two such heights, at the pad and at apogee, is larger.
+    """
     first, last = track.time[0], track.time[-1]
     rests = (
         track.height[(track.time < (seen.lift or first) - 0.5)],
@@ -77,9 +78,9 @@ def drift_of_receiver(track: Heights, seen: Outline) -> float:
 
 
 def _spread(values: Float[Array, "_"]) -> float:
-    """The standard deviation of what follows itself: a short rest has a mean of its own, which takes a part of it.
+    """Standard deviation of autocorrelated values, corrected for the variance that the mean of a short rest removes.
 
-    With an autocorrelation p^k, of n values the mean has the variance (1 + 2 sum (1 - k/n) p^k) / n of theirs.
+    With autocorrelation p^k, the mean of n values has (1 + 2 sum (1 - k/n) p^k) / n times their variance.
     """
     lag1, count = lag_one(values), values.size
     steps = np.arange(1, count)

@@ -1,7 +1,7 @@
-"""From the pad to just past apogee: height, speed and acceleration, with draws of them for the uncertainties.
+"""From the pad to just past apogee: height, speed and acceleration, with posterior draws for the uncertainties.
 
-A first guess of the acceleration, the accelerometer's or a coast against drag, is integrated twice; what the
-barometer adds to that is a curve whose acceleration is a random walk (`wander`, `smooth`).
+An initial guess of the acceleration, from the accelerometer or from a coast with drag, is integrated twice. The
+barometer adds a correction whose acceleration is a random walk (`process_noise`, `smooth`).
 """
 
 from dataclasses import dataclass, replace
@@ -22,28 +22,30 @@ from fieldkit.shapes import Array, Flags, Float
 DRAWS = 200
 _KNOTS = 1200
 _TIME_AFTER_APOGEE, _LONG_AFTER = 2.0, 20.0
-"""How far past apogee the curve goes, and that of a log with few samples. [s]"""
+"""How far past apogee the curve extends, and how far for a log with few samples. [s]"""
 _MAX_SPACING_SAMPLES = 4000
-"""Number of samples of a climb from which their spacing is found. [1]"""
+"""Largest number of samples of a climb used to find their spacing. [1]"""
 _MIN_SAMPLES = 10
-"""Samples below which there is no curve. [1]"""
+"""Fewest samples for which a curve is fitted. [1]"""
 _NEAR_SOUND = 0.13
-"""How near to the speed of sound, as a part of it, no sample is believed once some seemed to fall. [1]"""
+"""Half-width of the range around Mach 1, as a fraction of the speed of sound, in which samples are not trusted if some
+appear to fall. [1]
+"""
 _MARGIN = 0.4
-"""How long before and after a seeming fall its samples are not believed. [s]"""
+"""How long before and after an apparent fall the samples are not trusted. [s]"""
 _MAX_COAST_PART = 2.0
-"""A log that ends before the top has too little of a coast to fit one to, if that begins faster than so many times the
-fastest climb that its heights show. [1]"""
+"""A log that ends before apogee has too little coast to fit if its coast starts faster than this multiple of the
+highest climb rate in its heights. [1]"""
 _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
-"""Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
-charge in the airframe, which comes and goes for so long [s]"""
+"""Closer to apogee than this a coast is far too slow for shocks [s]. An apparent fall there is ejection gas in the
+airframe, which lasts this long [s]."""
 _LAG_SD = 0.05
-"""By how much filters and vents delay heights if no accelerometer shows it, root mean square; 0.2 s is rare. [s]"""
+"""Typical (rms) delay of heights from filters and vents if no accelerometer reveals it; 0.2 s is rare. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ascent:
-    """The ascent on even knots, and draws of it from the posterior; heights above the pad, vertical, SI."""
+    """The ascent on evenly spaced knots, with posterior draws. Heights are above the pad and vertical; SI units."""
 
     time: Float[Array, "knot"]
     height: Float[Array, "knot"]
@@ -53,13 +55,13 @@ class Ascent:
     speeds: Float[Array, "draw knot"]
     accelerations: Float[Array, "draw knot"]
     noise: float
-    """Of a sample, as the fit has it. [m]"""
+    """Standard deviation of one sample according to the fit. [m]"""
     burnout_sd: float
-    """Of the time of burnout as heights alone have it; 0 if an accelerometer saw it. [s]"""
+    """Standard deviation of the burnout time from heights alone; 0 if an accelerometer recorded it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
     resolution: float = 0.0
-    """How long a push must last for its size to show in the curve. [s]"""
+    """Shortest thrust whose magnitude the curve resolves. [s]"""
     sighted: Sightings | None = None
     """Satellite data that complement the heights."""
 
@@ -73,10 +75,10 @@ def ascend(
     marked: float | None,
     sighted: Sightings | None = None,
 ) -> Ascent | None:
-    """The ascent, or None if it has too few samples.
+    """Fit the ascent. Returns None if there are too few samples.
 
-    `sighted` is the satellite data that complement the heights, `blow` when the charge was felt, `marked` when the
-    logger detected apogee, after which it may have fired a charge. [s]
+    `sighted` is the satellite data that complement the heights; `blow` is the time when the charge was felt [s];
+    `marked` is the time when the logger detected apogee, after which it may have fired a charge [s].
     """
     climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
@@ -100,9 +102,9 @@ def ascend(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _FitStart:
-    """What a fit begins with: the samples that count, the coast that they suggest, and a first guess.
+    """Input of a fit: the samples that count, the coast that they suggest, and an initial guess.
 
-    `fused` if an accelerometer gave the guess.
+    `fused` if the guess comes from an accelerometer.
     """
 
     samples: Samples
@@ -112,13 +114,13 @@ class _FitStart:
 
 
 def _grid(begin: float, end: float, step: float) -> Grid:
-    """Knots about as far apart as the samples are, but not too many and not too few. [s]"""
+    """Knots spaced about as widely as the samples, within a minimum and a maximum number. [s]"""
     pace = float(np.clip(step, max(0.02, (end - begin) / _KNOTS), 0.1))
     return Grid(begin, pace, int(np.ceil((end - begin) / pace)))
 
 
 def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
-    """When a parachute may first be out: at a charge that was felt, or at an apogee that was marked, or the top. [s]"""
+    """Earliest time when a parachute may be out: a felt charge, a marked apogee, or the top. [s]"""
     free = blow if blow is not None else marked
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
 
@@ -132,7 +134,7 @@ def _fit_start(
     marks: Marks,
     sighted: Sightings | None,
 ) -> _FitStart:
-    """The samples that count on a grid, and a first guess by them and by an accelerometer."""
+    """Select the samples that count on a grid, and make an initial guess from them and an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
     if coast is not None and not seen.down and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
@@ -143,19 +145,19 @@ def _fit_start(
 
 
 def _speed(coast: Coast, moment: float) -> float:
-    """The speed of a coast at a time. [m/s]"""
+    """Speed of a coast at a time. [m/s]"""
     return float(np.interp(moment, coast.time, coast.speed))
 
 
 def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
-    """Samples at which a guess is about as fast as sound."""
+    """Samples at which the guess is close to the speed of sound."""
     return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
 def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
-    """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted again.
+    """Fit the curve from an initial guess. With heights only, burnout is then estimated and the curve fitted again.
 
-    If heights are `pressed`, made of pressures, those in a fast airframe are off, which moves burnout.
+    If heights are `pressed` (derived from pressure), those of a fast airframe are biased, which shifts burnout.
     """
     samples, grid = start.samples, start.samples.grid
     if start.fused:
@@ -172,7 +174,10 @@ def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
 
 
 def _likeliest(start: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
-    """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
+    """Burnout time that maximizes the likelihood of the heights, and its standard deviation. [s]
+
+    Acceleration jumps at burnout.
+    """
     about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
     evidence = []
@@ -186,10 +191,10 @@ def _likeliest(start: _FitStart, found: FittedCurve, marks: Marks, lift: float) 
 
 
 def _by_pressure(start: _FitStart, found: FittedCurve, marks: Marks, burnout: float) -> float:
-    """Standard deviation of a burnout for what the pressure in the airframe is off and late by. [s]
+    """Standard deviation of the burnout time caused by the error and lag of the pressure in the airframe. [s]
 
-    A burnout jumps from one bend of the heights to another, so the error is averaged over, by three points of
-    Gauss and Hermite, instead of taken as linear.
+    The burnout estimate can jump from one bend of the heights to another, so the error is averaged with three-point
+    Gauss-Hermite quadrature instead of linearized.
     """
     lift = marks.lift if marks.lift is not None else start.samples.grid.start
     far = np.sqrt(3) * STATIC_SD
@@ -199,10 +204,10 @@ def _by_pressure(start: _FitStart, found: FittedCurve, marks: Marks, burnout: fl
 
 
 def _corrected(start: _FitStart, marks: Marks, static: float, lag: float = 0.0) -> _FitStart:
-    """The same heights without an error of the pressure in the airframe, as a part of the dynamic one, and a lag. [s]
+    """The same heights corrected for a static pressure error (fraction of dynamic pressure) and a lag. [s]
 
-    Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g; a filter or
-    vents of one time constant make a climb of even speed later by that.
+    Pressure that is too high by a fraction of the dynamic pressure lowers heights by that fraction of v²/2g. A filter
+    or vents with one time constant delay a climb at constant speed by that time.
     """
     samples, grid = start.samples, start.samples.grid
     flies = samples.is_own & (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
@@ -212,7 +217,7 @@ def _corrected(start: _FitStart, marks: Marks, static: float, lag: float = 0.0) 
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
-    """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound, or a charge."""
+    """Samples of a climb in which the rocket appears to fall: shocks near the speed of sound, or a charge."""
     climb = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.top - 1))
     low = np.zeros(track.time.size, bool)
     if climb.size:
@@ -230,7 +235,7 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
 
 
 def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
-    """The curve, guess and rest together, and draws of it."""
+    """The curve (guess plus correction) and draws of it."""
     grid = samples.grid
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))
@@ -253,10 +258,11 @@ def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spre
 
 
 def _resolution(samples: Samples, found: FittedCurve) -> float:
-    """The width of the window of even weight that a curve's acceleration is about the mean over. [s]
+    """Width of the uniform window over which the fitted acceleration is effectively averaged. [s]
 
-    With process noise q of the acceleration and heights of spectral density r, a curve passes the fraction
-    1 / (1 + w^6 r/q) of an acceleration of frequency w; such a window passes half of it where that does at 3.79 / w.
+    With process noise q of the acceleration and heights of spectral density r, a curve passes the fraction 1 / (1 + w^6
+    r/q) of an acceleration of frequency w. The window has width 3.79 / w at the w where this fraction is one half:
+    there a uniform window passes half as well.
     """
     own = samples.is_own
     density = float(np.median(found.variance[own])) * median_step(samples.time[own])

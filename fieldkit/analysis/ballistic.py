@@ -1,8 +1,8 @@
-"""A coast against drag and gravity, straight up: the shape that heights after burnout are first compared with.
+"""A vertical coast with drag and gravity: the shape that heights after burnout are first compared with.
 
-Drag per mass is `k v²`, thinner with height as the air is, and greater by half beyond the speed of sound, which is
-typical of slender rockets. If a rocket has another drag, the true curve bends a little away from this one: that
-is what the fit to the rest is for.
+Drag per mass is `k v²`. It decreases with height as the air does, and is 50 % greater above the speed of sound, which
+is typical of slender rockets. If the true drag differs, the true curve bends slightly away from this one; the fit of
+the correction absorbs that.
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ from fieldkit.shapes import Array, Float
 
 _STEP = 0.1
 SCALE_HEIGHT = 9500.0
-"""Height in which the air of the lower troposphere thins by e. [m]"""
+"""Scale height of air density in the lower troposphere. [m]"""
 _SPEED_OF_SOUND, _TRANSITION = 335.0, 12.0
 _MAX_SPEED = 1200.0
 _ROUNDS = 25
-"""Steps of the fit, at most. [1]"""
+"""Largest number of fit steps. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Coast:
-    """A coast on even times: height from the pad [m], speed [m/s], acceleration [m/s^2]."""
+    """A coast on evenly spaced times: height above the pad [m], speed [m/s], acceleration [m/s^2]."""
 
     time: Float[Array, "step"]
     height: Float[Array, "step"]
@@ -34,9 +34,9 @@ class Coast:
 
 
 def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> Coast:
-    """The coast through an apogee [s], [m] with a drag per mass at the pad [1/m], integrated back and forth from there.
+    """The coast through an apogee [s], [m] with a drag per mass at the pad [1/m], integrated both ways from apogee.
 
-    Integrated backward, the speed is limited to one that no hobby rocket reaches.
+    In the backward integration the speed is limited to one that no hobby rocket reaches.
     """
     back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
     forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
@@ -68,7 +68,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
 def fitted_coast(
     time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
 ) -> Coast | None:
-    """The coast that heights from a little after burnout to `end` suggest, from `begin` on; None if they are few."""
+    """Fit a coast, starting at `begin`, to the heights from shortly after burnout to `end`. None if too few samples."""
     inside = (time > burnout + 0.25) & (time < end + 0.3)
     if inside.sum() < 6:
         return None

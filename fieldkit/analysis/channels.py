@@ -1,7 +1,7 @@
-"""Channels of a log made fit for measuring: one height above sea level or pad, and one acceleration, cleaned.
+"""Prepare the channels of a log for measuring: one height above sea level or pad, and one acceleration, cleaned.
 
-What is cleaned away here is what no rocket can have done: samples that are missing, stand at one time twice, or jump
-out of their neighbours' line and back. Shocks that last longer are left to the fit, which is robust.
+Cleaning removes what no rocket can have done: missing samples, several samples at one time, and spikes that leave the
+neighboring samples and return. Longer disturbances are left to the fit, which is robust.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.shapes import Array, Flags, Float
 
 HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
-"""Channels that hold heights, the best first."""
+"""Channels with heights, best first."""
 CHANNEL_TITLES = {
     "altitude": "barometric altitude",
     "pressure": "pressure",
@@ -27,32 +27,32 @@ CHANNEL_TITLES = {
     "inertial_speed": "inertial speed",
 }
 BAROMETRIC = ("barometric altitude", "pressure")
-"""Titles of channels that are made of pressures."""
+"""Titles of channels that are derived from pressure."""
 _SENSORS = {"inertial": "accel", "acceleration": "accel", "GPS": "gps", "barometric": "baro", "pressure": "baro"}
-"""Words of `CHANNEL_TITLES` and the sensor that each means; of two sensors the first of these shaped what was
-measured."""
+"""Words of `CHANNEL_TITLES` and the sensor that each means. If several match, the first one here shaped the
+measurement."""
 MIN_SAMPLES = 12
-"""Samples below which nothing is measured. [1]"""
+"""Fewest samples that are measured. [1]"""
 _MANY_SAMPLES, _FINE_RATE, _COARSE_RATE = 20_000, 200.0, 20.0
 _CLIMB_SPEED = 8.0
-"""Speed at which something in a log moves as a rocket does. [m/s]"""
+"""Speed above which the movement in a log is that of a rocket. [m/s]"""
 _MAX_ACCELERATION = 10_000.0
-"""Accelerations beyond this are faults of the log. [m/s^2]"""
+"""Accelerations beyond this are errors in the log. [m/s^2]"""
 _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
-"""Samples of one value that make an end of range, and how many times more than of any other value. [1]"""
+"""Number of equal samples that indicate saturation, and their smallest ratio to the count of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
-"""Fraction of samples that are zero in a channel padded with zeros [1], and the least size of the others. [m, Pa]"""
+"""Smallest fraction of zeros in a zero-padded channel [1], and the smallest magnitude of real samples. [m, Pa]"""
 _WINDOW = 0.5
-"""Length of the running median that shows up spikes. [s]"""
+"""Length of the running median that reveals spikes. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heights:
-    """Clean heights on one clock; `zeroed` if the logger itself took the pad's off.
+    """Clean heights on one clock. `zeroed` if the logger itself subtracted the pad's height.
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
-    speed of sound were left out, for shocks had faked a fall in them. `lag` is by how much they came late, behind a
-    filter or small vents, which has been taken off. [s]
+    speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
+    been removed [s].
     """
 
     time: Float[Array, "time"]
@@ -65,7 +65,7 @@ class Heights:
 
     @property
     def pressed(self) -> bool:
-        """Whether these heights are made of pressures, which are off in a fast airframe."""
+        """Whether these heights are derived from pressure, which is biased in a fast airframe."""
         return self.source in BAROMETRIC
 
 
@@ -73,11 +73,11 @@ class Heights:
 class Push:
     """Acceleration along the axis on one clock, as an accelerometer feels it: one g at rest, nose up. [m/s^2]
 
-    `vertical` if it is the vertical one already, gravity added, as from an inertial speed; `weighs` if the
-    channel itself has gravity in it, so that its scale shows on the pad. `full` are the samples at the end of its
-    range, to which `missed` has been added, by the heights; None if it never was there. That makes a speed off by
-    `missed_speed_sd` [m/s]. `scale` is the ratio of the climb by the heights to the climb by the accelerometer: it
-    differs from 1 because of calibration, tilt, or a pressure error. [1]
+    `vertical` if it is already the vertical acceleration with gravity added, for example from an inertial speed.
+    `weighs` if the channel itself includes gravity, so that its scale is visible on the pad. `full` marks the samples
+    at the end of the range, to which `missed` has been added based on the heights; None if the range was never
+    exceeded. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the ratio of the climb from heights to
+    the climb from the accelerometer; it differs from 1 because of calibration, tilt, or a pressure error [1].
     """
 
     time: Float[Array, "time"]
@@ -130,15 +130,16 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
 
 
 def sensor(source: str) -> str:
-    """The sensor that a figure rests on, one of `fieldkit.flight.SOURCES`, by the channels it was made from."""
+    """The sensor behind a figure, one of `fieldkit.flight.SOURCES`, given the channels it was computed from."""
     return next((name for word, name in _SENSORS.items() if word in source), "stated")
 
 
 def is_clipped(push: Push, begin: float, end: float) -> bool:
-    """Whether an accelerometer was saturated: its highest value is repeated many times, and no other is.
+    """Whether an accelerometer was saturated: its highest value repeats many times and no other value does.
 
-    A converter that is full gives one number, in a row or, if the thrust plays about the end, now and again; a
-    thrust that only happens to be even has the sensor's noise. Low values, as of a rest, come again in any log.
+    A saturated converter returns one number, continuously or, if the thrust fluctuates around the limit,
+    intermittently. A thrust that happens to be constant still has the sensor's noise. Low values, as at rest, repeat in
+    any log.
     """
     felt = push.felt[(push.time >= begin) & (push.time <= end)]
     if felt.size < _CLIPPED_RUN:
@@ -153,7 +154,7 @@ def is_clipped(push: Push, begin: float, end: float) -> bool:
 
 
 def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
-    """Which samples of an accelerometer are saturated from one time to another; None if none are."""
+    """Which samples of an accelerometer are saturated between two times; None if none are."""
     inside = (push.time >= begin) & (push.time <= end)
     if not is_clipped(push, begin, end):
         return None
@@ -161,9 +162,9 @@ def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
 
 
 def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
-    """Samples of which those are missing for which a logger wrote zero, as it does between two of a slow sensor.
+    """Remove zeros that a logger wrote as padding, as it does between samples of a slow sensor.
 
-    Values that stand alone among zeros, far from these, are samples; what flickers about zero on a pad is near it.
+    Isolated values among zeros, far from zero, are samples. A channel that flickers around zero on a pad stays near it.
     """
     zero = values == 0
     if not _MIN_FILLED < zero.mean() < 1:
@@ -176,7 +177,7 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:
-    """Times and values without missing samples; of several at one time, their mean."""
+    """Times and values without missing samples; samples at the same time are averaged."""
     kept = np.isfinite(values) & np.isfinite(time)
     if not kept.all():
         time, values = time[kept], values[kept]
@@ -189,9 +190,9 @@ def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, 
 
 
 def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool) -> tuple[Array, Array]:
-    """A channel with too many samples to need them all, by medians of blocks: `_FINE_RATE` a second about the climb.
+    """Reduce a channel with more samples than needed, by block medians: `_FINE_RATE` per second around the climb.
 
-    Where the climb is shows in `_MANY_SAMPLES` blocks of the whole; away from it `_COARSE_RATE` a second are enough.
+    The climb is located with `_MANY_SAMPLES` blocks of the whole; outside of it `_COARSE_RATE` per second are enough.
     """
     if time.size <= 2 * _MANY_SAMPLES:
         return time, values
@@ -213,7 +214,7 @@ def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool)
 
 
 def _blocks(time: Float[Array, "_"], values: Float[Array, "_"], size: int) -> tuple[Array, Array]:
-    """Medians over blocks of samples, and the middles of their times; a rest shorter than a block is left out."""
+    """Medians of blocks of samples, and the middle of their times. An incomplete last block is dropped."""
     count = time.size // size
     if size == 1 or count == 0:
         return time, values
@@ -222,10 +223,10 @@ def _blocks(time: Float[Array, "_"], values: Float[Array, "_"], size: int) -> tu
 
 
 def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> Heights | None:
-    """Heights without samples that leave their neighbours' line and come back to it (Hampel's identifier).
+    """Heights without samples that leave the line of their neighbors and return to it (Hampel identifier).
 
-    What a sample may differ from the running median is five robust standard deviations of what the samples
-    around it do, and the sagitta of a climb that brakes with two g.
+    A sample may differ from the running median by five robust standard deviations of the samples around it plus the
+    sagitta of a climb that decelerates at two g.
     """
     kept = np.isfinite(height) & (np.abs(height) < 200_000)
     time, height = time[kept], height[kept]
@@ -245,7 +246,7 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
 
 
 def _resolution(height: Float[Array, "_"]) -> float:
-    """The step in which heights are written, as the median of those that differ at all. [m]"""
+    """Resolution of the recorded heights: the median of the nonzero differences. [m]"""
     steps = np.abs(np.diff(height[: 1 << 16]))
     steps = steps[steps > 1e-6]
     return float(np.quantile(steps, 0.1)) if steps.size else 0.0

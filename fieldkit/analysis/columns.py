@@ -1,4 +1,4 @@
-"""What was measured, in the fields of a flight: readouts, how well they are known, and by which sensor."""
+"""Convert the measurements to the fields of a flight: readouts, their standard deviations, and their sensors."""
 
 from collections.abc import Mapping
 
@@ -12,12 +12,12 @@ from fieldkit.flight.plausibility import check
 
 
 def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str, object], dict[str, str]]:
-    """Fields of a flight and its extra columns, from what was measured and what the device stated.
+    """Fields of a flight and its extra columns, from the measurements and what the device stated.
 
-    The measured figure is the readout, for its uncertainty is known and a device may state a spike for the apogee; what
-    the device stated is kept beside it. If the samples do not show a figure, as the apogee of a log that ends
-    before it, the stated one is the readout. Of a log without a flight in it nothing stated is believed either.
-    Standard deviations keep two digits.
+    The measured figure is the readout, because its uncertainty is known and a device may state a spike as the apogee;
+    the stated figure is stored in an extra column. If the samples do not show a figure, such as the apogee of a log
+    that ends before it, the stated figure is the readout. If the log contains no flight, stated figures are not trusted
+    either. Standard deviations are rounded to two digits.
     """
     fields = dict(stated)
     extra: dict[str, str] = {}

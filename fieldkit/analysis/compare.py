@@ -1,4 +1,4 @@
-"""Two recordings of one flight beside each other: clocks aligned, figures and heights compared."""
+"""Compare two recordings of one flight: align the clocks, then compare figures and heights."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     import pandas
 
 _REACH = 3.0
-"""How far lift-offs may be found apart that are one. [s]"""
+"""Largest difference between lift-off times that may belong to the same flight. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class FigureDifference:
-    """How much more the second says than the first; `sd` is of both together, `apart` the difference in it.
+    """The second figure minus the first, with the `sd` of both combined; `apart` is the difference divided by `sd`.
 
     `apart` is None if neither has an uncertainty. [SI], [1]
     """
@@ -30,10 +30,10 @@ class FigureDifference:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """The second of two recordings against the first.
+    """The second of two recordings compared with the first.
 
-    `shift` is what the second's clock must be put forward by to agree with the first's [s], `rms` how far their
-    heights are apart from then on, over the `seconds` of ascent that both have [m]; None if either has no samples.
+    `shift` is what to add to the second's clock to match the first's [s]; `rms` is the root mean square difference of
+    heights over the `seconds` of ascent that both cover [m]. None if either has no samples.
     """
 
     differences: Mapping[str, FigureDifference]
@@ -43,10 +43,10 @@ class Comparison:
 
 
 def compare(first: Recorded, second: Recorded) -> Comparison:
-    """What the second recording of a flight says against the first.
+    """Compare the second recording of a flight with the first.
 
-    The clocks are set by lift-off, or apogee if one has no lift-off, and then so that the heights of the ascent
-    agree best by least squares.
+    The clocks are aligned at lift-off, or at apogee if either has no lift-off, and then refined by least squares on the
+    heights of the ascent.
     """
     shared = [name for name in first.figures if name in second.figures]
     differences = {name: _difference(first.figures[name], second.figures[name]) for name in shared}
@@ -63,7 +63,7 @@ def _difference(first: Figure, second: Figure) -> FigureDifference:
 def _aligned(
     first: Recorded, one: MeasuredClimb, second: Recorded, other: MeasuredClimb
 ) -> tuple[float, float, float] | tuple[None, None, None]:
-    """Shift [s], rms difference of heights [m] and the length of what was compared [s]."""
+    """Shift [s], rms difference of heights [m] and duration compared [s]."""
     from scipy.optimize import minimize_scalar
 
     mark = next((name for name in ("liftoff", "apogee") if name in first.events and name in second.events), None)
@@ -84,7 +84,7 @@ def _aligned(
 
 
 def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array, "time"]:
-    """Differences of height where both climb, at the first's times, most of the shorter one at least. [m]"""
+    """Differences of height at the first's times while both climb, over at least most of the shorter one. [m]"""
     shorter = min(np.ptp(one.time), np.ptp(other.time))
     both = _joined(one, other, shift)
     if len(both) * np.median(np.diff(one.time)) < 0.6 * shorter:
@@ -93,7 +93,7 @@ def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array
 
 
 def _joined(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> "pandas.DataFrame":
-    """The heights of both at the first's times, the second's clock put forward and between its samples by lines. [m]"""
+    """Heights of both at the first's times, with the second's clock shifted and its heights interpolated. [m]"""
     import pandas
 
     first, second = pandas.Series(one.height, one.time), pandas.Series(other.height, other.time + shift)

@@ -1,4 +1,4 @@
-"""The way down: ejection, landing, and the speed between them."""
+"""The descent: ejection, landing, and the speed between them."""
 
 from collections.abc import Mapping
 
@@ -13,20 +13,20 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _CHARGES = ("ejection", "drogue")
-"""Events of a logger that are the first charge to bring a parachute out."""
+"""Logger events that mark the first charge to deploy a parachute."""
 _SHOCK = 4 * GRAVITY
-"""A push this strong after burnout is no drag: a charge, or a line that goes taut. [m/s^2]"""
+"""An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
 _RISE = 0.02
-"""How long a blow takes to become one. [s]"""
+"""Rise time of a shock. [s]"""
 _TIME_BEFORE_APOGEE, _BRAKED_SLACK = 1.0, 2.0
-"""How long before apogee a charge that no sensor shows may have gone [s]; and a fall that was braked when it was not
-much faster than the descent after it, by half of that and so much [m/s], shows none."""
+"""How long before apogee an undetected charge may have fired [s], and the slack in the speed of a fall [m/s]: a fall to
+less than 1.5 times the descent speed plus this slack does not reveal when it was braked."""
 _BASELINE_TIME = 0.4
-"""So long before a blow drag is looked at, which a blow stands out from. [s]"""
+"""Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
 
 def shock(push: Push | None, burnout: float, top: float) -> Event | None:
-    """The first blow that an accelerometer felt around apogee."""
+    """The first shock that an accelerometer felt around apogee."""
     if push is None or push.vertical:
         return None
     near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
@@ -41,7 +41,7 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
 
 
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
-    """The median of what was felt just before each sample: the drag of a fast coast, which fades and does not jump."""
+    """Median of what was felt just before each sample: the drag of a fast coast, which fades but does not jump."""
     width = max(3, round(_BASELINE_TIME / median_step(time)))
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(felt, (width, 0), mode="edge")[:-1], width)
     return np.asarray(np.median(windows, axis=1))
@@ -50,7 +50,7 @@ def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float
 def ejection(
     stated: Mapping[str, float], blow: Event | None, track: Heights, apogee: Event, landed: Event | None
 ) -> Event | None:
-    """When the first charge went: as the logger marked it, as it was felt, or as the fall was braked in the air."""
+    """When the first charge fired: as the logger marked it, as it was felt, or when the fall was braked in the air."""
     for name in _CHARGES:
         if name in stated:
             return Event(float(stated[name]), 0.1, f"{name} event of the logger")
@@ -60,10 +60,10 @@ def ejection(
 
 
 def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
-    """When a free fall of some length turned into a steady descent, before it was down; None if it did not.
+    """When a free fall of some length became a steady descent in the air; None if it did not.
 
-    If a fall was braked before it got faster than the parachute allows, it cannot be distinguished from ejection at
-    apogee, and nothing is reported.
+    If the fall was braked before it became faster than the parachute allows, it cannot be distinguished from ejection
+    at apogee, and nothing is reported.
     """
     span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
     time, height = track.time[span], track.height[span]
@@ -92,9 +92,9 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
 
 
 def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:
-    """When the descent met the ground, and the ground's height in this channel; (None, None) if it is not in the log.
+    """Time of landing and the ground's height in this channel; (None, None) if it is not in the log.
 
-    The descent's last line, by the Theil-Sen estimator, is cut with the level that follows it.
+    The last line of the descent, by the Theil-Sen estimator, is intersected with the level that follows it.
     """
     time, calm, height = track.time, seen.calm, track.height
     fall = np.flatnonzero(time > apogee)
@@ -128,7 +128,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
 
 def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:
-    """How fast heights seem to change if nothing moves, wind and noise together: three deviations. [m/s]"""
+    """Apparent rate of change of heights when nothing moves, from wind and noise: three standard deviations. [m/s]"""
     step = even[1] - even[0]
     pad = np.arange(max(track.time[0], even[0] - 60), seen.lift - 1, step) if seen.lift is not None else even[:0]
     if pad.size < 4 * reach:
@@ -138,9 +138,9 @@ def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "tim
 
 
 def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[float, float]:
-    """Mean speed from an ejection that no sensor shows, and its standard deviation, from what it is from apogee. [m/s]
+    """Mean speed from an unseen ejection, and its standard deviation, from the mean speed since apogee. [m/s]
 
-    Until then the rocket fell freely, and after more of a fall its braking would have shown.
+    Until ejection the rocket fell freely; after a longer fall the braking would have been visible.
     """
     latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY, lasts / 2)
     after = np.linspace(-_TIME_BEFORE_APOGEE, latest, 41)
@@ -151,11 +151,12 @@ def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[
 def descent_speed(
     track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None, *, known: bool
 ) -> Figure | None:
-    """Mean speed from ejection, or apogee if it is not `known`, to landing, as the AltimeterTwo gives it.
+    """Mean speed from ejection, or from apogee if ejection is not `known`, to landing, as the AltimeterTwo defines it.
 
-    In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent
-    speed in the median of 47 flights. Without landing it is the mean over what the log has, if it has a fifth of
-    the way down; the rest may be as much slower or faster as it is long, for a second parachute may open in it.
+    In a ledger of that device, ejection height divided by the time from ejection to landing is 1.03 times its descent
+    speed, the median of 47 flights. Without landing it is the mean over what the log contains, if that is at least a
+    fifth of the way down. The rest may be slower or faster in proportion to its length, because a second parachute may
+    open.
     """
     start = begin.time
     upper = float(np.interp(start, track.time, seen.calm))
@@ -178,7 +179,7 @@ def descent_speed(
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, by the parabola through what came in the second before it. [m]"""
+    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]"""
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
         slope = float(np.interp(moment.time, ascent.time, ascent.speed))

@@ -1,8 +1,8 @@
-"""Heights that no rocket can have been at: steps that are faster than any thrust, and the falls that shocks fake.
+"""Heights that no rocket can have reached: steps faster than any thrust, and falls faked by shocks.
 
-A sensor, its converter or a radio may hold a wrong level for seconds, too long for a filter of single samples. And near
-the speed of sound shocks stand on a rocket's static ports: the pressure behind them is that of another height, for as
-long as the rocket is about so fast. Such samples are left out before anything is measured.
+A sensor, its converter or a radio may report a wrong level for seconds, too long for a filter of single samples. Near
+the speed of sound, shocks sit on a rocket's static ports: the pressure behind them is that of another height for as
+long as the rocket is near that speed. These samples are removed before anything is measured.
 """
 
 from collections.abc import Iterator
@@ -15,31 +15,31 @@ from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.shapes import Flags
 
 _MAX_ACCELERATION = 2000.0
-"""No airframe of a hobby rocket survives such an acceleration. [m/s^2]"""
+"""Acceleration that no hobby airframe survives. [m/s^2]"""
 _LASTS = 15.0
-"""A level that lasts longer than this is no fault that comes and goes. [s]"""
+"""A level that lasts longer than this is not a temporary fault. [s]"""
 _BACK = 0.5
-"""A fault's way back is its way there, to within this part of it. [1]"""
+"""A fault's return step equals its first step to within this fraction. [1]"""
 _MAX_STEP_GAP = 3
-"""Steps of one sign within so many samples are one. [1]"""
+"""Steps of one sign within this many samples count as one. [1]"""
 _MIN_STEP = 10.0
-"""A step that is smaller is left to the fit. [m]"""
+"""Smaller steps are left to the fit. [m]"""
 _SPEED_OF_SOUND = 335.0
 _FAST = 0.4 * _SPEED_OF_SOUND
-"""A rocket that rose faster than this from before a seeming fall to after it was near the speed of sound in it: on the
-mean of a climb through it, from its foot on, it is slower. [m/s]"""
+"""Mean speed from before an apparent fall to after it above which the rocket was near the speed of sound. The mean over
+such a climb is lower than the speed of sound. [m/s]"""
 _MARGIN = 0.15
-"""How long before and after a seeming fall its shocks disturb the pressure. [s]"""
+"""How long before and after an apparent fall shocks disturb the pressure. [s]"""
 _ABOVE = 12.0
-"""A fall is one that is so many times the noise of a sample, [1]"""
+"""Smallest apparent fall, as a multiple of the noise of a sample, [1]"""
 _FALL = 5.0
-"""and at least this. [m]"""
+"""and in meters. [m]"""
 
 
 def undisturbed(track: Heights) -> Heights:
-    """Heights without those that steps and shocks fake; `disturbed` if shocks did.
+    """Heights without those faked by steps and shocks; `disturbed` if shocks faked some.
 
-    If hardly anything would be left, they are as they came.
+    If hardly any samples would remain, the heights are returned unchanged.
     """
     kept = ~_steps(track)
     if not kept.all() and kept.sum() >= MIN_SAMPLES:
@@ -51,7 +51,7 @@ def undisturbed(track: Heights) -> Heights:
 
 
 def _steps(track: Heights) -> Flags:
-    """Samples between a step and the one that reverses it, and after a last step that is not reversed."""
+    """Samples between a step and the one that reverses it, or from a last step that is not reversed to the end."""
     wrong = np.zeros(track.time.size, bool)
     jumps = list(_jumps(track))
     place = 0
@@ -69,7 +69,7 @@ def _steps(track: Heights) -> Flags:
 
 
 def _takes_back(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
-    """Whether a later step ends the wrong level that an earlier one began; what shocks do to a fast climb is none."""
+    """Whether a later step reverses an earlier one. Disturbances by shocks in a fast climb do not count."""
     before, after = there[0], back[0] + 1
     lasts = track.time[after] - track.time[before]
     climbs = track.height[after] - track.height[before] > _FAST * lasts
@@ -78,7 +78,7 @@ def _takes_back(track: Heights, there: tuple[int, float], back: tuple[int, float
 
 
 def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
-    """The sample before each step, and its size beyond what the heights around it do. [m]"""
+    """The sample before each step, and the size of the step beyond what the surrounding heights do. [m]"""
     step, change = np.diff(track.time), np.diff(track.height)
     usual = running_median(change / step, 9) * step
     excess = change - usual
@@ -97,7 +97,7 @@ def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
 
 
 def _shocks(track: Heights) -> Flags:
-    """Samples of the climb about which the rocket seems to fall though it rises near the speed of sound."""
+    """Samples of the climb in which the rocket appears to fall though it rises near the speed of sound."""
     time, height = track.time, track.height
     calm = running_median(height, int(np.clip(1.0 / median_step(time), 3, 201)) | 1)
     top = int(np.argmax(calm))
@@ -116,7 +116,7 @@ def _shocks(track: Heights) -> Flags:
 
 
 def _runs(marked: Flags) -> Iterator[tuple[int, int]]:
-    """The first and the last place of each run of marks."""
+    """First and last index of each run of marked samples."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], marked.astype(np.int8), [0]))))
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
         yield begin, end - 1

@@ -1,23 +1,25 @@
-"""What a coast says of drag and a burn of impulse: two figures that need neither the mass nor the size of the rocket.
+"""Drag from a coast and impulse from a burn: two figures that need neither the mass nor the size of the rocket.
 
 **Drag of the coast** b [1/m]. A coast at an upward speed v climbs against gravity and drag,
 
     dv/dt = -g - b s(h) v²,    b = rho Cd A / (2 m),
 
-with rho the air density at the pad, s(h) how the air thins above it, A the frontal area and m the mass without
-propellant. The pad's density and the mass stay in b, so that neither is needed here, and a later correction of either
-leaves b right; who knows both has Cd = 2 m b / (rho A). As g is known, b with the time and the height of apogee makes
-the whole curve; these are fitted to the samples of the coast. Heights are free in scale as well, within what the air
-and the airframe make of a barometer, for a coast that seems too fast or too slow throughout is not one of other drag.
-If drag is not quite proportional to v², or the rocket is tilted, b is the one that slows a straight coast as much.
+with rho the air density at the pad, s(h) the density ratio above it, A the frontal area and m the mass without
+propellant. The pad's density and the mass remain in b, so neither is needed here, and correcting either later leaves b
+valid. If both are known, Cd = 2 m b / (rho A). Because g is known, b and the time and height of apogee determine the
+whole curve; these are fitted to the samples of the coast. The scale of the heights is also free, within the errors that
+the air and the airframe cause in a barometer, because a coast that seems too fast or too slow throughout does not
+indicate a different drag. If drag is not quite proportional to v², or the rocket is tilted, b is the value that slows a
+straight coast as much.
 
-**Impulse of the burn** j [m/s]. Newton's law from lift-off to a moment t after burnout, m falling as propellant burns:
+**Impulse of the burn** j [m/s]. Newton's law from lift-off to a moment t after burnout, with m falling as propellant
+burns:
 
     j = integral of thrust / m = v(t) + g t + b integral of s v²,
 
-with v(t) of the fitted coast and the last integral, a tenth to a fifth of the whole, over the smoothed climb. Where
-burnout was does not matter. The mass that b has is a few percent less than that of a rocket that burns still, which
-makes j too large by a percent at most. Who knows thrust curve and masses has the expected j without a flight.
+with v(t) from the fitted coast and the last integral, 10 to 20 % of the whole, over the smoothed climb. The time of
+burnout does not matter. The mass in b is a few percent less than that of a rocket that is still burning, which makes j
+too large by 1 % at most. The expected j follows from the thrust curve and the masses, without a flight.
 """
 
 from dataclasses import dataclass
@@ -35,35 +37,36 @@ from fieldkit.shapes import Array, Float
 _MAX_COAST_SPEED = 0.7 * 335.0
 """Mach 0.7: at higher speeds Cd grows with the Mach number. [m/s]"""
 _TAIL_OF_THRUST = 0.15
-"""How long after burnout, beside twice its standard deviation, the motor may still push: the tail of its thrust. [s]"""
+"""How long after burnout, in addition to twice its standard deviation, the tail of the thrust may last. [s]"""
 _COAST_END_MARGINS = (2.0, 1.0, 0.5, 0.05)
-"""How long before apogee, or before something was ejected, the coast ends: tried from the first on. [s]"""
+"""How long before apogee, or before an ejection, the coast ends; tried in this order. [s]"""
 _CHANCE_GROWTH = 6.0
-"""Growth of weighted squares that four values make by chance once in five times (chi squared). [1]"""
+"""Growth of the weighted sum of squares that four parameters cause by chance one time in five (chi-squared). [1]"""
 _MIN_COAST_TIME, _MIN_COAST_SPEED, _MIN_COAST_SAMPLES = 1.2, 20.0, 8
-"""A shorter or slower coast does not constrain drag: its length [s], its first speed [m/s], its samples [1]."""
+"""Minimum duration [s], initial speed [m/s] and number of samples [1] for a coast to constrain drag."""
 _MAX_RELATIVE_SD = 0.3
-"""A figure with a greater standard deviation, to it, is none. [1]"""
+"""Largest relative standard deviation of a figure that is reported. [1]"""
 _MIN_DRAG_SD, _MIN_IMPULSE_SD = 0.025, 0.015
-"""Errors of any, to it: air that thins otherwise than the standard atmosphere's or than by e in 9.5 km; a Cd that
-changes a little with speed; a mass that is not burned evenly. Two altimeters in one airframe differed by more, 13 % in
-drag: what an airframe does to pressure the model has as a discrepancy of the rocket. [1]"""
+"""Smallest relative errors: density profiles other than the standard atmosphere's or a scale height of 9.5 km; a Cd
+that changes slightly with speed; a mass that does not burn evenly. Two altimeters in one airframe differed by more, 13
+% in drag: the model describes the effect of an airframe on pressure as a discrepancy of the rocket. [1]"""
 _SQUARED_SPEED_SD = 0.06
-"""Error of the integral of v² over a burn, to it: twice that of speeds by heights. [1]"""
+"""Relative error of the integral of v² over a burn: twice that of speeds derived from heights. [1]"""
 _HEIGHT_SCALE_SD = 0.05
-"""Standard deviation of the scale of heights: the air is 12 K off the standard atmosphere, and the pressure in an
-airframe off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), so that heights are by that of v²/2g. [1]"""
+"""Standard deviation of the scale of heights: the air is 12 K off the standard atmosphere, and the airframe's pressure
+is off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), which biases heights by 0.03 v²/2g. [1]
+"""
 _STUDENT_DOF, _MIN_SAMPLE_SD = 4.0, 0.02
-"""Of the errors of samples: degrees of freedom [1], least standard deviation [m]."""
+"""Errors of samples: degrees of freedom [1] and smallest standard deviation [m]."""
 _MIN_LOG_DRAG, _MAX_LOG_DRAG = np.log(1e-5), np.log(0.1)
-"""Of the logarithm of a drag that a rocket can have, b in 1/m. [1]"""
+"""Bounds of the logarithm of a rocket's drag, b in 1/m. [1]"""
 _START_LOG_DRAG = float(np.log(2e-3))
-"""Of the logarithm of drag, where a fit begins: that of a rocket of 0.4 kg and 60 mm. [1]"""
+"""Logarithm of drag at which a fit starts: a rocket of 0.4 kg and 60 mm. [1]"""
 _FIT_ROUNDS = 10
 _MAX_STEPS = np.array([2.0, 200.0, 1.5, 0.3])
-"""Of one round of the fit, in time [s], height [m], the logarithms of drag and of scale [1]."""
+"""Largest step of one fit iteration in time [s], height [m], and the logarithms of drag and of scale [1]."""
 _DIFFERENCE_STEPS = np.array([0.02, 0.2, 0.02, 0.02])
-"""Of the differences, in the same."""
+"""Steps of the finite differences, in the same units."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +81,7 @@ class _Fit:
     weight: Float[Array, "time"]
 
     def misfit(self, other: "_Fit") -> float:
-        """By how much it fits the samples of another worse than that does, in their weighted squares. [1]"""
+        """How much worse it fits the samples of another fit than that fit does, in weighted squares. [1]"""
         own, least = (other.height - _heights(fit.values, other.time) for fit in (self, other))
         return float(other.weight @ (own**2 - least**2))
 
@@ -86,10 +89,10 @@ class _Fit:
 def drag_and_impulse(
     track: Heights, pad: float, ascent: Ascent, lift: Event, burnout: Event, free: float, source: str
 ) -> dict[str, Figure]:
-    """Drag of the coast [1/m] and impulse of the burn over mass [m/s], those that show.
+    """Drag of the coast [1/m] and impulse of the burn over mass [m/s], each only if the samples constrain it.
 
-    Heights of `track` count from `pad` [m]. The coast begins after `burnout` below Mach 0.7 and ends at apogee or when
-    something was ejected, `free`. [s] `source` names the channels that `burnout` rests on.
+    Heights of `track` are relative to `pad` [m]. The coast begins after `burnout` below Mach 0.7 and ends at apogee or
+    at ejection, `free` [s]. `source` names the channels that `burnout` is based on.
     """
     begin = burnout.time + max(_TAIL_OF_THRUST, 2 * burnout.sd)
     slow = ascent.time[(ascent.time >= begin) & (ascent.speed < _MAX_COAST_SPEED)]
@@ -103,7 +106,7 @@ def drag_and_impulse(
         return {}
     drag, relative = float(np.exp(found.values[2])), float(np.hypot(np.sqrt(found.covariance[2, 2]), _MIN_DRAG_SD))
     figures = {"coast_drag": Figure(drag, relative * drag, track.source)}
-    if slow[0] - begin < _TAIL_OF_THRUST:  # a coast is not carried back through the speed of sound
+    if slow[0] - begin < _TAIL_OF_THRUST:  # the coast is not extrapolated back through the speed of sound
         figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source)
     return {name: figure for name, figure in figures.items() if figure.sd < _MAX_RELATIVE_SD * figure.value}
 
@@ -111,10 +114,9 @@ def drag_and_impulse(
 def _undisturbed(
     time: Float[Array, "time"], height: Float[Array, "time"], free: float, start: Float[Array, "four"]
 ) -> _Fit | None:
-    """The fit to the longest coast that ends before a parachute which no sensor felt seems to brake it.
+    """Fit the longest coast that ends before a parachute, which no sensor detected, appears to brake it.
 
-    A coast is taken for longer if what it is fitted to besides makes the fit to the shorter one no worse than by
-    chance.
+    The coast is extended if the additional samples do not worsen the fit to the shorter one by more than chance.
     """
     best: _Fit | None = None
     for before in _COAST_END_MARGINS:
@@ -149,10 +151,10 @@ def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str) 
 
 
 def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Float[Array, "four"]) -> _Fit | None:
-    """The coast that fits samples, None if none does.
+    """Fit a coast to samples. None if no coast fits.
 
-    Outliers among the samples count less (Student's t, by weights that are set again in each round). Errors with a
-    lag-1 autocorrelation r are worth (1 - r) / (1 + r) of independent ones.
+    Outliers count less (Student's t, with weights that are updated in each iteration). Errors with lag-1
+    autocorrelation r are worth (1 - r) / (1 + r) independent ones.
     """
     values, prior = start, np.diag([0.0, 0.0, 0.0, _HEIGHT_SCALE_SD**-2])
     freedom = np.sqrt(time.size / (time.size - len(start)))
@@ -179,6 +181,6 @@ def _path(values: Float[Array, "four"], begin: float, end: float = 0.0) -> Coast
 
 
 def _heights(values: Float[Array, "four"], time: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Heights of a coast as they are shown. [m]"""
+    """Heights of a coast as the altimeter reports them. [m]"""
     path = _path(values, float(time[0]), float(time[-1]))
     return np.asarray(values[1] - np.exp(values[3]) * (values[1] - np.interp(time, path.time, path.height)))

@@ -1,4 +1,4 @@
-"""What follows from each part of a flight, once the ascent is fitted: boost, top, descent, and the figures of each."""
+"""Results from each part of a flight once the ascent is fitted: boost, top and descent."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,16 +23,19 @@ from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
 _MAX_HEIGHT_GAP = 1.3
-"""Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
-Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
+"""Largest spacing of heights that still show a boost: beyond it a receiver lost its satellites, or a radio its rocket.
+Once per second is enough, because the coast that follows shows how fast it began. [s]"""
 _BLIND_PART = 0.75
-"""Nor does a log whose samples are further apart than this part of the boost. [1]"""
+"""Largest spacing of samples that still show a boost, as a fraction of its duration. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedLog:
-    """What a log holds, and the curve of its ascent. `push` is the acceleration that is believed for its size, `felt`
-    that for its blows; `every` are the times of all samples [s], `stated` the events that the logger marked [s]."""
+    """The contents of a log and the fitted curve of its ascent.
+
+    `push` is the acceleration trusted for its size, `felt` the one trusted for shocks; `every` are the times of all
+    samples [s], `stated` the events that the logger marked [s].
+    """
 
     track: Heights
     every: Float[Array, "time"]
@@ -59,7 +62,7 @@ class _FlightPart:
 
 
 def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
-    """What a fitted ascent and the descent after it come to."""
+    """Results from a fitted ascent and the descent after it."""
     begin = lift.time if lift else float(log.ascent.time[0])
     hole = silence(log.track, log.seen)
     unseen = unseen_apogee(log.track, log.seen, log.ascent, hole) if hole else None
@@ -168,7 +171,7 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
 
 
 def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool:
-    """Whether heights were taken too far apart, from lift-off to burnout, to show a boost."""
+    """Whether heights are too widely spaced, from lift-off to burnout, to show a boost."""
     first, last = np.searchsorted(time, (begin, burnout))
     between = float(np.diff(time[first:last]).max(initial=0.0))
     longest = max(hole_at(time, begin), hole_at(time, burnout), between)
@@ -177,8 +180,7 @@ def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
-    """When a receiver seems to fall about the boost, or None: it lost its satellites and extrapolated its course.
-    [s]"""
+    """When a receiver appears to fall around the boost after losing its satellites; None if never. [s]"""
     inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
     height = track.height[inside]
     if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:
@@ -193,7 +195,7 @@ def _between(first: Event, second: Event, source: str) -> Figure:
 
 
 def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
-    """The pad above sea level, as its pressure or a channel above sea level has it; 0 if none does. [m]"""
+    """The pad above sea level, from its pressure or a channel above sea level; 0 if there is none. [m]"""
     for name in ("pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)

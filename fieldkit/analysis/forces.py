@@ -1,4 +1,4 @@
-"""Thrust and drag as they were measured: what is left of the acceleration when gravity is taken out."""
+"""Measured thrust and drag: the acceleration with gravity removed."""
 
 import numpy as np
 
@@ -13,27 +13,27 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 from fieldkit.shapes import Array
 
 _MIN_DRAG_SPEED = 15.0
-"""Below this speed drag drowns in the errors of the acceleration. [m/s]"""
+"""Speed below which errors of the acceleration exceed drag. [m/s]"""
 _MIN_DENSITY = 1e-4
-"""In thinner air, from about 60 km up, drag cannot be measured. [kg/m^3]"""
+"""Air density below which drag cannot be measured, reached about 60 km up. [kg/m^3]"""
 _FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
-"""Least error of a top speed, to it: with an accelerometer, from heights. [1]"""
+"""Smallest relative error of a top speed: with an accelerometer, from heights. [1]"""
 _TRANSONIC_PRESSURE_ERROR = 0.06
-"""The same as `STATIC_SD` from about Mach 0.8 on, where shocks disturb it. [1]"""
+"""The same as `STATIC_SD` above about Mach 0.8, where shocks disturb the pressure. [1]"""
 _MAX_SPEED_ERROR = 0.25
-"""A top speed by heights alone is off by no more, to it, for all that; it was at most by 0.29 there. [1]"""
+"""Largest relative error assigned to a top speed from heights only; the largest one observed there was 0.29. [1]"""
 _TRANSONIC_SPEED = 270.0
-"""Where that begins. [m/s]"""
+"""Speed at which that begins. [m/s]"""
 _BRAKING_TIME = 1.5
-"""How long after top speed it shows how hard the rocket brakes. [s]"""
+"""Time after top speed over which the deceleration is measured. [s]"""
 _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
-"""Error of a burn time by heights alone, to it. [1]"""
+"""Relative error of a burn time from heights only. [1]"""
 _MIN_FELT_FRACTION = 0.9
-"""Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
+"""Fraction of a climb that an accelerometer must have recorded to be trusted instead of the heights. [1]"""
 _MOSTLY = 0.5
-"""A speed rests on satellites too, if they have a greater part in it. [1]"""
+"""Fraction of a speed that satellites must contribute to be named as its source. [1]"""
 _SCALE = 0.02
-"""Of an accelerometer's error, to the acceleration. [1]"""
+"""Relative error of an accelerometer. [1]"""
 
 
 def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
@@ -57,10 +57,10 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
 
 
 def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
-    """Push per mass and, in the coast, Cd·A per mass, from lift-off to what was ejected or to apogee.
+    """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection or apogee.
 
-    An axial accelerometer gives the push as it is; else it is the smoothed vertical acceleration plus gravity, which
-    holds for a rocket that climbs straight.
+    An axial accelerometer measures it directly. Otherwise it is the smoothed vertical acceleration plus gravity, which
+    is valid for a rocket that climbs straight.
     """
     flown = climb.time <= free
     if flown.sum() < 5:
@@ -104,10 +104,10 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
 def boost_event(
     ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str
 ) -> tuple[Event, Figure] | None:
-    """When the rocket was fastest and how fast, by the curve, with the spread of its draws.
+    """Time and size of the top speed according to the curve, with the spread of its draws.
 
-    Heights that are off by a part k of v²/2g make a speed v that brakes with a look as if it were off by k·v·a/g; and
-    if it is not known to the moment when it was fastest, neither is how much it had braked by then.
+    Heights that are off by a fraction k of v²/2g shift a speed v that decreases with a by k·v·a/g. An uncertain time of
+    top speed also makes the deceleration until then uncertain.
     """
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]

@@ -1,8 +1,9 @@
-"""Whether the whole of a climb agrees with the lift-off that its first heights show: of a hard boost it may not.
+"""Check the lift-off that the first heights show against the whole climb: in a hard boost they may disagree.
 
-Static ports that are off by a part s of the dynamic pressure make heights low by s v²/2g. In a boost with even
-acceleration a that is s a/g of the height itself: at 25 g and s = 0.04 heights stand still until burnout, and seem to
-jump after it. So lift-off, burnout, the coast and s are fitted together, with the spread of s from rocket to rocket.
+Static ports that are off by a fraction s of the dynamic pressure lower heights by s v²/2g. In a boost with constant
+acceleration a, that is s a/g of the height itself: at 25 g and s = 0.04 heights remain constant until burnout and then
+appear to jump. So lift-off, burnout, the coast and s are fitted together, with the spread of s between rockets as a
+prior.
 """
 
 from dataclasses import dataclass, replace
@@ -19,29 +20,31 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _HARD_BOOST = 0.25 / STATIC_SD * GRAVITY
-"""Mean acceleration of a boost in which a usual error of the static ports hides a quarter of the height. [m/s^2]"""
+"""Mean boost acceleration at which a typical static port error hides a quarter of the height. [m/s^2]"""
 _PAD_TIME, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
-"""What is fitted: from so long before the first rise to so long after burnout, but not the very top. [s]"""
+"""Range of the fit: time before the first rise, time after burnout, and margin before the very top. [s]"""
 _BOOST_SHAPE, _BOOST_SHAPE_SD = 0.5, 0.06
-"""Height at burnout, as a part of speed there times burn time: of an even push, and its spread over motors. [1]"""
+"""Height at burnout as a fraction of burnout speed times burn time: value for constant thrust, and its spread over
+motors. [1]"""
 _BURNOUT_SD = 0.4
-"""Of the burnout that the outline of the heights has. [s]"""
+"""Standard deviation of the burnout time from the outline of the heights. [s]"""
 _MODEL_ERROR, _MIN_ERROR = 0.006, 0.2
-"""What this model of a climb is off by, as a part of v²/2g [1] and at least [m]."""
+"""Error of this climb model, as a fraction of v²/2g [1] and at least [m]."""
 _SOUND_MARGIN, _SHOCK_FACTOR = 0.15, 10.0
-"""So near to the speed of sound, as a part of it, heights may be off by so many times as much. [1]"""
+"""Range around the speed of sound, as a fraction of it, and the factor by which errors of heights grow there. [1]"""
 _MAX_SAMPLES, _MIN_SAMPLES, _ROUNDS = 300, 20, 30
 _START_OFFSETS = (0.0, 0.7, 1.5, 2.5)
-"""How long before the first rise a fit begins to look for lift-off. [s]"""
+"""Times before the first rise at which a fit starts searching for lift-off. [s]"""
 _USUAL_CHANGE = np.array([1.0, 10.0, 0.3, 0.3, 0.3, STATIC_SD])
 _LIMITS = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
-"""Of time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], error of ports [1]."""
+"""Limits of the change in time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], and
+error of ports [1]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Climb:
-    """Samples of a climb: times [s], heights above the pad [m], and what each may be off by [m]; and when heights
-    climb fastest [s]."""
+    """Samples of a climb: times [s], heights above the pad [m], the error of each [m], and the time of the fastest
+    climb [s]."""
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
@@ -49,7 +52,8 @@ class _Climb:
     fastest: float
 
     def misfit(self, values: Float[Array, "six"]) -> Float[Array, "_"]:
-        """How far each sample is from a climb, then the priors of push, ports and burnout, all in deviations. [1]"""
+        """Deviation of each sample from a climb, followed by the priors of thrust, ports and burnout, in standard
+        deviations. [1]"""
         apogee, top, drag, burnout, lift, static = values.tolist()
         burn = max(burnout - lift, 0.05)
         free = coast(apogee, top, float(np.exp(drag)), burnout, apogee)
@@ -64,7 +68,8 @@ class _Climb:
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
-    """A lift-off by the first rise of pressures, with what it is late by the whole of a hard climb in its error."""
+    """A lift-off from the first rise of the heights; its error includes its delay according to the whole of a hard
+    climb."""
     if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
     sooner = _lift_by_climb(corner, track, seen)
@@ -74,13 +79,14 @@ def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
 
 
 def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
-    """First acceleration [m/s^2] and jerk [m/s^3] of an evenly changing push to a height and a speed in a burn."""
+    """Initial acceleration [m/s^2] and jerk [m/s^3] of a linearly changing thrust, given burnout height, speed and
+    time."""
     first = 6 * height / burn**2 - 2 * speed / burn
     return first, (2 * speed / burn - 2 * first) / burn
 
 
 def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None:
-    """Lift-off by the whole climb; None if the log has too little of it. [s]"""
+    """Lift-off from the whole climb; None if the log contains too little of it. [s]"""
     inside = (track.time > corner.time - _PAD_TIME) & (
         track.time < min(seen.top, seen.fastest + _COAST_TIME) - _TOP_MARGIN
     )
@@ -101,7 +107,7 @@ def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None
 def _errors(
     time: Float[Array, "time"], free: Coast, corner: Event, seen: Outline, noise: float
 ) -> Float[Array, "time"]:
-    """What a sample may be off by: its noise, and what pressure in a fast airframe and this model are. [m]"""
+    """Error of each sample: noise, airframe pressure at high speed, and the error of this model. [m]"""
     burn = max(seen.fastest - corner.time, 0.3)
     gained = np.clip((time - corner.time) / burn, 0, 1) * np.interp(seen.fastest, free.time, free.speed)
     speed = np.where(time < seen.fastest, gained, np.interp(time, free.time, free.speed))

@@ -1,4 +1,4 @@
-"""A first guess of a rocket's acceleration: its accelerometer's, or a coast against drag after an even push."""
+"""Initial guess of a rocket's acceleration: from its accelerometer, or a coast with drag after a constant thrust."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 MAX_SENSOR_GAP = 0.3
-"""An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
+"""Longest gap in the boost after which an accelerometer is still complete. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guess:
-    """An acceleration on the knots and its integrals. [m/s^2], [m/s], [m]"""
+    """Acceleration at the knots, and its integrals. [m/s^2], [m/s], [m]"""
 
     acceleration: Float[Array, "knot"]
     speed: Float[Array, "knot"]
@@ -24,7 +24,7 @@ class Guess:
 
 
 def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> float:
-    """When a guess is fastest between lift-off and release. [s]"""
+    """Time at which a guess is fastest between lift-off and release. [s]"""
     inside = (grid.time >= (lift if lift is not None else grid.start)) & (grid.time <= released)
     return float(grid.time[inside][np.argmax(guess.speed[inside])]) if inside.any() else released
 
@@ -32,7 +32,7 @@ def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> fl
 def first_guess(
     grid: Grid, coast: Coast | None, push: Push | None, lift: float | None, burnout: float, released: float
 ) -> tuple[Guess, bool]:
-    """A first acceleration, zero on the pad, and whether an accelerometer gave it."""
+    """An initial acceleration, zero on the pad, and whether it comes from an accelerometer."""
     knots = grid.time
     start = lift if lift is not None else knots[0]
     if coast is None:
@@ -65,7 +65,7 @@ def first_guess(
 
 
 def _in_silence(knots: Float[Array, "knot"], push: Push) -> Flags:
-    """Knots at which an accelerometer was silent: what it felt there is not between what it felt before and after."""
+    """Knots in a gap of the accelerometer, in which interpolation between the samples before and after is not valid."""
     after = np.clip(np.searchsorted(push.time, knots), 1, push.time.size - 1)
     return np.asarray(push.time[after] - push.time[after - 1] > MAX_SENSOR_GAP)
 

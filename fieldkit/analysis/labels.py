@@ -1,4 +1,4 @@
-"""Measured figures at the edge: their titles, their columns' names and units."""
+"""Titles, column names and units of measured figures for display and export."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -20,27 +20,27 @@ _SENSORS = {
     "of the logger": "device",
     "simulation": "simulation",
 }
-"""Words of the source of a figure or an event, and the sensor that they mean."""
+"""Words in the source of a figure or an event, and the sensor that they mean."""
 
 
 def sensor_of(source: str) -> str:
-    """The sensors that a figure or an event rests on: `baro`, `accel`, `gps`, `device`, or several as `baro+accel`."""
+    """The sensors behind a figure or an event: `baro`, `accel`, `gps`, `device`, or several such as `baro+accel`."""
     return "+".join(dict.fromkeys(sensor for word, sensor in _SENSORS.items() if word in source)) or "device"
 
 
 def edge_header(name: str) -> str:
-    """A figure's column, unit and all: `apogee_m`."""
+    """Column name of a figure with its unit, such as `apogee_m`."""
     return BY_NAME[name].header if name in BY_NAME else f"{name}_s"
 
 
 def at_the_edge(name: str, value: float) -> float:
-    """An SI value, or a difference of two, in the unit of its column; no figure's unit has an offset."""
+    """An SI value, or a difference of two, in the unit of its column; no unit here has an offset."""
     column = BY_NAME.get(name)
     return value if column is None else units.unit(column.quantity, column.unit).from_si(value)
 
 
 def spoken(name: str, value: float, sd: float, system: str = "SI") -> str:
-    """A figure [SI] in the units of a system: `553.7 ± 0.7 m`."""
+    """A figure [SI] as text in the units of a system: `553.7 ± 0.7 m`."""
     column = BY_NAME.get(name)
     unit = unit_of(column, system) if column else "s"
     scale = units.unit(column.quantity if column else "time", unit)

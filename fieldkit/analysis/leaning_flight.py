@@ -1,12 +1,12 @@
-"""A tilted climb, by an accelerometer along the axis: how far it tilted, and what part of its push was vertical.
+"""A tilted climb from an accelerometer along the axis: the tilt, and the vertical part of the acceleration.
 
-A rocket that leaves its rail at an angle from the vertical turns over as gravity bends its path (a gravity turn):
+A rocket that leaves its rail at an angle from the vertical turns further as gravity bends its path (a gravity turn):
 
     dv/dt = f - g cos(angle),    d(angle)/dt = g sin(angle) / v,    dh/dt = v cos(angle),
 
-with f the specific force along the axis. What an accelerometer felt so makes a climb for every angle at the rail, and
-the heights say which of them was flown. The pressure may be disturbed for seconds on the way, by shocks or by air
-brakes: the angle is that with which most samples agree, and those that do not are known by it.
+with f the specific force along the axis. The recorded f gives one climb for each angle at the rail, and the heights
+select the angle that was flown. Shocks or air brakes may disturb the pressure for seconds during the climb: the best
+angle is the one with which most samples agree, and it identifies those that do not.
 """
 
 from dataclasses import dataclass, replace
@@ -22,37 +22,38 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 _ANGLES = np.radians(np.arange(0.0, 34.0, 3.0))
-"""Angles at the rail that are tried. [rad]"""
+"""Angles at the rail to try. [rad]"""
 _ANGLE_SD = np.radians(12.0)
-"""Standard deviation of the angle at the rail, with what the wind does to it behind the rail. [rad]"""
+"""Standard deviation of the angle at the rail, including the effect of wind just after the rail. [rad]"""
 _STEP, _SHIFT = 0.02, 0.04
-"""Of the integration, and between the clocks that are tried. [s]"""
+"""Steps of the integration and of the clock shifts to try. [s]"""
 _RAIL_LENGTH, _MIN_TURNING_SPEED = 2.0, 5.0
-"""On its rail [m], and slower than this behind it [m/s], a rocket does not turn."""
+"""Length of the rail [m], and the speed after it below which a rocket does not turn [m/s]."""
 _COMPARED_PART = 0.9
-"""Fraction of the time to apogee that is compared: the charge may have fired after it. [1]"""
+"""Fraction of the time to apogee that is compared; the charge may have fired after it. [1]"""
 _SCALE_SD, _ZERO_SD, _RAM_SD = 0.03, 0.3, 0.05
-"""Of the accelerometer's scale [1] and zero [m/s^2], and of the pressure in an airframe to the dynamic one [1]."""
+"""Standard deviations of the accelerometer's scale [1] and zero [m/s^2], and of the airframe's pressure error as a
+fraction of dynamic pressure [1]."""
 _AT_REST = (0.85, 1.08)
-"""What an accelerometer shows on the pad, along an axis tilted by up to 30 degrees. [g]"""
+"""Range of an accelerometer's reading on the pad, along an axis tilted by up to 30 degrees. [g]"""
 _WRONG_SCALE_SD, _WRONG_CLOCK = 0.3, 1.5
-"""Of a scale that no calibration explains [1], and how far a wrong clock is off, at most [s]."""
+"""Standard deviation of a scale that no calibration explains [1], and the largest error of a wrong clock [s]."""
 _RELATIVE_HEIGHT_SD = 0.015
-"""Of heights, for winds that bend the path otherwise. [1]"""
+"""Relative standard deviation of heights, for winds that bend the path in another way. [1]"""
 _STUDENT_DOF, _ROUNDS = 3.0, 8
-"""Degrees of freedom of the errors of heights, and rounds of weighing them. [1]"""
+"""Degrees of freedom of the height errors, and number of reweighting iterations. [1]"""
 _MIN_AGREEING, _MAX_SDS = 0.55, 3.0
-"""Of the samples so many agree with the climb of an accelerometer that is believed, [1] within so many of their
-standard deviations. [1]"""
+"""Fraction of samples that must agree with the climb of a trusted accelerometer [1], within this many of their standard
+deviations [1]."""
 _CORRELATION_TIME = 0.5
-"""Correlation time of the errors of the pressure in an airframe. [s]"""
+"""Correlation time of the pressure errors in an airframe. [s]"""
 _MIN_SAMPLES = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeaningFlight:
-    """The angle at the rail [rad], the upward part of what was felt, and the climb that this makes: times [s] and
-    heights above the pad [m], with the standard deviation of a height."""
+    """Angle at the rail [rad], vertical part of the acceleration, and the resulting climb: times [s] and heights above
+    the pad [m], with the standard deviation of a height."""
 
     angle: float
     upward: Push
@@ -61,14 +62,14 @@ class LeaningFlight:
     sd: Float[Array, "step"]
 
     def agrees(self, track: Heights, pad: float) -> Flags:
-        """Which samples of heights are near the climb; those outside of it are."""
+        """Which height samples are close to the climb; the others are outliers."""
         away = np.abs(track.height - pad - np.interp(track.time, self.time, self.height))
         near = away < _MAX_SDS * np.hypot(np.interp(track.time, self.time, self.sd), track.noise)
         return np.asarray(near | (track.time < self.time[0]) | (track.time > self.time[-1]))
 
 
 def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> LeaningFlight | None:
-    """The leaning climb that an accelerometer makes and most of the heights agree with; None if there is none."""
+    """The tilted climb from an accelerometer with which most of the heights agree; None if there is none."""
     net = levelled(push, lift.time)
     end = lift.time + _COMPARED_PART * (seen.top - lift.time)
     inside = (track.time > lift.time) & (track.time < end)
@@ -112,13 +113,13 @@ def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Le
 
 
 def _is_at_rest(push: Push, lift: float) -> bool:
-    """Whether an accelerometer shows about one g on the pad: then its scale is right."""
+    """Whether an accelerometer reads about one g on the pad, which confirms its scale."""
     rest = push.felt[push.time < lift - 0.1]
     return bool(rest.size > 2 and _AT_REST[0] < float(np.median(rest)) / GRAVITY < _AT_REST[1])
 
 
 def _ram(climb: Float[Array, "step"]) -> Float[Array, "step"]:
-    """What a pressure in the airframe that is the dynamic one does to heights. [m]"""
+    """Height error if the airframe's pressure error equals the full dynamic pressure. [m]"""
     return np.asarray(np.gradient(climb, _STEP) ** 2 / (2 * GRAVITY))
 
 
@@ -127,9 +128,9 @@ def _paths(
 ) -> tuple[
     Float[Array, "step angle"], Float[Array, "step angle"], Float[Array, "step angle"], Float[Array, "step angle"]
 ]:
-    """Of every angle the cosine and the height on the way, and what a scale and a zero that are off add to heights.
+    """Cosine and height along the path for each angle, and the height errors from an error in scale and in zero.
 
-    `net` is what is felt beyond what it is at rest on the rail, which is what gravity has along it.
+    `net` is the acceleration beyond its value at rest on the rail, which is gravity's component along the rail.
     """
     angle: Array = _ANGLES.copy()
     speed: Array = np.zeros(_ANGLES.size)
@@ -160,7 +161,7 @@ def _fit(
     told: float,
     scale_sd: float,
 ) -> tuple[float, Float[Array, "column"]]:
-    """How badly a climb fits heights, robustly, and by how much scale, zero and ram are off.
+    """Robust misfit of a climb to heights, and the errors of scale, zero and static pressure.
 
     Only the fraction `told` of the samples counts, because neighboring samples have correlated errors.
     """

@@ -1,4 +1,4 @@
-"""When the rocket left the pad."""
+"""Time of lift-off."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
-    """Lift-off by the accelerometer if it saw it, else by the rise from the pad; None if neither did."""
+    """Lift-off from the accelerometer if possible, otherwise from the rise off the pad; None if neither shows it."""
     felt = _by_push(push, seen) if push else None
     if felt is not None:
         return felt
@@ -21,7 +21,7 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
 
 
 def _by_push(push: Push, seen: Outline) -> Event | None:
-    """When the acceleration that lasts to the fastest climb sets in: where it crosses a fifth of its median."""
+    """Start of the acceleration that lasts until the fastest climb: where it crosses a fifth of its median."""
     about = seen.lift if seen.lift is not None else seen.fastest - 1.5
     near = (push.time > about - 3) & (push.time <= seen.fastest + 0.05)
     time, felt = push.time[near], push.felt[near] - GRAVITY
@@ -48,7 +48,7 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
 
 
 def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: float, bar: float) -> int:
-    """Which crossing begins the boost: the first after which most of the push stays above the bar."""
+    """Index of the crossing that begins the boost: the first after which most of the acceleration is above the bar."""
     for place, index in enumerate(crossing):
         if np.mean(felt[index + 1 :] > bar) > 0.6:
             return place
@@ -56,9 +56,9 @@ def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: flo
 
 
 def _by_rise(track: Heights, seen: Outline) -> Event | None:
-    """The corner where a flat pad turns into a rise with acceleration and jerk, by least squares over the corner.
+    """The corner at which a flat pad becomes a rise with acceleration and jerk, by least squares.
 
-    A log that begins in the boost, but low, is followed back to the pad's level if the logger knows it.
+    A log that begins low in the boost is extrapolated back to the pad's level if the logger recorded it.
     """
     known = seen.lift is not None
     if not known and not track.zeroed:
@@ -89,13 +89,13 @@ def _by_rise(track: Heights, seen: Outline) -> Event | None:
 
 
 def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:
-    """When the climb has come up by some height. [s]"""
+    """When the climb has reached a given height. [s]"""
     there = np.flatnonzero((track.time > about) & (track.height > seen.pad + rise))
     return float(track.time[there[0]]) if there.size else seen.fastest
 
 
 def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool) -> float:
-    """Sum of squares about the best rise from a corner; `level` if the pad's height is free too. [m^2]"""
+    """Sum of squared residuals from the best rise after a corner; `level` if the pad's height is fitted too. [m^2]"""
     after = np.maximum(time - corner, 0)
     columns = [after**2 / 2, after**3 / 6, *([np.ones_like(time)] if level else [])]
     design = np.stack(columns, axis=1)

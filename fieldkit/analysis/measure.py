@@ -1,4 +1,4 @@
-"""From the samples of a flight to its readouts: `measure`, the one way in."""
+"""Measure the readouts of a flight from its samples: `measure` is the only entry point."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,17 +26,18 @@ from fieldkit.shapes import Flags
 _MAX_FILLED_DELAY = 0.1
 """Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
 _MAX_MISS = 0.08
-"""Part of a climb by which its top by sensors together may be off that by the heights, smoothed over a second. [1]"""
+"""Largest difference between the apogee of the fused curve and that of the heights, smoothed over a second, as a
+fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
-"""What an accelerometer felt last, for so long [s], is thrust if it is above this [m/s^2]."""
+"""If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
 _MIN_LAG = 0.08
-"""Heights that are late by less beside an accelerometer are taken for in time. [s]"""
+"""Smallest delay of heights relative to an accelerometer that is corrected. [s]"""
 
 
 def rises(clocks: Sequence[Series]) -> bool:
-    """Whether something in a log rises as a rocket does, as far as a quick look at its heights shows.
+    """Whether something in a log rises like a rocket, from a quick look at its heights.
 
-    True if it has no heights but an accelerometer: that cannot be decided here.
+    True if the log has an accelerometer but no heights, because then this cannot be decided here.
     """
     track = heights(clocks)
     if track is not None:
@@ -46,11 +47,11 @@ def rises(clocks: Sequence[Series]) -> bool:
 
 
 def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
-    """Events, figures and forces of one flight from its samples; what they do not show is left out.
+    """Measure the events, figures and forces of one flight from its samples; omit what they do not show.
 
-    `clocks` are the channels, a `Series` for each clock; `stated` the events that the logger marked [s]. A figure
-    rests on many samples, never on one. Heights are what an altimeter shows that believes in the standard
-    atmosphere; their standard deviations are of reading the sensor, not of the weather.
+    `clocks` are the channels, a `Series` for each clock; `stated` are the events that the logger marked [s]. Each
+    figure is based on many samples, never on one. Heights are those of an altimeter that assumes the standard
+    atmosphere; their standard deviations cover the sensor, not the weather.
     """
     stated = stated or {}
     track = heights(clocks)
@@ -79,7 +80,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     moments = (lift.time if lift else None, blow.time if blow else None, stated.get("apogee"))
     try:
         ascent = ascend(track, shape, seen, *moments, sighted)
-    except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
+    except np.linalg.LinAlgError:  # samples so noisy that no curve fits them
         ascent = None
     if ascent is not None and ascent.fused and _misses_the_top(ascent, seen, track):
         trust, felt = _Trust(None, notes=(DISBELIEVED.format("and the heights are of different climbs"),)), None
@@ -95,9 +96,12 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Trust:
-    """An accelerometer that is believed, None for none; the leaning climb that it makes, if it made one; by how much
-    the heights are late beside it, as behind a filter or small vents [s]; what is to be said of it; and one that is
-    believed for its clock alone, for the blows that it felt."""
+    """The accelerometer to use, and what the check of it found.
+
+    The trusted accelerometer, or None; the tilted climb computed from it, if any; the delay of the heights relative to
+    it, from a filter or small vents [s]; the note for the user; and an accelerometer whose clock alone is trusted, for
+    the shocks that it felt.
+    """
 
     push: Push | None
     leaning: LeaningFlight | None = None
@@ -107,9 +111,9 @@ class _Trust:
 
 
 def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> _Trust:
-    """What the heights show about an accelerometer: that it recorded the same climb, straight or tilted, or why not.
+    """Compare an accelerometer with the heights: whether it recorded the same climb, straight or tilted, or why not.
 
-    A saturated accelerometer, in samples that are `full`, is used for the rest.
+    A saturated accelerometer is used except for the samples in `full`.
     """
     if push is not None and _ends_in_boost(push, seen):
         return _Trust(None, notes=(ENDS_IN_BOOST,), blows=push)
@@ -129,13 +133,13 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
 
 
 def _ends_in_boost(push: Push, seen: Outline) -> bool:
-    """Whether an accelerometer was silent while the climb still grew faster, and felt thrust when it was last heard."""
+    """Whether an accelerometer stopped while the climb was still accelerating, with thrust in its last samples."""
     last = push.felt[push.time > push.time[-1] - _LAST_FELT]
     return bool(push.time[-1] < seen.fastest - MAX_SENSOR_GAP and np.median(last) > _THRUST)
 
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
-    """An accelerometer with what it missed while saturated, if the rest of it agrees with the heights."""
+    """An accelerometer with the saturated samples filled in, if the rest of it agrees with the heights."""
     if found is None or not found.believed or abs(found.late) > _MAX_FILLED_DELAY + found.step:
         return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)
@@ -146,7 +150,7 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
 
 
 def _misses_the_top(ascent: Ascent, seen: Outline, track: Heights) -> bool:
-    """Whether a curve that an accelerometer shaped goes far by the top that the heights show."""
+    """Whether a curve shaped by an accelerometer is far from the apogee that the heights show."""
     if not seen.down:
         return False
     place = int(np.argmax(ascent.height))
@@ -156,7 +160,7 @@ def _misses_the_top(ascent: Ascent, seen: Outline, track: Heights) -> bool:
 
 
 def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
-    """Heights and their outline without a lag. [s]"""
+    """Heights and their outline with a lag removed. [s]"""
     if not lag:
         return track, seen
     lift = None if seen.lift is None else seen.lift - lag

@@ -1,4 +1,4 @@
-"""What a log does not show, or shows otherwise than it seems, in a phrase for the flyer."""
+"""Short phrases that report to the flyer what a log does not show, or why its appearance is misleading."""
 
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "no rocket flight in this log: nothing is measured"

@@ -1,5 +1,5 @@
-"""Two small optimizers that the measuring needs: their like in `scipy.optimize` takes longer to import than a log to
-measure (a test compares them)."""
+"""Two small optimizers for the measurements. Importing the equivalents in `scipy.optimize` takes longer than measuring
+a log (a test compares the results)."""
 
 from collections.abc import Callable
 
@@ -9,15 +9,15 @@ from fieldkit.shapes import Array, Float
 
 _REFLECTED, _EXPANDED, _CONTRACTED, _SHRUNK = 1.0, 2.0, 0.5, 0.5
 _CLOSE = 1e-4
-"""A simplex that is smaller, with values that are closer, has converged. [unit of each]"""
+"""Convergence tolerance: size of the simplex and spread of its values. [unit of each]"""
 _DAMPING, _EASED, _HARDENED = 1e-2, 1 / 3, 4.0
-"""Of a first step, to the diagonal [1], and what it becomes after a step that helps and one that does not."""
+"""Damping of the first step, relative to the diagonal, and its factors after a successful and a failed step. [1]"""
 _DIFFERENCE, _MIN_RELATIVE_GAIN = 1e-5, 1e-8
-"""Step of a derivative, in scales, and the gain of a step, to the cost, below which it has converged. [1]"""
+"""Step of a numerical derivative, in scales, and the relative reduction of the cost that counts as converged. [1]"""
 
 
 def nelder_mead(cost: Callable[[Array], float], simplex: Float[Array, "corner value"], evaluations: int) -> Array:
-    """Where a cost is least, from a first simplex and with at most so many evaluations.
+    """Values that minimize a cost, from an initial simplex and with a limited number of evaluations.
 
     Source: J. A. Nelder and R. Mead, A Simplex Method for Function Minimization, The Computer Journal 7 (1965).
     """
@@ -62,10 +62,10 @@ def least_soft_squares(
     room: Float[Array, "value"],
     rounds: int,
 ) -> Array:
-    """Values whose misfits are least, each counting 2 (sqrt(1 + m²) - 1), which far ones enter with their size alone.
+    """Values that minimize the sum of 2 (sqrt(1 + m²) - 1) over the misfits m, which limits the influence of outliers.
 
-    By damped Gauss-Newton steps (Levenberg and Marquardt); `scale` is a usual change of each value, `room` how far it
-    may go from its start.
+    Damped Gauss-Newton steps (Levenberg-Marquardt). `scale` is a typical change of each value, `room` its largest
+    distance from the start.
     """
     values, damping = np.array(start, float), _DAMPING
     left = misfit(values)

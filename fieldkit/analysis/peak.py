@@ -1,4 +1,4 @@
-"""The strongest acceleration of a boost: as an accelerometer felt it, or as a curve through heights and motors say."""
+"""Peak acceleration of a boost: from an accelerometer, or from a curve through heights combined with motor data."""
 
 import numpy as np
 
@@ -19,20 +19,22 @@ BEYOND_WINDOW = (
     (1.0, 0.47, 0.34),
     (1.5, 0.87, 0.34),
 )
-"""Peak thrust over the greatest mean of a window, by the window's part of the burn: mean and standard deviation of its
-logarithm over the motors of the catalog, each impulse class weighted equally (a test computes it again). [1]"""
+"""Peak thrust divided by the highest mean over a window, for window lengths as fractions of the burn: mean and standard
+deviation of its logarithm over the motors of the catalog, with each impulse class weighted equally (a test recomputes
+it). [1]"""
 BEYOND_MEAN = (0.47, 0.34)
 """The same for the mean of the burn. [1]"""
 _MAX_LATE_START = 0.05
-"""How long after lift-off an accelerometer may begin and still have felt all. [s]"""
+"""How long after lift-off an accelerometer may start and still have recorded the whole boost. [s]"""
 _WINDOW = 0.05
-"""Of the peak acceleration; a log that is too thin for it has a peak between its mean of three samples and one. [s]"""
+"""Averaging window of the peak acceleration. In a log too sparse for it, the peak lies between the mean of three
+samples and a single sample. [s]"""
 _SCALE = 0.02
-"""Of an accelerometer's error, to the acceleration. [1]"""
+"""Relative error of an accelerometer. [1]"""
 
 
 def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, mean: Figure) -> Figure | None:
-    """Strongest acceleration from lift-off to top speed, net of gravity, over a twentieth of a second.
+    """Peak acceleration from lift-off to top speed, net of gravity, over a twentieth of a second.
 
     `mean` is the mean acceleration of the boost, with its source.
     """
@@ -52,7 +54,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
 
 
 def _above(peak: Figure, floor: float) -> Figure:
-    """A peak that is known to be no less than the end of a range: its logarithm's normal distribution, cut there."""
+    """A peak known to be at least the end of the range: the normal distribution of its logarithm, truncated there."""
     spread = peak.sd / peak.value
     logs = np.log(peak.value) + spread * np.linspace(-5, 5, 2001)
     logs = logs[logs >= np.log(floor)]
@@ -66,9 +68,10 @@ def _above(peak: Figure, floor: float) -> Figure:
 
 
 def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, push: Push) -> Figure | None:
-    """The peak of what an accelerometer felt in the boost; None if it may have come before the first sample.
+    """Peak of an accelerometer's readings in the boost; None if it may have come before the first sample.
 
-    Its scale is off by about as much as its climb differs from that by the heights, which have errors of their own.
+    Its scale error is about as large as the difference between its climb and that of the heights, which have errors of
+    their own.
     """
     width = max(3, round(_WINDOW / median_step(time)))
     smooth = running_median(net, width | 1)
@@ -89,12 +92,11 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
 def _smoothed_peak(
     ascent: Ascent, inside: Flags, mean: Figure, hidden: Flags | None = None, filled: tuple[float, float] = (0.0, 0.0)
 ) -> Figure:
-    """The peak by heights alone: that of the curve, and what motors have beyond it in a window as long as it resolves.
+    """Peak from heights only: that of the curve, times what motors have beyond a window as long as the curve resolves.
 
-    If an accelerometer was at the end of its range, `hidden`, the mean there [m/s^2] and how long it was [s] are
-    known, `filled`.
-    Disturbed pressure at high speed makes peaks that no motor has: if the curve's peak is further from what motors
-    have for such a mean than the uncertainty of both, only the mean is used.
+    If an accelerometer was saturated in the samples `hidden`, `filled` is the mean there [m/s^2] and how long it lasted
+    [s]. Disturbed pressure at high speed creates peaks that no motor has. If the curve's peak differs from what motors
+    have at this mean by more than the uncertainty of both, only the mean is used.
     """
     burn = max(float(np.ptp(ascent.time[inside])), 1e-3)
     usual, spread = mean.value * np.exp(BEYOND_MEAN[0]), float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
@@ -109,7 +111,7 @@ def _smoothed_peak(
         return Figure(usual, spread * usual, mean.source)
     parts, logs, sds = np.array(BEYOND_WINDOW).T
     peak = float(curve * np.exp(np.interp(window / burn, parts, logs)))
-    shared = mean.sd / mean.value  # what is off with the mean is off with the peak
+    shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
     sd = float(np.linalg.norm([draws.std() / curve, np.interp(window / burn, parts, sds), shared]))
     if abs(np.log(peak / usual)) > 2 * np.hypot(sd, spread):
         peak, sd = usual, spread

@@ -1,4 +1,4 @@
-"""The phases of the flight in a log: pad, rise, top and fall, as robust starting values for the fits."""
+"""The phases of the flight in a log (pad, rise, apogee and fall) as robust starting values for the fits."""
 
 from dataclasses import dataclass
 
@@ -9,28 +9,28 @@ from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.shapes import Array, Float
 
 LEAST_GAIN = 5.0
-"""A rise that is less is no flight. [m]"""
+"""Smallest rise that counts as a flight. [m]"""
 LEAST_SPEED = 5.0
-"""A rise that is slower throughout is no flight. [m/s]"""
+"""Smallest climb rate that counts as a flight. [m/s]"""
 _MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
-"""A log that begins later than this before lift-off [s] may begin in it, and its pad be off by so much [m]."""
+"""If a log begins less than this before lift-off [s], it may begin in flight; error of its pad height then [m]."""
 _ZERO, _GROUND = 1.0, 20.0
-"""What a logger's own zero drifts by while it waits, and how far from it a landing may be before that is the ground's
-doing and not the zero's. [m]"""
+"""Drift of a logger's own zero while it waits, and the largest difference of the landing from it that is attributed to
+the zero instead of the terrain. [m]"""
 _PARTS = 5
-"""In so many parts what stands on a pad is looked at, to see gusts and a drift. [1]"""
+"""Number of parts into which the time on the pad is divided to detect gusts and drift. [1]"""
 _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 270.0, 1.0
-"""A climb that seems faster than this [m/s] is looked at over so long a time to both sides [s]"""
+"""If a climb appears faster than this [m/s], it is evaluated over a window of this length to both sides [s]."""
 LONGEST_CLIMB = 120.0
-"""From lift-off to apogee, at most. [s]"""
+"""Longest time from lift-off to apogee. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outline:
-    """Times on the log's clock [s], and heights as it has them [m].
+    """Times on the log's clock [s], and heights in the log's own reference [m].
 
-    `lift` is None if the log begins in flight, `down` (the top was passed) False if it ends before apogee.
-    `pad` and `pad_sd` are the level before lift-off; `fastest` is when the climb was fastest.
+    `lift` is None if the log begins in flight; `down` (apogee was passed) is False if it ends before apogee. `pad` and
+    `pad_sd` are the level before lift-off; `fastest` is when the climb was fastest.
     """
 
     lift: float | None
@@ -41,15 +41,15 @@ class Outline:
     pad_sd: float
     top_height: float
     calm: Float[Array, "time"]
-    """The heights through a running median of about a second. [m]"""
+    """Heights after a running median of about a second. [m]"""
     transonic: bool
-    """Whether the climb seems as fast as to come near the speed of sound."""
+    """Whether the apparent climb rate comes near the speed of sound."""
     climbs: float
-    """How fast the heights seem to climb where they do so fastest. [m/s]"""
+    """Highest apparent climb rate of the heights. [m/s]"""
 
 
 def outline(track: Heights) -> Outline | None:
-    """The flight in a height channel, or None if nothing rises as a rocket does."""
+    """Find the flight in a height channel. None if nothing rises like a rocket."""
     time, height = track.time, track.height
     step = median_step(time)
     calm = running_median(height, int(np.clip(1.0 / step, 3, 201)) | 1)
@@ -61,7 +61,7 @@ def outline(track: Heights) -> Outline | None:
     climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
     speed = _slope(time[from_ : top + 1], climb, reach)
     transonic = bool(speed.max() > _TRANSONIC_SPEED)
-    if transonic:  # shocks that come and go make a rocket seem to jump: looked at over a longer time
+    if transonic:  # brief shocks make a rocket appear to jump, so a longer window is used
         speed = _slope(time[from_ : top + 1], climb, max(reach, round(_TRANSONIC_WINDOW / step)))
     fastest = int(np.argmax(speed))
     lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
@@ -96,10 +96,10 @@ def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Fl
 def _lift(
     time: Float[Array, "_"], climb: Float[Array, "_"], speed: Float[Array, "_"], fastest: int, least: float
 ) -> int | None:
-    """The last sample before the climb that is not part of it; None if the log begins in the climb.
+    """Index of the last sample before the climb; None if the log begins in the climb.
 
-    Near the speed of sound the air around a rocket can make it seem to stand still or to fall for a while; so a
-    sample counts as quiet only if nothing rose in the ten seconds before.
+    Near the speed of sound the air around a rocket can make it appear to stop or fall for a while, so a sample counts
+    as quiet only if nothing rose in the ten seconds before it.
     """
     earlier = climb[np.searchsorted(time, time - 10)]
     quiet = (speed < max(0.06 * speed[fastest], 1.0)) & (climb - earlier < least)
@@ -108,11 +108,11 @@ def _lift(
 
 
 def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
-    """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
+    """The pad's height in this channel and its standard deviation, from the log up to lift-off. [m]
 
-    A zero that drifts there continues to drift, and is off by that at the top. Without such samples, or if they rise
-    already, it is what the logger took for zero, or for a height that counts from elsewhere nothing: then its standard
-    deviation is infinite.
+    A zero that drifts there continues to drift, and has that error at apogee. Without samples at rest on the pad, the
+    pad is the logger's own zero. If the logger does not set a zero and the log begins in flight, the standard deviation
+    is infinite.
     """
     if lift is None:
         return (0.0, _own_zero(track)) if track.zeroed else (float(track.height[0]), np.inf)
@@ -130,9 +130,9 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
 
 
 def _drift(track: Heights, lift: float) -> float:
-    """How fast the zero drifts in the minute before lift-off; 0 if it does not surely. [m/s]
+    """Drift rate of the zero in the minute before lift-off; 0 if not significant. [m/s]
 
-    What is carried to the pad and set up there jumps and stands still; a drift goes one way all the time.
+    Carrying the rocket to the pad and setting it up causes jumps and pauses; a drift has one direction throughout.
     """
     before = (track.time < lift - 0.5) & (track.time > lift - 60)
     height, time = track.height[before], track.time[before]
@@ -145,10 +145,10 @@ def _drift(track: Heights, lift: float) -> float:
 
 
 def _own_zero(track: Heights) -> float:
-    """How far a logger's own zero may be off, as a standard deviation. [m]
+    """Standard deviation of a logger's own zero. [m]
 
-    Of two equally good witnesses of one level, the zero and the ground that the log comes to rest on, each is off by
-    half of what they differ.
+    The zero and the ground where the log comes to rest measure the same level equally well, so each is assigned half of
+    their difference as its error.
     """
     last = track.height[track.time > track.time[-1] - 5]
     early, late = np.array_split(last, 2)

@@ -1,7 +1,8 @@
-"""Figures that no rocket can have: taken out, and named as not measured, with why.
+"""Remove figures that no rocket can have, and report them as not measured, with the reason.
 
-Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
-of a hobby rocket survives some accelerations. If figures contradict each other all are out, for any may be wrong.
+These are physical limits rather than habits of flyers: a mean is never above its peak, a coast rises by no more than
+v²/2g, and no hobby airframe survives more than a certain acceleration. If figures contradict each other, all of them
+are removed, because any may be wrong.
 """
 
 from collections.abc import Mapping
@@ -13,24 +14,24 @@ from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
 MAX_BOOST = 200 * GRAVITY
-"""Upper limit of a boost: the hardest motors lift their own casings with some 150 g. [m/s^2]"""
+"""Upper limit of boost acceleration: the hardest motors lift their own casings with about 150 g. [m/s^2]"""
 _CONTRADICTION_SDS = 3.0
-"""A contradiction is one beyond so many standard deviations. [1]"""
+"""Number of standard deviations beyond which figures contradict each other. [1]"""
 _SWINGS = 4.0
-"""A curve that is so many times as fast as its samples follows no flight. [1]"""
+"""A curve faster than its samples by this factor does not follow a flight. [1]"""
 _MAX_SMOOTHING = 2.0
-"""Samples that are far apart make a climb seem slower by no more than this. [1]"""
+"""Largest factor by which widely spaced samples underestimate the climb rate. [1]"""
 _MARGIN = 1.5
-"""Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
+"""Largest factor by which smoothed heights underestimate the speed after a short boost. [1]"""
 _SLACK = 1.0
-"""A top is flat: when it was is known no better than this. [s]"""
+"""Uncertainty of the time of apogee, because the top of the curve is flat. [s]"""
 LEAST_TOP_SPEED = 5.0
-"""What was never faster is no rocket. [m/s]"""
+"""Smallest top speed of a rocket. [m/s]"""
 _STATED_TOLERANCE, _READOUT_TEXTS = (
     {"apogee": 0.03, "top_speed": 0.1},
     {"apogee": "an apogee", "top_speed": "a top speed"},
 )
-"""What devices state, and by which part of it their filters make it another. [1]"""
+"""Figures that devices state, and the relative error that their filters cause. [1]"""
 BOOST = ("burn_time", "avg_accel", "peak_accel")
 _NAMES = {
     "burn_time": "burn time",
@@ -41,11 +42,11 @@ _NAMES = {
 }
 _MEASURED_FROM_ZERO = tuple(_NAMES)
 _MAX_RELATIVE_SD = 0.5
-"""A figure that may as well be zero, at two standard deviations, is none. [1]"""
+"""Largest relative standard deviation of a reported figure; beyond it zero is within two standard deviations. [1]"""
 
 
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
-    """The figures that a rocket can have, and a phrase for those that are out."""
+    """The figures that a rocket can have, and a phrase for each removed one."""
     mean, peak = figures.get("avg_accel"), figures.get("peak_accel")
     why = ""
     if mean and peak and mean.value - peak.value > _CONTRADICTION_SDS * (mean.sd**2 + peak.sd**2) ** 0.5:
@@ -61,7 +62,7 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
 
 
 def known_well(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
-    """The figures that are known at all, and a phrase for those that are not: within more than half of themselves."""
+    """The figures whose relative standard deviation is at most one half, and a phrase for each of the others."""
     unknown = [name for name in _MEASURED_FROM_ZERO if name in figures and _is_unknown(figures[name])]
     kept = {name: one for name, one in figures.items() if name not in unknown}
     if not unknown:
@@ -75,12 +76,11 @@ def _is_unknown(figure: Figure) -> bool:
 
 
 def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, highest: float, climbs: float) -> bool:
-    """Whether figures are those of something that was thrust up and coasted, to a highest point. [m]
+    """Whether figures are those of something that was accelerated upward and then coasted to `highest` [m].
 
-    `climbs` is how fast the samples seem to climb at most, where a curve through them may swing. [m/s]
-
-    A climb that lasts longer or goes higher than its speed allows is a lift, a drone, a hill or the weather;
-    what was slower than a thrown stone is none either.
+    `climbs` is the highest climb rate of the samples, because a curve through them may oscillate [m/s]. A climb that
+    lasts longer or goes higher than its speed allows is an elevator, a drone, a hill or the weather. Anything slower
+    than a thrown stone is not a flight either.
     """
     speed = figures.get("top_speed")
     if speed is None:
@@ -100,10 +100,10 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
 
 
 def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
-    """What was measured, less sure if the device itself states another apogee or top speed, and a note of that.
+    """The measurements, with larger errors if the device states a different apogee or top speed, and a note about it.
 
-    Device and samples are two witnesses of one figure: if they differ by more than the samples' own error, and by
-    more than devices filter, either may be off by half of what they differ.
+    Device and samples measure the same figure. If they differ by more than the samples' own error and more than device
+    filters explain, either may be wrong, so half of the difference is added to the error in quadrature.
     """
     figures, notes = dict(recorded.figures), []
     for name, usual in _STATED_TOLERANCE.items():

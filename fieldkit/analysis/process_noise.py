@@ -1,7 +1,7 @@
-"""A curve through heights whose process noise differs between the phases of a flight, and how large it is.
+"""A curve through heights with a separate process noise for each phase of a flight, and estimates of these noises.
 
-The process noise under thrust and in the coast, and the noise of the samples, are those that make the samples most
-probable (type-II maximum likelihood), with priors as wide as loggers and rockets differ.
+The process noise under thrust and in the coast, and the noise of the samples, maximize the marginal likelihood (type-II
+maximum likelihood) with priors as wide as loggers and rockets differ.
 """
 
 from dataclasses import dataclass
@@ -22,29 +22,33 @@ SPEED_OF_SOUND = 335.0
 _STUDENT = 4.0
 """Degrees of freedom of the errors of a sample. [1]"""
 STATIC_SD = 0.03
-"""How far the pressure in an airframe is off in slow flight, as a part of the dynamic pressure, and so heights as a
-part of v²/2g. In real logs with an accelerometer beside the barometer it was -0.06 to 0.04. [1]"""
+"""Standard deviation of the airframe's pressure error in subsonic flight, as a fraction of the dynamic pressure, and so
+of the height error as a fraction of v²/2g. In real logs with an accelerometer it was -0.06 to 0.04. [1]
+"""
 _RAM = 0.006
-"""The part of it that changes within a flight, at least. [1]"""
+"""Smallest part of it that changes within a flight. [1]"""
 _CORRELATION_TIME = 0.3
-"""Correlation time of such an error. [s]"""
+"""Correlation time of this error. [s]"""
 _BOOST_TIME = 1.0
-"""How long the dynamic pressure is about its greatest. [s]"""
+"""How long the dynamic pressure stays near its maximum. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
-"""What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
+"""Effect of ejection gas on the pressure in an airframe, as height [m], and its duration [s]."""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
-"""Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe survives more
-[m/s^2]"""
+"""Speed at which a typical parachute decelerates the rocket by one g (by four at twice that) [m/s], and the largest
+deceleration that an airframe survives [m/s^2]."""
 _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
-"""How long a parachute may take to open, and in which part of that it brakes hardest. [s]"""
+"""How long a parachute may take to open [s], and in what fraction of that time it decelerates hardest [1]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Marks:
-    """When a flight changes from one phase to the next [s]: lift-off, None if the log begins later; burnout; when a
-    parachute may first be out; and when a charge was felt, infinite if none was."""
+    """Boundaries of the flight phases [s].
+
+    Lift-off, None if the log begins later; burnout; the earliest time a parachute may be out; and the time a charge was
+    felt, infinite if none was.
+    """
 
     lift: float | None
     burnout: float
@@ -54,12 +58,11 @@ class Marks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m].
+    """Height samples above the pad that count [m], their times [s], their splines, and the noise of one [m].
 
-    The first `own` samples are the heights of the log's main source; those after them are satellite data, heights and
-    speeds by their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights
-    are late by a `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was
-    saturated. [m^2/s^5]
+    The first `own` samples are the heights of the log's main source. The rest are satellite data, heights and speeds by
+    their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights are delayed
+    by `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was saturated [m^2/s^5].
     """
 
     time: Float[Array, "time"]
@@ -79,13 +82,13 @@ class Samples:
         return self.splines.grid
 
     def above(self, guess: Guess) -> Float[Array, "time"]:
-        """What the samples say beyond a guess. [m], [m/s]"""
+        """The samples minus a guess. [m], [m/s]"""
         height, speed = (np.interp(self.time, self.grid.time, one) for one in (guess.height, guess.speed))
         return np.asarray(self.height - np.where(self.order == 1, speed, height))
 
     @property
     def is_own(self) -> Flags:
-        """Which samples are heights that are measured by."""
+        """Which samples are heights of the log's main source."""
         return np.arange(self.time.size) < self.own
 
 
@@ -98,8 +101,10 @@ def samples_on(
     sighted: Sightings | None = None,
     lag: float = 0.0,
 ) -> Samples:
-    """Heights above the pad, prepared for fits on a grid, with an accelerometer that shapes the curve, and with
-    satellite data."""
+    """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
+
+    `height` and `noise` are in m, `time` and `lag` in s.
+    """
     own = time.size
     order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
     if sighted is not None:
@@ -113,8 +118,8 @@ def samples_on(
 
 
 def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
-    """Process noise of the acceleration around what was filled in during saturation: about as much as that was on
-    average, while it lasted. [m^2/s^5]"""
+    """Process noise of the acceleration around the values filled in during saturation: as large as their average, for
+    as long as the saturation lasted. [m^2/s^5]"""
     if push is None or push.full is None or not push.full.any():
         return np.zeros(grid.count)
     reach = max(grid.step, median_step(push.time))
@@ -126,7 +131,7 @@ def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
 
 
 def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
-    """0 on the pad, 1 under thrust, 2 in the coast, 3 once a parachute may be out, 4 while a charge's one opens."""
+    """Phase of each interval: 0 on the pad, 1 thrust, 2 coast, 3 parachute may be out, 4 ejected parachute opening."""
     middle = grid.middles
     thrust = middle < marks.burnout + max(0.15, 2 * grid.step)
     pad = middle < (marks.lift - max(0.05, grid.step) if marks.lift is not None else -np.inf)
@@ -142,14 +147,14 @@ def noise_variance(
 
 
 def _opening(grid: Grid, guess: Guess, charge: float) -> float:
-    """Process noise of the acceleration while a parachute opens that a charge ejected at speed. [m^2/s^5]"""
+    """Process noise of the acceleration while a parachute opens after ejection at speed. [m^2/s^5]"""
     speed = float(np.interp(charge, grid.time, guess.speed))
     return max(_DESCENT_NOISE, min(GRAVITY * (speed / _SINK) ** 2, _MAX_BRAKING) ** 2 / _HARDEST_BRAKING_FRACTION)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedCurve:
-    """Result of a fit: the curve, and the variances and the process noise it was made with."""
+    """Result of a fit: the curve, and the variances and process noise it was fitted with."""
 
     curve: CurvePosterior
     noise: float
@@ -159,15 +164,15 @@ class FittedCurve:
     opening: float
 
     def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
-        """The curve about another guess with the same settings."""
+        """Fit the curve around another guess with the same settings."""
         wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
         return fit(samples.splines, samples.above(guess), 1 / self.variance, wander + samples.hidden)
 
 
 def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
-    """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
+    """The most probable curve through the residuals of the guess, fitted robustly, and the noise of a sample.
 
-    `fused` if an accelerometer gave the guess its shape.
+    `fused` if the guess has the shape of an accelerometer.
     """
     model = _model(samples, guess, fused, marks)
     settings, weight = model.centre, np.ones(samples.time.size)
@@ -192,11 +197,11 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Fitted
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Model:
-    """The errors of samples and the process noise of a curve by four settings.
+    """Sample errors and process noise of a curve as functions of four settings.
 
     The settings are logarithms: of the process noise under thrust and in the coast [m^2/s^5], of the noise of a sample
-    [m], and of the factor by which it grows under thrust [1]. `centre` and `spread` are their prior; `known` are
-    variances of each sample that are present in any case, `opening` the process noise of a parachute's opening.
+    [m], and of the factor by which it grows under thrust [1]. `centre` and `spread` are their prior; `known` are known
+    variances of each sample, `opening` the process noise of an opening parachute.
     """
 
     samples: Samples
@@ -209,22 +214,22 @@ class _Model:
     spread: Float[Array, "four"]
 
     def variance(self, settings: Float[Array, "four"]) -> Float[Array, "time"]:
-        """Of each sample. [m^2]"""
+        """Variance of each sample. [m^2]"""
         noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
         own = np.exp(2 * settings[2]) * noisier + self.known
         return np.where(self.samples.is_own, own, self.samples.variance)
 
     def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
-        """The curve through the rest."""
+        """The curve through the residuals."""
         wander = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
         return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander + self.samples.hidden)
 
     def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
-        """What the curve leaves of the rest. [m]"""
+        """Residuals after the curve. [m]"""
         return self.rest - apply(self.samples.splines.rows, self.curve(settings, weight).mean)
 
     def cost(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> float:
-        """The negative logarithm of how probable the settings are; filtered samples scatter less than they err."""
+        """Negative log posterior of the settings; filtered samples scatter less than their true error."""
         far = (settings - self.centre) / self.spread
         far[2] *= 1.0 if far[2] < 0 else 0.35
         if np.any(np.abs(far) > 6):
@@ -232,13 +237,13 @@ class _Model:
         return float(-self.curve(settings, weight).evidence + 0.5 * (far**2).sum())
 
     def searched(self, start: Array, weight: Float[Array, "time"], tries: int) -> Array:
-        """The most probable settings near some, by Nelder and Mead's simplex."""
+        """The most probable settings near a start, by the Nelder-Mead simplex."""
         simplex = start + np.vstack([np.zeros(4), np.diag([0.7, 1.0, 0.3, 0.5])])
         return nelder_mead(lambda settings: self.cost(settings, weight), simplex, tries)
 
 
 def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
-    """The model of a flight: if an accelerometer gives the shape, the process noise about it is smaller."""
+    """The model of a flight; if an accelerometer gives the shape, the process noise is smaller."""
     phase = phases(samples.grid, marks)
     return _Model(
         samples,
@@ -253,10 +258,11 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
 
 
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
-    """Error of each height from the pressure in a fast airframe, which matters if an accelerometer is more precise. [m]
+    """Error of each height from the pressure in a fast airframe, relevant if an accelerometer is more precise. [m]
 
-    From about Mach 0.8 on, where shocks disturb it, it also matters if there are satellite data; and if these find the
-    pressure off, it is that fraction of the dynamic pressure throughout the flight, the same in all samples of a boost.
+    Above about Mach 0.8, where shocks disturb the pressure, it is also relevant if there are satellite data. If these
+    show a pressure error, it is that fraction of the dynamic pressure throughout the flight, shared by all samples of a
+    boost.
     """
     step = median_step(samples.time[: samples.own])
     lasting = np.sqrt(max(1.0, _CORRELATION_TIME / step)) if fused else 0.15
@@ -268,10 +274,10 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
 
 
 def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
-    """Error of each height after a first-order filter whose delay has been removed. [m]
+    """Error of each height after correction for a first-order filter's delay. [m]
 
-    With a delay d such a filter leaves a d²/2 of an acceleration a, and a delay with a 50 % uncertainty leaves
-    v d/2 of a speed; both are the same for all samples of a boost.
+    A filter with delay d leaves an error of a d²/2 at acceleration a; a 50 % uncertainty of the delay leaves v d/2 at
+    speed v. Both are shared by all samples of a boost.
     """
     if not samples.lag or marks.lift is None:
         return np.zeros(samples.time.size)
@@ -283,5 +289,5 @@ def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
 
 
 def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:
-    """Error of each height by the gas of a charge. [m]"""
+    """Error of each height from the gas of a charge. [m]"""
     return np.where((time >= charge - 0.05) & (time < charge + _GAS_LASTS), _GAS, 0.0)

@@ -1,4 +1,4 @@
-"""What is measured in the samples of a flight: figures, events and forces, each with its uncertainty."""
+"""Measurements from the samples of a flight: figures, events and forces, each with its uncertainty."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A measured value in SI, its standard deviation, and the channel it was made from."""
+    """A measured value in SI units, its standard deviation, and the channel it was derived from."""
 
     value: float
     sd: float
@@ -19,7 +19,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """When something happened, on the log's own clock [s], with its standard deviation, and how it was found."""
+    """Time of an event on the log's own clock [s], its standard deviation, and how it was found."""
 
     time: float
     sd: float
@@ -28,10 +28,10 @@ class Event:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredClimb:
-    """The ascent as the samples have it, smoothed: from lift-off to apogee, on an even clock.
+    """The smoothed ascent from lift-off to apogee at regular time steps.
 
-    `time` [s] is the log's own. Heights are above the pad [m], speeds vertical [m/s], accelerations vertical and net
-    of gravity [m/s^2]; each has its standard deviation. `burning` is true up to top speed.
+    `time` [s] is on the log's clock. Heights are above the pad [m], speeds vertical [m/s], accelerations vertical and
+    net of gravity [m/s^2]; each has its standard deviation. `burning` is true up to top speed.
     """
 
     time: Float[Array, "time"]
@@ -47,13 +47,12 @@ class MeasuredClimb:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forces:
-    """Thrust and drag as they were measured on the way up, per mass of the rocket, on an even clock.
+    """Thrust and drag measured on the way up, per mass of the rocket, at regular time steps.
 
-    `push` is thrust less drag over mass [m/s^2], that is acceleration with gravity taken out: what an axial
-    accelerometer feels. While the rocket coasts it is drag alone, and `drag_area` is Cd·A over mass [m^2/kg], by
-    the density of the standard atmosphere at that height; nan while burning and if the rocket is too slow to say.
-    `window` is how long the push of an axial accelerometer was averaged [s]; None if smoothed heights were made
-    into it.
+    `push` is thrust minus drag, divided by mass [m/s^2]: the acceleration with gravity removed, as an axial
+    accelerometer feels it. While the rocket coasts it is only drag, and `drag_area` is Cd·A over mass [m^2/kg] with the
+    density of the standard atmosphere at that height; nan while burning and when the rocket is too slow. `window` is
+    the averaging time of an axial accelerometer [s]; None if derived from smoothed heights.
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -71,7 +70,7 @@ class Forces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightTrack:
-    """The heights of a whole log as they were measured with, cleaned: above the pad [m], on the log's own clock [s]."""
+    """The cleaned heights of a whole log as used in the measurement: above the pad [m], on the log's clock [s]."""
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
@@ -80,10 +79,11 @@ class HeightTrack:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sightings:
-    """Heights above the pad [m] and vertical speeds [m/s] as satellites have them, on the barometer's clock and scale.
+    """Satellite heights above the pad [m] and vertical speeds [m/s], on the barometer's clock and scale.
 
-    `order` is 0 for a height and 1 for a speed, `variance` that of one sample as if its neighbors erred independently.
-    `static` is the fraction of the dynamic pressure by which the airframe's is too high, according to both. [1]
+    `order` is 0 for a height and 1 for a speed; `variance` is that of one sample, adjusted as if the errors of
+    neighbors were independent. `static` is the fraction of the dynamic pressure by which the airframe's pressure is too
+    high according to both [1].
     """
 
     time: Float[Array, "sample"]
@@ -95,10 +95,10 @@ class Sightings:
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """All that the samples of one flight say.
+    """All measurements from the samples of one flight.
 
-    `events` are named as in `fieldkit.importing.reading.EVENTS`, on the log's own clock; `figures` are the readouts
-    by their names in `Flight`, and `time_to_apogee`. What the samples do not show is not there, and `notes` say why.
+    `events` are named as in `fieldkit.importing.reading.EVENTS`, on the log's clock; `figures` are the readouts by
+    their names in `Flight`, and `time_to_apogee`. What the samples do not show is absent, and `notes` give the reason.
     """
 
     events: Mapping[str, Event] = field(default_factory=dict)
@@ -109,7 +109,7 @@ class Recorded:
     track: HeightTrack | None = None
 
     def height_at(self, time: float) -> float | None:
-        """The height above the pad at a time on the log's clock, by the smoothed ascent if it has that. [m]"""
+        """Height above the pad at a time on the log's clock, from the smoothed ascent if it covers that time. [m]"""
         for path in (self.climb, self.track):
             if path is not None and path.time[0] <= time <= path.time[-1]:
                 return float(np.interp(time, path.time, path.height))

@@ -1,7 +1,7 @@
-"""Small robust statistics that the measuring shares.
+"""Small robust statistics shared by the measurements.
 
-Two of them are in `scipy.signal` and `scipy.stats` as well (a test compares them), whose import takes longer than a log
-is measured in, and a third of the memory.
+Two of them are also in `scipy.signal` and `scipy.stats` (a test compares them). Importing those takes longer than
+measuring a log, and a third of the memory.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 _LONG_FILTER = 500_000
-"""Samples times window from which scipy filters. [1]"""
+"""Samples times window above which scipy's filter is used. [1]"""
 
 
 def mad_sd(values: Float[Array, "_"]) -> float:
@@ -20,7 +20,7 @@ def mad_sd(values: Float[Array, "_"]) -> float:
 def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
     """Running median over an odd number of samples, in their unit; samples are mirrored at the ends.
 
-    A long channel is left to scipy, whose filter is faster and takes longer to import than a short one to filter.
+    Long channels use scipy: its filter is faster, but importing it takes longer than filtering a short channel.
     """
     size = min(size, values.size)
     if values.size * size > _LONG_FILTER:
@@ -33,7 +33,8 @@ def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
 
 
 def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Array, "_"]:
-    """The slope at the center of a parabola through each window of an odd number of even samples, per unit of time.
+    """Slope at the center of a parabola through each window of an odd number of evenly spaced samples, per unit of
+    time.
 
     Half a window is lost at either end (Savitzky and Golay, Analytical Chemistry 36, 1964).
     """
@@ -42,8 +43,8 @@ def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Ar
 
 
 def typical_line(x: Float[Array, "_"], y: Float[Array, "_"]) -> tuple[float, float]:
-    """Slope and intercept of a line that outliers do not bend: the median slope of all pairs (Theil-Sen estimator;
-    Sen, Journal of the American Statistical Association 63, 1968), through the medians."""
+    """Slope and intercept of a line robust to outliers: the median slope of all pairs (Theil-Sen estimator; Sen,
+    Journal of the American Statistical Association 63, 1968), through the medians."""
     first, second = np.triu_indices(x.size, 1)
     apart = x[second] - x[first]
     told = apart != 0
@@ -52,18 +53,18 @@ def typical_line(x: Float[Array, "_"], y: Float[Array, "_"]) -> tuple[float, flo
 
 
 def median_step(time: Float[Array, "_"]) -> float:
-    """The usual time from one sample to the next. [s]"""
+    """Median time between samples. [s]"""
     return float(np.median(np.diff(time)))
 
 
 def hole_at(time: Float[Array, "_"], moment: float) -> float:
-    """How long no sample was taken about a moment: from the last one before it to the first after it. [s]"""
+    """Length of the gap in the samples around a moment: from the last sample before it to the first after it. [s]"""
     after = int(np.clip(np.searchsorted(time, moment, side="right"), 1, time.size - 1))
     return float(time[after] - time[after - 1])
 
 
 def lag_one(values: Float[Array, "_"]) -> float:
-    """Autocorrelation of residuals from one sample to the next, robustly, from 0 to 0.95. [1]"""
+    """Robust lag-1 autocorrelation of residuals, from 0 to 0.95. [1]"""
     if values.size < 8:
         return 0.0
     bound = 3 * max(mad_sd(values), 1e-12)

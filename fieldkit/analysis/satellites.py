@@ -1,9 +1,9 @@
-"""Satellite data of a climb whose heights are a barometer's: their heights and vertical speeds, on the same scale.
+"""Satellite data of a climb with barometric heights: satellite heights and vertical speeds on the same scale.
 
-A receiver's heights are true ones above some level, while an altimeter assumes the standard atmosphere, and both
-have a delay. So a scale, a zero and a delay are fitted between the two where both are trusted, away from the speed of
-sound and from gaps. What remains is the receiver's error, and its correlation time determines how much one of its
-samples counts: little beside a barometer in quiet air, and fully where shocks make that useless.
+A receiver measures true heights above some level, while an altimeter assumes the standard atmosphere, and both have a
+delay. So a scale, a zero and a delay are fitted between the two where both are trusted, away from the speed of sound
+and from gaps. What remains is the receiver's error. Its correlation time determines the weight of one sample: small
+compared with a barometer in quiet air, and full where shocks make the barometer useless.
 """
 
 from collections.abc import Sequence
@@ -23,37 +23,38 @@ from fieldkit.shapes import Array, Flags, Float
 
 SOURCE = CHANNEL_TITLES["gps_altitude_msl"]
 _QUIET = 0.75
-"""Part of the speed of sound up to which a barometer is believed beside satellites. [1]"""
+"""Fraction of the speed of sound up to which a barometer is trusted when satellite data exist. [1]"""
 _MAX_HOLE = 1.5
-"""Nor is it if its samples are further apart. [s]"""
+"""Longest gap between samples in which a barometer is trusted. [s]"""
 _PRIOR = (0.06, 5.0, 0.04)
-"""Standard deviations of a scale, for a day's temperature [1], of a zero [m], and of a pressure in the airframe. [1]"""
+"""Prior standard deviations: of the scale, for a day's temperature [1], of the zero [m], and of the airframe's pressure
+error [1]."""
 _DELAY, _DELAYS = 0.4, np.arange(-0.2, 1.51, 0.05).tolist()
-"""Standard deviation of a receiver's delay, and those that are tried. [s]"""
+"""Standard deviation of a receiver's delay, and the delays to try. [s]"""
 _LEAST_NOISE = 0.5
-"""Of what the two leave. [m]"""
+"""Smallest standard deviation of the residuals. [m]"""
 _MAX_SCALE, _MAX_SD, _MAX_SPEED_SD = 0.18, 30.0, 5.0
-"""Limits beyond which the two are not of one flight: a scale [1], residuals of heights [m] and of speeds [m/s]."""
+"""Limits beyond which the two do not belong to one flight: scale [1], residuals of heights [m] and of speeds [m/s]."""
 _DELAY_SD, _SPEED_SCALE_SD = 0.1, 0.03
-"""How far a delay changes within a flight [s], and the scale of a speed. [1]"""
+"""Variation of a delay within a flight [s], and relative error of the scale of a speed [1]."""
 _UNDER_THRUST = 3.0
-"""How many times further off a receiver is while it is pushed. [1]"""
+"""Factor by which a receiver's error grows under thrust. [1]"""
 _SIGNIFICANT = 2.0
-"""Standard deviations from zero from which an error of the pressure is one. [1]"""
+"""Number of standard deviations from zero at which a pressure error is significant. [1]"""
 _STUDENT_DOF, _ROUNDS = 4.0, 6
 _FAST_COAST, _MIN_FAST = 0.3, 4
-"""The part of a coast in which it is about as fast as at burnout, and the fewest samples needed there. [1]"""
+"""Fraction of a coast in which the speed is close to that at burnout, and the fewest samples needed there. [1]"""
 _FASTEST_COMPARED = 1.5 * SPEED_OF_SOUND
-"""Beyond this, the two are too far from where they were compared. [m/s]"""
+"""Highest speed that is close enough to the speeds at which the two were compared. [m/s]"""
 _SLOPE_REACH = 1.0
-"""Over so long a time to both sides the barometer's speed is taken. [s]"""
+"""Time to both sides over which the barometer's speed is computed. [s]"""
 _PAD_TIME = 30.0
-"""Of the wait on the pad that a receiver's zero is taken from. [s]"""
+"""Time on the pad over which a receiver's zero is computed. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Receiver:
-    """The channels of a receiver: times [s], heights [m] and speeds, nan if it has none [m/s]."""
+    """Channels of a receiver: times [s], heights [m] and speeds [m/s], nan if it has none."""
 
     time: Float[Array, "sample"]
     height: Float[Array, "sample"]
@@ -62,10 +63,12 @@ class _Receiver:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Alike:
-    """How a receiver's heights are made the barometer's: the cost of it, a scale [1] and a zero [m], and the part of
-    the dynamic pressure by which that in the airframe is too high, with its standard deviation [1]; the receiver's
-    times without its delay [s], the barometer's speeds then [m/s], which samples were compared, and what they leave.
-    [m]"""
+    """Alignment of a receiver's heights with the barometer.
+
+    Cost, scale [1] and zero [m]; the fraction of the dynamic pressure by which the airframe's pressure is too high,
+    with its standard deviation [1]; the receiver's times without its delay [s], the barometer's speeds at those times
+    [m/s], which samples were compared, and the residuals [m].
+    """
 
     cost: float
     scale: float
@@ -79,7 +82,7 @@ class _Alike:
 
 
 def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sightings | None:
-    """Satellite data beside heights from another sensor; None if they show nothing or another flight."""
+    """Satellite data that complement heights from another sensor; None if unusable or of another flight."""
     receiver = _receiver(clocks)
     if receiver is None or track.source == SOURCE:
         return None
@@ -112,8 +115,8 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
 
 
 def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, float]:
-    """The part of the dynamic pressure by which that in the airframe is off, 0 if the delay may as well explain what
-    is seen [1], and the standard deviation of the delay. [s]"""
+    """The fraction of the dynamic pressure by which the airframe's pressure is off [1], 0 if the delay could explain
+    the observations, and the standard deviation of the delay [s]."""
     fitted = [(delay, one) for delay, one in zip(_DELAYS, every, strict=True) if np.isfinite(one.cost)]
     costs = np.array([one.cost for _, one in fitted])
     weight = np.exp(-(costs - best.cost) / _apart(best.left) ** 2)
@@ -127,7 +130,7 @@ def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, fl
 
 
 def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
-    """The receiver of a log; None if it has none, or one that was hardly heard."""
+    """The receiver of a log; None if it has none or too few samples."""
     for series in clocks:
         height = series.gps_altitude_msl
         if height is None:
@@ -136,7 +139,7 @@ def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
         there &= np.concatenate(([True], np.diff(series.time) > 0))
         speed = series.gps_speed if series.gps_speed is not None else np.full(height.size, np.nan)
         time, height, speed = series.time[there], height[there], speed[there]
-        fresh = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # not a fix repeated
+        fresh = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # no repeated fix
         if fresh.sum() >= MIN_SAMPLES:
             return _Receiver(time[fresh], height[fresh], speed[fresh])
     return None
@@ -147,7 +150,7 @@ def _begin(seen: Outline) -> float:
 
 
 def _pad(receiver: _Receiver, seen: Outline) -> float:
-    """The receiver's height on the pad, or its first one. [m]"""
+    """The receiver's height on the pad, otherwise its first height. [m]"""
     begin = _begin(seen)
     waits = receiver.height[(receiver.time < begin) & (receiver.time > begin - _PAD_TIME)]
     return float(np.median(waits)) if waits.size else float(receiver.height[0])
@@ -163,7 +166,7 @@ def _barometer(
 
 
 def _is_quiet(track: Heights, seen: Outline, time: Float[Array, "sample"], climbs: Float[Array, "sample"]) -> Flags:
-    """Where a barometer is believed beside satellites: in its log, slow enough, not in a silence nor under thrust."""
+    """Samples at which a barometer is trusted: within its log, slow enough, not in a gap, and not under thrust."""
     place = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
     heard = track.time[place] - track.time[place - 1] < max(_MAX_HOLE, 3 * median_step(track.time))
     inside = (time > track.time[0]) & (time < track.time[-1])
@@ -174,9 +177,9 @@ def _is_quiet(track: Heights, seen: Outline, time: Float[Array, "sample"], climb
 def _tried(
     track: Heights, seen: Outline, time: Float[Array, "sample"], height: Float[Array, "sample"], late: float
 ) -> _Alike:
-    """Scale and zero that make a receiver's heights those of the barometer, robustly, for a delay.
+    """Scale and zero that map a receiver's heights to the barometer's for a given delay, fitted robustly.
 
-    Beside them the pressure in the airframe is off by a part of the dynamic one, which makes heights off by v²/2g.
+    The airframe's pressure error, a fraction of the dynamic pressure that shifts heights by v²/2g, is fitted too.
     """
     calm, climbs = _barometer(track, seen, time)
     quiet = _is_quiet(track, seen, time, climbs)
@@ -198,13 +201,14 @@ def _tried(
 
 
 def _apart(left: Float[Array, "sample"]) -> float:
-    """By how much the standard deviation of a sample grows because its neighbors' errors are correlated. [1]"""
+    """Factor by which the standard deviation of a sample grows because its neighbors' errors are correlated. [1]"""
     correlation = lag_one(left)
     return float(np.sqrt((1 + correlation) / (1 - correlation)))
 
 
 def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:
-    """The variance of the receiver's own vertical speeds; None if it has none, or none of this flight. [m^2/s^2]"""
+    """Variance of the receiver's own vertical speeds; None if it has none or they do not match this flight.
+    [m^2/s^2]"""
     both = found.quiet & np.isfinite(receiver.speed)
     if both.sum() < MIN_SAMPLES:
         return None
@@ -218,11 +222,11 @@ def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) 
 def sighted_speed(
     sighted: Sightings | None, ascent: Ascent, fastest: float, static: float
 ) -> tuple[float, float, float]:
-    """By how much a top speed by pressure is off [m/s], what is left of its error [m/s], and the satellites' part. [1]
+    """Error of a top speed from pressure [m/s], its remaining uncertainty [m/s], and the satellites' weight [1].
 
-    Pressure in a fast airframe is off by an unknown part of v²/2g, which makes the speed of the curve off by about the
-    same through the fast coast: there the slope of what satellites have beyond the curve, and their speeds, say by how
-    much, beside the standard deviation `static` that it has before. [m/s]
+    The airframe's pressure error is an unknown fraction of v²/2g, which shifts the speed of the curve by about the same
+    amount throughout the fast coast. The slope of satellite heights minus the curve, and the satellite speeds,
+    determine that shift there, with `static` as its prior standard deviation [m/s].
     """
     top_speed = float(np.interp(fastest, ascent.time, ascent.speed))
     if sighted is None or static <= 0 or top_speed > _FASTEST_COMPARED:

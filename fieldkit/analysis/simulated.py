@@ -1,7 +1,7 @@
-"""What a simulation states of its own flight: its speeds, its burnout and its events, taken as they are.
+"""Speeds, burnout and events that a simulation states for its own flight, used unchanged.
 
-An altimeter's heights have to be smoothed and its boost guessed at; a simulation says both outright. Its figures have
-no noise: their standard deviation is what falls between two of its rows.
+An altimeter's heights must be smoothed and its boost estimated; a simulation states both directly. Its figures have no
+noise: their standard deviation is the interval between two of its rows.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,13 +17,13 @@ from fieldkit.shapes import Array, Flags, Float
 
 SOURCE = "simulation"
 _MOVING = 0.3
-"""A vertical speed that is no standing on the pad. [m/s]"""
+"""Vertical speed above which the rocket has left the pad. [m/s]"""
 
 
 def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded:
-    """Events and figures of a simulated flight; `stated` are the events that the program wrote. [s]
+    """Events and figures of a simulated flight; `stated` are the events that the program wrote [s].
 
-    If it wrote none, lift-off is when it begins to move, burnout the end of its thrust, or else top speed.
+    If it wrote none, lift-off is the first movement, and burnout the end of the thrust or otherwise the top speed.
     """
     series = next((one for one in clocks if one.altitude is not None), None)
     if series is None or series.altitude is None:
@@ -56,7 +56,8 @@ def _channel(series: Series, name: str, there: Flags) -> Array | None:
 
 
 def _rising(time: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Times of which rows of one moment, as a program writes them about an event, are a hair apart. [s]"""
+    """Strictly increasing times: rows with the same time, as a program writes them around an event, are separated
+    slightly. [s]"""
     return np.asarray(time + 1e-9 * np.arange(time.size))
 
 
@@ -67,7 +68,7 @@ def _first(time: Float[Array, "time"], marked: Flags) -> float:
 def _burnout(
     series: Series, there: Flags, time: Float[Array, "time"], speed: Float[Array, "time"], top: float
 ) -> float:
-    """When the thrust ends, or the climb is fastest. [s]"""
+    """When the thrust ends, otherwise when the climb is fastest. [s]"""
     thrust = _channel(series, "thrust", there)
     if thrust is not None and (burning := np.flatnonzero(thrust > 0)).size:
         return float(time[min(int(burning[-1]) + 1, time.size - 1)])
@@ -75,7 +76,7 @@ def _burnout(
 
 
 def _step(time: Float[Array, "time"], when: float) -> float:
-    """Half of the step between the rows about a moment. [s]"""
+    """Half of the interval between the rows around a moment. [s]"""
     after = int(np.clip(np.searchsorted(time, when), 1, time.size - 1))
     return float(time[after] - time[after - 1]) / 2
 
@@ -87,7 +88,7 @@ def _figures(
     pull: Float[Array, "time"],
     events: Mapping[str, Event],
 ) -> dict[str, Figure]:
-    """The readouts, those alone for which there is an event."""
+    """The readouts for which there is an event."""
     liftoff, burnout, apogee = (events[name] for name in ("liftoff", "burnout", "apogee"))
     climbs, burns = time <= apogee.time, (time >= liftoff.time) & (time <= burnout.time)
     figures = {"apogee": Figure(float(height.max()), 0.0, SOURCE)}
@@ -112,7 +113,7 @@ def _figures(
 
 
 def _between(first: Event, second: Event) -> Figure:
-    """The time from one event to another. [s]"""
+    """Time between two events. [s]"""
     return Figure(second.time - first.time, float(np.hypot(first.sd, second.sd)), SOURCE)
 
 
@@ -123,7 +124,7 @@ def _climb(
     pull: Float[Array, "time"],
     burnout: float,
 ) -> MeasuredClimb | None:
-    """The climb as it was simulated; None for one of too few rows."""
+    """The simulated climb; None if it has too few rows."""
     if time.size < MIN_SAMPLES:
         return None
     none = np.zeros(time.size)

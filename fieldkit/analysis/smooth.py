@@ -1,10 +1,10 @@
 """A curve through noisy heights whose acceleration is a random walk: its posterior, its derivatives, and draws of it.
 
-The height is a cubic spline on even knots. Between knots its acceleration takes a random step of variance
+The height is a cubic spline on evenly spaced knots. Between knots its acceleration takes a random step of variance
 `process_noise` × interval, which is the third-order smoothing spline in its state-space form (Wahba 1978; Kohn and
 Ansley 1987); `process_noise` may change from phase to phase. Observations are heights with normal errors; Student's t
 errors are handled by weights that are updated after each fit (Lange, Little and Taylor 1989). All matrices are banded,
-so a fit costs time in proportion to the number of knots.
+so the cost of a fit is proportional to the number of knots.
 """
 
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 _DEGREE = 3
 _THIRD = (-1, 3, -3, 1)
-"""The third derivative of a spline from its coefficients."""
+"""Coefficients of the third derivative of a spline."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
-    """Even knots over a stretch of time. [s]"""
+    """Evenly spaced knots over a time span. [s]"""
 
     start: float
     step: float
@@ -33,20 +33,20 @@ class Grid:
 
     @property
     def middles(self) -> Float[Array, "interval"]:
-        """The middles of the intervals between knots. [s]"""
+        """Centers of the intervals between knots. [s]"""
         return np.asarray(self.start + self.step * (np.arange(self.count) + 0.5), float)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SplineRows:
-    """Four basis splines that are not zero at each of some times, and the first one's number."""
+    """The four basis splines that are nonzero at each of some times, and the index of the first."""
 
     first: Int[Integers, "time"]
     value: Float[Array, "time four"]
 
 
 def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
-    """The basis splines, or a derivative of them, at times within the grid (those outside go to its ends)."""
+    """The basis splines, or a derivative of them, at times within the grid (times outside are moved to its ends)."""
     place = np.clip((time - grid.start) / grid.step, 0, grid.count * (1 - 1e-12))
     first = np.floor(place).astype(np.int64)
     u = place - first
@@ -59,7 +59,7 @@ def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
 
 
 def apply(rows: SplineRows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
-    """The curve of one or many sets of coefficients at the times of `rows`, in their unit."""
+    """The curve for one or many sets of coefficients at the times of `rows`, in their unit."""
     return np.asarray(sum(rows.value[:, k] * coefficients[..., rows.first + k] for k in range(_DEGREE + 1)))
 
 
@@ -83,9 +83,9 @@ class CurvePosterior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WeightedSums:
-    """Sums of weights times fixed factors, each into a place of its own: a sparse matrix, made once for every fit.
+    """Sums of weights times fixed factors, each at its own index: a sparse matrix built once for all fits.
 
-    Of the factors of shape (term, weight) each is added up at its place, of `size` in all.
+    The factors have shape (term, weight); the result has `size` entries.
     """
 
     places: Int[Integers, "term weight"]
@@ -99,10 +99,10 @@ class WeightedSums:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SplineDesign:
-    """The samples' splines, and the sums that make normal equations of weights.
+    """The splines of the samples, and the sums that turn weights into normal equations.
 
-    `sums` adds up what samples say of each coefficient, `products` what they say of each pair of neighbors in band
-    form, `jumps` what intervals say of the third derivative.
+    `sums` adds up the samples' contribution to each coefficient, `products` their contribution to each pair of
+    neighbors in band form, and `jumps` the intervals' contribution to the third derivative.
     """
 
     grid: Grid
@@ -113,8 +113,10 @@ class SplineDesign:
 
 
 def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] | None = None) -> SplineDesign:
-    """What fits on a grid need to know of the times of their samples, and of which `order` each is: 0 for a height,
-    1 for a speed; None for heights alone."""
+    """Prepare fits on a grid from the sample times and the `order` of each sample: 0 for a height, 1 for a speed.
+
+    `order` None means that all are heights.
+    """
     rows = basis(grid, time)
     if order is not None and order.any():
         rows = SplineRows(rows.first, np.where(order[:, None] == 1, basis(grid, time, 1).value, rows.value))
@@ -142,16 +144,16 @@ def fit(
     precision: Float[Array, "time"],
     process_noise: Float[Array, "interval"],
 ) -> CurvePosterior:
-    """The posterior of the curve. Raises LinAlgError if samples are so wild that there is none.
+    """The posterior of the curve. Raises LinAlgError if the samples are too noisy for one to exist.
 
-    `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `process_noise` the
-    variance that acceleration gains in a second, for each interval [m^2/s^5].
+    `precision` is one over the variance of each height [1/m^2], zero for a sample that does not count; `process_noise`
+    is the variance that acceleration gains per second in each interval [m^2/s^5].
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 
     weight = 1 / (process_noise * samples.grid.step**5)
     band = (samples.products.of(precision) + samples.jumps.of(weight)).reshape(_DEGREE + 1, -1)
-    band[0] += 1e-9  # of a curve that no sample ties down
+    band[0] += 1e-9  # for parts of the curve without samples
     right = samples.sums.of(precision * height)
     factor, wrong = dpbtrf(band, lower=1)
     if wrong or not np.isfinite(factor[0]).all():

@@ -1,8 +1,8 @@
-"""An apogee that no sample saw: a radio lost its rocket, or a logger its power, about the top.
+"""An apogee that no sample recorded: a radio lost its rocket, or a logger its power, around the top.
 
-The last samples before the silence say how high and how fast the rocket was. From there it coasted: without drag it
-would have risen by v²/2g more, with the drag that slowed it then by less, and if a charge went early by less still.
-So the apogee lies between the highest sample and that bound.
+The last samples before the gap give the rocket's height and speed. From there it coasted: without drag it would have
+risen by another v²/2g, with the drag at that time by less, and with an early ejection by less still. So the apogee lies
+between the highest sample and that bound.
 """
 
 import numpy as np
@@ -14,19 +14,19 @@ from fieldkit.analysis.records import Event, Figure
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
 _SILENT, _STEPS = 2.0, 5.0
-"""No sample for so long [s], and for so many of their usual steps [1], about its top is a silence."""
+"""Shortest time without a sample [s], and number of typical sample intervals [1], that form a gap around the top."""
 _MAX_TIME_FROM_SILENCE = 1.0
-"""The highest of smoothed samples is so near to a silence that has the top. [s]"""
+"""Largest time between the highest smoothed sample and the gap for the gap to contain the top. [s]"""
 _RISING = 3.0
-"""A rocket that was slower when the silence began was at its top. [m/s]"""
+"""If the rocket was slower than this when the gap began, it was already at apogee. [m/s]"""
 _DRAG = 0.35
-"""How far the time of such a coast is off, to itself. [1]"""
+"""Relative error of the duration of this coast. [1]"""
 _DRAG_WINDOW = 1.0
-"""So long before it the drag is looked at. [s]"""
+"""Length of the window before the gap in which the drag is measured. [s]"""
 
 
 def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
-    """From when to when no height was taken about the top of a climb, None if it was seen. [s]"""
+    """Start and end of a gap in the heights around the top of a climb; None if the top was recorded. [s]"""
     steps = np.diff(track.time)
     after = np.flatnonzero(track.time[:-1] > seen.fastest)
     if not after.size:
@@ -46,10 +46,9 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
 def unseen_apogee(
     track: Heights, seen: Outline, ascent: Ascent, hole: tuple[float, float]
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
-    """Apogee in a silence, and the heights that it lies between [m]; None if the rocket was at its top before.
+    """Apogee in a gap, and the heights that it lies between [m]; None if the rocket had reached its top before.
 
-    The figure is the coast with the drag that slowed the rocket last; its standard deviation spans from there to
-    either bound.
+    The figure assumes a coast with the last measured drag; its standard deviation covers both bounds.
     """
     begin, end = hole
     before = (ascent.time > begin - _DRAG_WINDOW) & (ascent.time <= begin)

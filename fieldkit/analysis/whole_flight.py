@@ -1,4 +1,4 @@
-"""A flight from lift-off to landing as it is drawn: height, speed and acceleration over time, smoothed."""
+"""A flight from lift-off to landing for plots: smoothed height, speed and acceleration over time."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from fieldkit.analysis.robust_statistics import local_slopes, median_step, runni
 from fieldkit.shapes import Array, Float
 
 _MARGIN = 1.0
-"""What is drawn before lift-off and after landing. [s]"""
+"""Time plotted before lift-off and after landing. [s]"""
 _POINTS = 200
-"""Of the climb, and of what comes after it. [1]"""
+"""Number of points of the climb, and of the rest of the flight. [1]"""
 _WINDOW, _LEAST_STEP = 1.5, 0.05
-"""Over so long a time a slope of the heights is taken, on a clock of such steps at least. [s]"""
+"""Window over which the slope of the heights is computed, and the smallest time step. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightCurve:
     """Heights above the pad [m], vertical speeds [m/s] and net accelerations [m/s^2], and the events by name [s].
 
-    Times count from lift-off, or from the beginning of the log if `from_liftoff` is False. [s]
+    Times are relative to lift-off, or to the beginning of the log if `from_liftoff` is False. [s]
     """
 
     time: Float[Array, "time"]
@@ -41,7 +41,7 @@ class FlightCurve:
 def flight_curve(recorded: Recorded) -> FlightCurve | None:
     """The whole flight in a log; None if it has no heights.
 
-    The climb is as it was fitted; what comes after it, slopes of the heights.
+    The climb is the fitted one; the rest uses the slopes of the heights.
     """
     track, climb = recorded.track, recorded.climb
     if track is None or track.time.size < 3:
@@ -65,7 +65,7 @@ def flight_curve(recorded: Recorded) -> FlightCurve | None:
 
 
 def _by_heights(track: HeightTrack, time: Float[Array, "time"]) -> list[Array]:
-    """Height, speed and acceleration at some times, of the heights alone. [m], [m/s], [m/s^2]"""
+    """Height, speed and acceleration at given times from the heights only. [m], [m/s], [m/s^2]"""
     step = max(_LEAST_STEP, median_step(track.time))
     even = np.arange(track.time[0], track.time[-1] + step, step)
     height = np.interp(even, track.time, running_median(track.height, 3))
@@ -75,7 +75,7 @@ def _by_heights(track: HeightTrack, time: Float[Array, "time"]) -> list[Array]:
 
 
 def _slope(values: Float[Array, "even"], width: int, step: float) -> Float[Array, "even"]:
-    """The slope of values on an even clock, as long as they are."""
+    """Slope of evenly spaced values, with the same length as the values."""
     if values.size < width:
         return np.zeros(values.size)
     found = local_slopes(values, width, step)

@@ -1,8 +1,7 @@
 """From the bytes of a log or a table to flights.
 
-A parser recognizes a log and reads it into `Reading`s: what the log states, nothing
-derived. What is the same for every logger is done once, here: bounds, motor names, identities, duplicate
-flights, rockets that are described in another file.
+A parser recognizes a log and reads it into `Reading`s, which contain only what the log states. Steps common to all
+loggers are here: limits, motor names, IDs, duplicate flights, and rockets described in another file.
 """
 
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Intake, Mapped, Note, Parser, Reading, Rejected

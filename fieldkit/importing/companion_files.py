@@ -1,4 +1,4 @@
-"""Several files of one flight by one logger, merged into one reading."""
+"""Merge several files that one logger wrote of one flight into one reading."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,17 +9,17 @@ from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.reading import Found, Note, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
-"""Difference of lift-off times within which files of one logger are of the same flight. [s]"""
+"""Largest difference of lift-off times between files of one logger for the same flight. [s]"""
 KINDS = "log_kinds"
-"""The extra column of a flight that names the kinds of file it was read from, if its logger writes several."""
+"""The extra column of a flight that lists the kinds of files it was read from, if its logger writes several."""
 Opened = tuple[str, str, Sequence[Found]]
-"""An opened file: its name, its parser, and what that found."""
+"""An opened file: its name, its parser, and what the parser found."""
 
 
 def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
-    """Files in which the parts of each flight are one reading; the files of the other parts say where it is.
+    """Files in which the parts of each flight are merged into one reading; the other parts' files refer to it.
 
-    The one reading names the digests of the other files. A part that has no other says that it may have.
+    The merged reading lists the digests of the other files. A part without any other notes that more may exist.
     """
     places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
     groups: list[list[tuple[int, Reading]]] = []
@@ -44,7 +44,7 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
 
 
 def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) -> list[list[tuple[int, Reading]]]:
-    """Files of several formats in one folder that hold the same flight, by its number and its logger's."""
+    """Files of several formats in one folder with the same flight, by flight number and logger serial number."""
     groups: dict[tuple[Path, str, str], list[tuple[int, Reading]]] = {}
     for i, item in places:
         if item.serial and item.clocks and not item.part and (number := item.extra.get("flight")):
@@ -56,7 +56,7 @@ _PART = "is the {} file of a flight by {}; import its other files with it or aft
 
 
 def _worth(part: Reading) -> int:
-    """The part that names a flight: one with heights, else one with samples, else any."""
+    """Rank of a part as the main one, which names the flight: one with heights, else one with samples, else any."""
     return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
 
 
@@ -65,7 +65,7 @@ def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, 
 
 
 def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
-    """Whether two readings of files in one folder can be of one flight."""
+    """Whether two readings of files in one folder may belong to one flight."""
     one, two = place[1], other[1]
     if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
         return False
@@ -85,7 +85,7 @@ def same_moment(first: object, second: object) -> bool:
 
 
 def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
-    """One reading of several parts; if they differ, the first one counts."""
+    """Merge several parts into one reading; if they differ, the first one wins."""
     parts = [*reversed(others), main]
     return replace(
         main,

@@ -1,4 +1,4 @@
-"""Readings with samples: the readouts are measured, and the flight is named after its bytes."""
+"""Readings with samples: measure the readouts, and name the flight after its bytes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,7 +11,7 @@ from fieldkit.importing.reading import Found, Note, Reading
 
 
 def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
-    """What was found in a log, with the readouts of flights measured in their samples."""
+    """What was found in a log, with the readouts of each flight measured from its samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     told: list[Found] = []
     for item in found:
@@ -27,17 +27,17 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
 
 
 def _simulated(reading: Reading) -> Reading:
-    """A simulation with its own values: only shown, never stored."""
+    """A simulation with the values it states; it is displayed but never stored."""
     from fieldkit.analysis import simulated
 
     return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
-    """A reading with samples as one whose readouts are measured in them, and what is to be said of that.
+    """A reading with samples, its readouts measured from them, and the notes about that.
 
-    Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
-    the extra columns say which parser reads the log again, and which of its flights this is.
+    The flight is named after the bytes of its log, so that measuring it differently does not create another flight. The
+    extra columns name the parser that reads the log again, and which of its flights this is.
     """
     from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
     from fieldkit.analysis.channels import MIN_SAMPLES
@@ -60,12 +60,12 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
 
 
 def _states_figures(reading: Reading) -> bool:
-    """Whether a log states readouts itself, beside its samples."""
+    """Whether a log states readouts itself in addition to its samples."""
     return any(isinstance(reading.stated.get(column.name), float) for column in READOUTS)
 
 
 def _stated(reading: Reading, format: str) -> Reading:
-    """A summary of a flight whose samples are in other files; its values are marked as the device's own."""
+    """A summary of a flight whose samples are in other files; its values are marked as coming from the device."""
     figures = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
     source = {c.name: "stated" for c in READOUTS if c.stated_header in figures}
     extra = {**reading.extra, **figures, **_origin(reading, format)}

@@ -1,4 +1,4 @@
-"""A flight to be imported, with the bytes it was read from."""
+"""A flight to be imported, together with the bytes it was read from."""
 
 import hashlib
 import io
@@ -27,7 +27,7 @@ class Original:
 
 
 def _packed(content: bytes) -> bytes:
-    """The bytes compressed piece by piece: at once, zlib would hold the output of a long log twice."""
+    """Compress the bytes in pieces, because a single call would hold the output of a long log twice."""
     packer, packed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
     for start in range(0, len(content), _PIECE):
         packed.write(packer.compress(view[start : start + _PIECE]))
@@ -42,11 +42,11 @@ def digest_of(content: bytes) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A flight on its way in, with the original bytes it was read from, and their file and row.
+    """A flight being imported, with the original bytes it was read from, and their file and row.
 
-    `given` is what the flyer says of it beside these bytes, by field, or None if that is not known: the rest may
-    be read or measured otherwise on another day and does not make it another flight. `others` are further files that
-    its logger wrote of it.
+    `given` contains the fields that the flyer entered in addition to these bytes, or None if unknown. The remaining
+    fields may be read or measured differently later without making it another flight. `others` are further files that
+    its logger wrote for the flight.
     """
 
     flight: Flight
@@ -58,4 +58,4 @@ class Arrival:
 
 
 OTHER_LOGS = "other_logs"
-"""The extra column of a flight that holds the digests of `Arrival.others`, space-separated."""
+"""The extra column of a flight with the digests of `Arrival.others`, space-separated."""

@@ -1,7 +1,7 @@
-"""Similarity of the beginning of a file to a format, by the signs of the format.
+"""Similarity of the beginning of a file to a format, measured by the signs of the format.
 
-A sign is the name of a column, a label or a phrase, in any case and spacing; `|` separates spellings of one. A sign of
-fewer than five characters must be a whole cell or word, or it would be found in any text.
+A sign is a column name, a label or a phrase, ignoring case and spacing; `|` separates alternative spellings. A sign of
+fewer than five characters must be a whole cell or word, because it would otherwise match in any text.
 """
 
 import re
@@ -18,7 +18,7 @@ _MAX_WHOLE_WORD = 5
 _LOOKED_AT = 16_384
 """Size of the beginning that is searched for signs. [character]"""
 _SCORE_WITHOUT_SIGNS = 0.5
-"""The score of a parser that recognizes a log and names no signs. [1]"""
+"""The score of a parser that recognizes a log but defines no signs. [1]"""
 _MAX_NEAR_FORMATS, _MIN_SIGN_FRACTION = 3, 0.25
 """Number of similar formats that are reported, and the fraction of its signs that each must have. [1]"""
 
@@ -71,16 +71,16 @@ def _pattern(sign: str) -> re.Pattern[str]:
 
 
 def score(parser: Parser, log: bytes) -> tuple[float, int]:
-    """How surely a parser that recognizes a log is the right one: the part of its signs that are there, and how many.
+    """The score of a parser that recognizes a log: the fraction of its signs that are present, and their number.
 
-    The part counts from 0.5, for a parser that names no signs has recognized the log all the same. [1]
+    The score starts at 0.5, because a parser without signs has also recognized the log. [1]
     """
     like = likeness(parser, log)
     return _SCORE_WITHOUT_SIGNS + (1 - _SCORE_WITHOUT_SIGNS) * like.part, len(like.found)
 
 
 def nearest(parsers: Mapping[str, Parser], log: bytes) -> list[tuple[str, Likeness]]:
-    """The parsers with the most signs in a file, best first; none if there are hardly any."""
+    """The parsers with the most signs in a file, best first; empty if hardly any match."""
     likes = [(name, likeness(parser, log)) for name, parser in parsers.items() if parser.signs]
     likes = [(name, like) for name, like in likes if like.part >= _MIN_SIGN_FRACTION]
     return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_MAX_NEAR_FORMATS]

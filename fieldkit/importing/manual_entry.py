@@ -1,7 +1,7 @@
-"""Entering a flight: the questions, how answers are read, and which are implausible.
+"""Entering a flight: the questions, how answers are parsed, and which are implausible.
 
-Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` and a form on a screen accept and refuse
-the same.
+Independent of the user interface, so that the prompts of `fieldkit add`, `fieldkit edit column=value` and a form on a
+screen accept and reject the same input.
 """
 
 from collections.abc import Mapping
@@ -30,12 +30,12 @@ from fieldkit.flight.readout import beside
 from fieldkit.quantities import significant
 
 NOT_RECORDED = "-"
-"""Typed for "not recorded" if an empty answer would accept the offered value."""
+"""Typed for "not recorded" when an empty answer would accept the default."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One question about a flight; `offered` means that the last flight's answer is the default."""
+    """One question about a flight; `offered` means that the default is the last flight's answer."""
 
     name: str
     title: str
@@ -44,7 +44,7 @@ class Question:
 
     @property
     def column(self) -> Column | None:
-        """The column of a number, None for text."""
+        """The column of a number; None for text."""
         return BY_NAME.get(self.name)
 
 
@@ -66,13 +66,13 @@ QUESTIONS = (
     _asked("temperature", offered=True),
     Question("notes", "Notes", "Free text."),
 )
-"""The questions about a flight, the readouts in the order in which the altimeter shows them."""
+"""The questions about a flight, with readouts in the order in which the altimeter displays them."""
 
 
 def field_of(name: str) -> tuple[str, str]:
-    """The field of `Flight` that a column's name means, and the unit it names: `apogee_ft`, `apogee`.
+    """The field of `Flight` and the unit that a column name stands for: `apogee_ft` gives `apogee` and `ft`.
 
-    Raises BadValue that suggests near names.
+    Raises BadValue with suggestions of similar names.
     """
     plain = name.strip().lower().replace("-", "_")
     if plain in TEXT_COLUMNS:
@@ -88,7 +88,7 @@ def field_of(name: str) -> tuple[str, str]:
 
 
 def read_answer(name: str, text: str, unit: str = "") -> object:
-    """The value of a field as typed; an empty text is "not recorded". Raises BadValue. [SI]"""
+    """Parse the typed value of a field; an empty text means "not recorded". Raises BadValue. [SI]"""
     text = text.strip()
     if name in BY_NAME:
         return _number(BY_NAME[name], text, unit)
@@ -98,15 +98,15 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
 
 
 def _day_in_words(text: str) -> str:
-    """`today` as the current time, `yesterday` as its date, any other text unchanged."""
+    """Replace `today` by the current time and `yesterday` by its date; return any other text unchanged."""
     now = datetime.now()
     words = {"today": now.isoformat(timespec="minutes"), "yesterday": f"{now.date() - timedelta(days=1)}"}
     return words.get(text.casefold(), text)
 
 
 def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:
-    """Fields and values of `column=value` changes to a flight; what stands beside its readouts and its extra columns
-    may be changed as well.
+    """Fields and values of `column=value` changes to a flight. Standard deviations and sources of readouts and extra
+    columns may be changed as well.
 
     Raises BadValue that names the column.
     """
@@ -150,8 +150,11 @@ def answer_text(flight: Flight, name: str) -> str:
 def implausible_answers(
     flight: Flight, name: str, usual: Mapping[str, float] | None = None, system: str = "SI"
 ) -> list[str]:
-    """What is implausible about one answer, one phrase each: by itself, with the other answers, and compared with the
-    `usual` readouts, which are `plausibility.middles`; in the units of a system."""
+    """Warnings about one implausible answer, one phrase each.
+
+    The answer is checked by itself, against the other answers, and against the `usual` readouts, which are
+    `plausibility.middles`. The phrases use the units of `system`.
+    """
     figure = partial(significant, system=system)
     every = doubts(flight, usual or {}, figure)
     without = doubts(flight.with_changes(**{name: None}), usual or {}, figure) if name in BY_NAME else every

@@ -1,4 +1,4 @@
-"""Reading logs: into flights, into recordings, or into plans."""
+"""Read logs into flights, recordings or plans."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -30,21 +30,21 @@ def read_together(
     format: str | None = None,
     choices: Sequence[ColumnChoice] = (),
 ) -> list[Intake]:
-    """The flights of several logs, given as (name, bytes), an Intake each, in order.
+    """The flights of several logs, given as (name, bytes): one Intake per log, in order.
 
-    A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
-    wrote of one flight bring one flight, in the first of them that holds heights. `choices` say which columns of a
-    table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
-    before anything is taken from any. The bytes of a file are let go before its flights are measured.
+    A list of rockets among them supplies names and masses for the rockets of the others. Several files in one folder
+    that a logger wrote for one flight produce one flight, in the first of the files with heights. `choices` map the
+    columns of a table, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
+    before any file is imported. The bytes of a file are released before its flights are measured.
     """
     return intakes([open_file(source, log, format, choices) for source, log in files], check_motor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenedFile:
-    """A file as its parser read it, by its name and the digest of its bytes.
+    """A file read by its parser, with its name and the digest of its bytes.
 
-    `measured` is what was found, with figures of its samples; None if files read together may change it.
+    `measured` is what was found, with figures from its samples; None if files read together may change it.
     """
 
     source: str
@@ -54,7 +54,7 @@ class OpenedFile:
 
 
 def open_file(source: str, log: bytes, format: str | None = None, choices: Sequence[ColumnChoice] = ()) -> OpenedFile:
-    """A log opened, and measured if it stands alone. Raises UnknownFormat or DamagedLog."""
+    """Open a log, and measure it if no other file can complete it. Raises UnknownFormat or DamagedLog."""
     parsed, digest = open_log(log, source, format, choices), digest_of(log)
     del log
     ((_, name, found),) = joined([(source, parsed.format, parsed.found)], [digest])
@@ -63,16 +63,16 @@ def open_file(source: str, log: bytes, format: str | None = None, choices: Seque
 
 
 def _is_numbered(reading: Reading) -> bool:
-    """Whether a logger numbered a flight, so that a file of another kind may be of the same flight."""
+    """Whether a logger numbered a flight, so that a file of another kind may belong to the same flight."""
     return bool(reading.serial and reading.extra.get("flight"))
 
 
 def read_stored(
     logs: Sequence[bytes], source: str, format: str | None, choices: Sequence[ColumnChoice] = ()
 ) -> list[Flight]:
-    """The flights of files that were taken in before, of one flight or more; `format` reads the first of them.
+    """The flights of one or more files that were imported before; `format` is the format of the first file.
 
-    Raises UnknownFormat or DamagedLog for a file that cannot be used at all any more.
+    Raises UnknownFormat or DamagedLog for a file that can no longer be used.
     """
     formats = [format, *(None for _ in logs[1:])]
     read = [open_file(source, log, form, choices) for log, form in zip(logs, formats, strict=True)]
@@ -80,7 +80,7 @@ def read_stored(
 
 
 def intakes(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[Intake]:
-    """The contents of opened files, with those of one flight merged."""
+    """The contents of opened files, with files of the same flight merged."""
     digests = [one.digest for one in read]
     files = [(one.source, one.parsed.format, one.parsed.found) for one in read]
     measured = [
@@ -102,10 +102,10 @@ def read_recordings(
     choices: Sequence[ColumnChoice] = (),
     others: Sequence[bytes] = (),
 ) -> list[Reading]:
-    """The readings of a log that hold samples, flights and simulations, as they were recorded.
+    """The readings of a log with samples, both flights and simulations, as recorded.
 
-    `others` are further files that its logger wrote of the same flights. Raises UnknownFormat or DamagedLog, also
-    if the log has no samples.
+    `others` are further files that its logger wrote for the same flights. Raises UnknownFormat or DamagedLog, also if
+    the log has no samples.
     """
     logs = [open_log(log, source, format, choices), *(open_log(other, source, None, choices) for other in others)]
     opened = [(source, one.format, one.found) for one in logs]
@@ -117,10 +117,10 @@ def read_recordings(
 
 
 def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
-    """The planned flights of a table, one a row and in order; readouts in it are left out.
+    """The planned flights of a table, one per row, in order; readouts in it are ignored.
 
-    A plan without a `flight_id` is named after its row, `row-2`. Raises DamagedLog for the first bad
-    row, because a forecast that skips a plan would be taken for another's.
+    A plan without a `flight_id` is named after its row, such as `row-2`. Raises DamagedLog for the first bad row,
+    because skipping a plan would assign forecasts to the wrong plans.
     """
     plans = []
     for item in open_log(table, source, format).found:

@@ -1,4 +1,4 @@
-"""Records of reading: what a parser returns, and the result for a file."""
+"""Records for reading logs: what a parser returns, and the result for a file."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,22 +12,21 @@ if TYPE_CHECKING:
     from fieldkit.importing.tables.columns_read import ColumnRead
 
 HEAD = 65_536
-"""Size of the beginning of a log by which parsers recognize it. [bytes]"""
+"""Size of the beginning of a log that parsers use to recognize it. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
     """One flight as a log states it, or one rocket of a list of rockets.
 
-    `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
-    this log has for them (for messages). `rocket_key` is the log's own name of the rocket, by which a list of
-    rockets read together with it adds what it knows. `series` holds the samples if there are any, a `Series`
-    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words if there is one,
-    to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
-    with a flight and is never taken into the ledger. `part` is the kind of file, if a logger writes several
-    for one flight; their clocks then share one zero, and those read together become one reading. `liftoff_mass` is
-    that of the rocket with its motor [kg], if no dry mass is stated. `recorded` is what was measured in the samples,
-    once that is done.
+    `stated` maps fields of `Flight` to SI values or text, and `columns` maps the same fields to the log's names for
+    them (for messages). `rocket_key` is the log's own name of the rocket, which links it to a list of rockets read
+    together with it. `series` contains the samples if there are any, a `Series` for each clock of the log. `events`
+    maps what the logger itself marked, named as in `EVENTS` if possible, to seconds on the first of these clocks. A
+    simulation can be compared with a flight and is never stored in the ledger. `part` is the kind of file, if a logger
+    writes several for one flight; their clocks then share one zero, and those read together become one reading.
+    `liftoff_mass` is the mass of the rocket with its motor [kg], if no dry mass is stated. `recorded` is what was
+    measured from the samples, once that is done.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -57,7 +56,7 @@ EVENTS = ("liftoff", "burnout", "apogee", "ejection", "drogue", "main", "landing
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """A remark for the user about a log, which does not prevent its import."""
+    """A note for the user about a log that does not prevent its import."""
 
     text: str
     row: int | None = None
@@ -65,7 +64,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class ColumnChoice:
-    """Channel to column, as the user wrote them, and the headers it is for; without headers, for any table."""
+    """Channel to column, as the user wrote them, and the headers they apply to; without headers, any table."""
 
     channels: Mapping[str, str]
     headers: tuple[str, ...] = ()
@@ -73,27 +72,27 @@ class ColumnChoice:
 
 @dataclass(frozen=True, slots=True)
 class Mapped(Note):
-    """Which columns of a table are read as what: for the flyer to see, and to be remembered if it was chosen."""
+    """How the columns of a table were interpreted: displayed to the flyer, and remembered if the flyer chose it."""
 
     choice: ColumnChoice = ColumnChoice({})
     chosen: bool = False
 
 
 Found = Reading | DamagedLog | Note
-"""The result of a parser: readings, damaged rows (only those are lost), notes."""
+"""The result of a parser: readings, damaged rows (only those rows are lost), and notes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parser:
     """One logger or table format.
 
-    `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
-    log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
-    about a log that no other parser recognizes, so it never takes one from a parser that knows better.
-    `mapped` is `read` with the flyer's choice of columns, best choice first, if a format needs that. `signs` are
-    what the beginning of such a file holds, spellings of one separated by `|`: if several parsers recognize a log, the
-    one whose signs are present is asked first, and the error for an unknown file names the missing ones. `simulates`
-    says that its files are simulations, `maps` what the columns of its `mapped` describe.
+    `recognises` receives the first `HEAD` bytes; raising DamagedLog there means no. `read` receives the whole log, and
+    raises DamagedLog when none of it can be used. A `fallback` is not specific to a logger: it is tried only for a log
+    that no other parser recognizes. `mapped` is `read` with the flyer's choices of columns, best first, for formats
+    that need one. `signs` are texts that the beginning of such a file contains, with alternative spellings separated by
+    `|`. If several parsers recognize a log, the one whose signs are present is tried first, and the error for an
+    unknown file names the missing ones. `simulates` means that its files are simulations; `maps` is what the columns of
+    `mapped` describe.
     """
 
     title: str
@@ -118,7 +117,8 @@ class Rejected:
 
 @dataclass(frozen=True, slots=True)
 class Recognition:
-    """How a file was read: by which parser and why, the columns it took, rows used and rows dropped as damaged."""
+    """How a file was read: the parser and why it was chosen, the columns used, rows used and rows dropped as
+    damaged."""
 
     title: str = ""
     why: str = ""
@@ -129,9 +129,9 @@ class Recognition:
 
 @dataclass(frozen=True, slots=True)
 class Intake:
-    """What one file brought: flights and the rows they are from, rows that are none, what one should know.
+    """The result of one file: flights and their rows, rejected rows, and notes.
 
-    `recorded` is what was measured in the samples of each flight, None for one that has none.
+    `recorded` contains the measurements from the samples of each flight, None for a flight without samples.
     """
 
     source: str

@@ -1,4 +1,4 @@
-"""Which parser reads a log: the one that recognizes it, or the one that the user chose."""
+"""Select the parser for a log: the one that recognizes it, or the one that the user chose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,11 +16,11 @@ from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
 
 MOST_LACKING = 4
-"""Number of signs of a format that are named. [1]"""
+"""Largest number of missing signs of a format that a message lists. [1]"""
 
 
 def parsers() -> Mapping[str, Parser]:
-    """Every parser in the plug-in folders, by the name that `--format` takes."""
+    """All parsers in the plug-in folders by name, as `--format` accepts it."""
     found = plugins("parsers", "PARSER")
     for name, parser in found.items():
         if not isinstance(parser, Parser):
@@ -29,15 +29,15 @@ def parsers() -> Mapping[str, Parser]:
 
 
 def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:
-    """The parser that recognizes a log most surely, or the one that `format` names.
+    """The parser that recognizes a log with the highest score, or the one that `format` names.
 
-    Raises UnknownFormat that names the nearest formats, or the parsers that claim the log equally.
+    Raises UnknownFormat that names the most similar formats, or the parsers with equal scores.
     """
     return parsers()[_candidates(log, format, source)[0]]
 
 
 def claims(log: bytes) -> list[str]:
-    """The names of the parsers that recognize a log, most certain first; fallbacks only if no other does."""
+    """Names of the parsers that recognize a log, highest score first; fallbacks only if no other does."""
     shelf = parsers()
     for fallback in (False, True):
         claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
@@ -47,7 +47,7 @@ def claims(log: bytes) -> list[str]:
 
 
 def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
-    """The parsers to try, by name, most certain first; if the user maps the columns, one that accepts a mapping."""
+    """Names of the parsers to try, highest score first; if the user maps the columns, one that accepts a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     shelf = parsers()
@@ -76,7 +76,7 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
 
 
 def _near(log: bytes) -> str:
-    """The most similar formats of a file, and what it lacks for each."""
+    """The formats most similar to a file, and what the file lacks for each."""
     shelf = parsers()
     near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
     shown_damage = "; ".join(near)
@@ -90,7 +90,7 @@ def _lacks(like: Likeness) -> str:
 
 
 def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
-    """The user's mapping for such a table, of samples or of flights."""
+    """The user's mapping for such a table of samples or of flights."""
     from fieldkit.importing.tables.layout import layout_of
 
     found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
@@ -109,7 +109,7 @@ def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
 
 
 def _hint(log: bytes) -> str:
-    """What to do about a log that no parser recognizes, if known."""
+    """Advice about a log that no parser recognizes, if there is any."""
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive; unpack it first"
     start = log[:HEAD]
@@ -128,7 +128,7 @@ def _claims(parser: Parser, head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class ParsedLog:
-    """A log as read by one parser, named: what it found, why that parser, and the columns used."""
+    """A log as read by one parser, with its name: what it found, why it was chosen, and the columns used."""
 
     format: str
     found: Sequence[Found]
@@ -136,10 +136,10 @@ class ParsedLog:
 
 
 def open_log(log: bytes, source: str, format: str | None, choices: Sequence[ColumnChoice] = ()) -> ParsedLog:
-    """A log as the parser reads it that recognizes it most surely and finds a flight in it.
+    """Read a log with the highest-scoring parser that finds a flight in it.
 
-    If none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
-    of that one.
+    If none finds a flight, the result is that of the highest-scoring parser. Raises UnknownFormat, or that parser's
+    DamagedLog.
     """
     log = table_of(log, source)
     names = _candidates(log, format, source, choices)
@@ -150,7 +150,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
         except DamagedLog as error:
             tried.append(error)
             if parsers()[name].simulates:
-                break  # what another parser took for a flight was never flown
+                break  # whatever another parser finds in this was never flown
             continue
         if len(names) == 1 or holds_flight(opened.found):
             return _instead(opened, names[: len(tried)], tried)
@@ -162,7 +162,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
 
 
 def table_of(log: bytes, source: str) -> bytes:
-    """A log as it is, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
+    """A log unchanged, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
     if not is_spreadsheet(log):
         return log
     try:
@@ -172,7 +172,7 @@ def table_of(log: bytes, source: str) -> bytes:
 
 
 def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnChoice]) -> ParsedLog:
-    """A log as one parser reads it. Raises DamagedLog."""
+    """Read a log with one parser. Raises DamagedLog."""
     parser = parsers()[name]
     with watched() as tables:
         found = parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
@@ -195,7 +195,7 @@ def _is_flight(reading: Reading) -> bool:
 
 
 def _instead(opened: ParsedLog, names: Sequence[str], tried: Sequence[ParsedLog | DamagedLog]) -> ParsedLog:
-    """What was opened, with a note of each parser that recognizes it more surely and made nothing of it."""
+    """The opened log with a note about each higher-scoring parser that found no flight in it."""
     notes = [
         Note(f"{parsers()[name].title} recognizes it and {_made(one)}; read as {parsers()[opened.format].title}")
         for name, one in zip(names, tried, strict=True)
@@ -221,7 +221,7 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
-    """How a log was read: by the tables read from it, or without any by what was found."""
+    """How a log was read: from the tables read, or without any from what was found."""
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)
     if tables:
@@ -244,7 +244,7 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
 
 
 def _stated_column(field: str, name: str) -> ColumnRead:
-    """A column of a flight table or of a summary: its name there, else fieldkit's own."""
+    """A column of a flight table or of a summary: its name in the file, otherwise fieldkit's own name."""
     column = BY_NAME.get(field)
     ending = plain(name).rpartition("_")[2]
     unit = "" if column is None else ending if ending in UNITS[column.quantity] else column.unit
@@ -252,10 +252,10 @@ def _stated_column(field: str, name: str) -> ColumnRead:
 
 
 MAX_REPORTED = 1500
-"""Longest message, whatever a log contains. [character]"""
+"""Largest length of a message, whatever a log contains. [character]"""
 
 
 def shown_damage(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
-    """An error of a damaged log as it is shown: with the log's name, on one line, safe for a terminal."""
+    """An error about a damaged log ready for display: with the log's name, on one line, safe for a terminal."""
     column = printable(error.column)[:MAX_REPORTED] if error.column else None
     return DamagedLog(printable(error.found)[:MAX_REPORTED], row=row or error.row, column=column, source=source)

@@ -1,4 +1,4 @@
-"""From readings to flights: bounds, motor names, identities, duplicates, rockets of another file."""
+"""Convert readings to flights: limits, motor names, IDs, duplicates, and rockets from another file."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
 
 CheckMotor = Callable[[str], str | None]
-"""The error in a motor's name, or None if the motor exists."""
+"""Function that returns the error in a motor's name, or None if the motor exists."""
 
 
 def intake_of(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
-    """The flights of the readings of one source, and the rows rejected among them; `rockets` are by number."""
+    """The flights in the readings of one source, and the rejected rows; `rockets` are by number."""
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
     recorded: "dict[tuple[str, str], Recorded | None]" = {}
     rejected: list[Rejected] = []
@@ -68,7 +68,7 @@ _FOREIGN_MOTORS = (
 
 
 def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
-    """A reading completed from a list of rockets; the log's own values win."""
+    """Complete a reading from a list of rockets; the log's own values take precedence."""
     if not reading.rocket_key:
         return reading
     rocket = rockets.get(reading.rocket_key)
@@ -77,7 +77,7 @@ def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
 
 
 def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
-    """Add a flight to the others, with notes on implausible values. Raises DamagedLog if its name is taken."""
+    """Add a flight to the others, and return notes on implausible values. Raises DamagedLog if its name is taken."""
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
         kept[name] = flight, row
@@ -90,7 +90,7 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The flight that a reading describes, with a name. Raises DamagedLog if it was never flown."""
+    """The flight that a reading describes, with a name. Raises DamagedLog if it was not a flight."""
     flight = _tagged(_weighed(_flight(reading), reading))
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
@@ -100,7 +100,7 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _tagged(flight: Flight) -> Flight:
-    """A flight with the tag of a cluster or of stages, if its motor names several."""
+    """A flight with a tag for a cluster or stages, if its motor field names several."""
     from fieldkit.motors.several import names_several, names_stages
 
     if not names_several(flight.motor):
@@ -110,7 +110,8 @@ def _tagged(flight: Flight) -> Flight:
 
 
 def _weighed(flight: Flight, reading: Reading) -> Flight:
-    """A flight with its mass without the motor, if it states that with it. Raises DamagedLog if nothing is left."""
+    """A flight with its dry mass, if only the lift-off mass is stated. Raises DamagedLog if the result is not
+    positive."""
     if reading.liftoff_mass is None or flight.dry_mass is not None or not flight.motor:
         return flight
     from fieldkit.errors import AmbiguousMotor, UnknownMotor
@@ -137,7 +138,7 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _flight(reading: Reading) -> Flight:
-    """What a reading states, as a flight. Raises DamagedLog for a figure that no flight can have."""
+    """The flight that a reading states. Raises DamagedLog for an impossible figure."""
     for name, value in reading.stated.items():
         if isinstance(value, float):
             try:
@@ -148,7 +149,7 @@ def _flight(reading: Reading) -> Flight:
 
 
 def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:
-    """Raise DamagedLog for an unknown motor; several motors at once are not looked up."""
+    """Raise DamagedLog for an unknown motor; combinations of several motors are not looked up."""
     if not flight.motor or {"cluster", "staged"} & set(flight.tags):
         return
     if complaint := check_motor(flight.motor):
@@ -156,10 +157,10 @@ def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> N
 
 
 def derived_id(flight: Flight, clocks: Sequence[Series] = ()) -> str:
-    """A name for a flight that has none: its date and a digest of what was flown and read off, or else of its samples.
+    """A name for a flight without one: its date and a digest of its configuration and readouts, or of its samples.
 
-    The same figures give the same name in any unit, any order of columns and any table; notes, tags
-    and conditions may be edited without changing it.
+    The same figures give the same name in any unit, any order of columns and any table. Notes, tags and conditions may
+    be edited without changing it.
     """
     figures = [f"{name}={value:.6g}" for name, value in sorted(flight.readouts().items())]
     when = flight.date_time.isoformat() if flight.date_time else ""

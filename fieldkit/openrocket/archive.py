@@ -1,8 +1,8 @@
-"""From the bytes of an `.ork` file to its XML: a zip with `rocket.ork` in it, a gzip, or plain XML.
+"""Extract the XML of an `.ork` file: a zip with `rocket.ork` in it, a gzip, or plain XML.
 
-Nothing is unpacked past `MAX_UNPACKED_SIZE`, and defusedxml refuses document types and entities, which swell or reach
-elsewhere. Whatever is counted in a file has a bound: files in the archive, elements and how deep they are nested, and
-how long one piece of markup or text is.
+Unpacking stops at `MAX_UNPACKED_SIZE`, and defusedxml rejects document types and entities, which can expand or access
+other files. Everything that is counted in a file has a limit: files in the archive, elements and their nesting depth,
+and the length of one piece of markup or text.
 """
 
 import io
@@ -17,25 +17,25 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element, TreeBuilder
 
 MAX_UNPACKED_SIZE = 64 * 2**20
-"""Size limit of an unpacked file; a design with many stored simulations takes a few million bytes. [byte]"""
+"""Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [byte]"""
 
 MOST_FILES = 1000
-"""Files in an archive: a design with pictures on its parts has some dozens. [1]"""
+"""Largest number of files in an archive; a design with pictures on its parts has a few dozen. [1]"""
 MOST_ELEMENTS = 500_000
-"""Elements of a design: a stored simulation has one for each of some thousand samples. [1]"""
+"""Largest number of elements in a design; a stored simulation has one for each of its few thousand samples. [1]"""
 MAX_DEPTH = 200
-"""Nesting limit of elements: a part in a part takes two. [1]"""
+"""Largest nesting depth of elements; a part inside a part takes two. [1]"""
 MAX_TAG_LENGTH = 1 << 20
-"""Limit from the end of one tag to that of the next: its attributes and the text before it. [byte]"""
+"""Largest distance between the ends of consecutive tags: attributes and the text before them. [byte]"""
 ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
-"""Those whose tags are found without reading them."""
+"""Encodings in which tags can be found without decoding."""
 
 _FILE_IN_ZIP = b"PK\x01\x02"
 _DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
 
 
 def root_of(content: bytes, source: str) -> "Element":
-    """The root element of a design. Raises DamagedLog that names the file, and the row if XML breaks."""
+    """The root element of a design. Raises DamagedLog that names the file, and the row of an XML error."""
     from xml.etree.ElementTree import ParseError
 
     from defusedxml.common import DefusedXmlException
@@ -62,7 +62,7 @@ def root_of(content: bytes, source: str) -> "Element":
 
 
 def _check_markup(text: bytes, source: str) -> None:
-    """Raise DamagedLog for markup in pieces too long to be parsed, or in an encoding that does not show it."""
+    """Raise DamagedLog for pieces of markup that are too long to parse, or an encoding that hides the markup."""
     declared = _DECLARED_ENCODING.match(text[:400])
     if declared and declared[1].decode().lower() not in ENCODINGS:
         raise DamagedLog(f"found the encoding {declared[1].decode()}, expected UTF-8", source=source)
@@ -78,7 +78,7 @@ def _check_markup(text: bytes, source: str) -> None:
 
 
 def _builder(source: str) -> "TreeBuilder":
-    """What makes a tree of elements, until there are too many or they are nested too deep."""
+    """A builder of the element tree that stops if there are too many elements or they are nested too deeply."""
     from xml.etree.ElementTree import TreeBuilder
 
     class Bounded(TreeBuilder):

@@ -1,4 +1,4 @@
-"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd if it is given."""
+"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd if available."""
 
 import re
 from dataclasses import dataclass
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 PLAUSIBLE_RANGES = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
-"""Ranges taken from a file without doubt. [kg, m, m, 1]"""
+"""Ranges of values that are accepted without a warning. [kg, m, m, 1]"""
 MASS_ROUNDING = 0.0011
-"""Largest rounding error of two stored masses of three decimals each. [kg]"""
+"""Largest rounding error of the difference of two stored masses with three decimals each. [kg]"""
 REPORTED_CD_DIFFERENCE = 0.05
 """Cd values of simulations that differ by more than this are reported. [1]"""
 MOST_PARTS = 1000
-"""Parts that follow each other along the body. [1]"""
+"""Largest number of parts in a row along the body. [1]"""
 MOST_MOTORS = 1000
-"""Motors in all configurations of a design. [1]"""
+"""Largest number of motors in all configurations of a design. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class DesignMotor:
-    """A motor of one of a design's configurations, as the file names it; `count` of them in its mount."""
+    """A motor of one of a design's configurations, as named in the file; `count` is the number in its mount."""
 
     configuration: str
     maker: str
@@ -39,9 +39,10 @@ class DesignMotor:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """What a design says; None if it does not. `mass_by` and `cd_by` say where from, `notes` doubts. SI.
+    """The data of a design in SI units; None if missing.
 
-    `cd` is on the area of `diameter`; a simulation's on that of its own `reference`.
+    `mass_by` and `cd_by` are the sources of mass and Cd, `notes` are warnings. `cd` refers to the area of `diameter`; a
+    simulation's Cd to that of its own `reference`.
     """
 
     name: str
@@ -57,7 +58,7 @@ class Design:
 
 
 def read_design(content: bytes, source: str) -> Design:
-    """The design in an `.ork` file. Raises DamagedLog that names it if it is damaged, or is no design."""
+    """Read the design in an `.ork` file. Raises DamagedLog that names the file if it is damaged or not a design."""
     root = root_of(content, source)
     try:
         return _design(root, source)
@@ -111,9 +112,9 @@ def _plausible(name: str, value: float | None, notes: list[str]) -> float | None
 def _mass(
     rocket: "Element", stages: "list[Element]", stored: list[Simulation], notes: list[str]
 ) -> tuple[float | None, str]:
-    """By a stored simulation of the design as it is, else by the sum of its parts.
+    """Mass from a stored simulation of the current design, otherwise the sum of its parts.
 
-    A stored mass has three decimals in kg: if the sum of the parts agrees within that, it is taken.
+    A stored mass has three decimals in kg: if the sum of the parts agrees within rounding, the sum is used.
     """
     unknown: list[str] = []
     whole, _ = override(rocket)
@@ -133,9 +134,9 @@ def _mass(
 def _drag(
     rocket: "Element", stages: "list[Element]", stored: list[Simulation], diameter: float, notes: list[str]
 ) -> tuple[float | None, str]:
-    """By an override of the whole, else by a stored simulation; on the area of the largest diameter.
+    """Cd from an override of the whole rocket, otherwise from a stored simulation; based on the largest diameter.
 
-    The area is that of the geometry in full precision: a stored one is rounded to one digit.
+    The reference area is computed from the geometry in full precision, because the stored one is rounded to one digit.
     """
     for part in (rocket, *stages):
         if part.findtext("overridecd") is not None and len(stages) == 1:
@@ -156,7 +157,7 @@ def _drag(
 
 
 def _on(cd: float, reference: float, diameter: float) -> float:
-    """A Cd on the area of a reference diameter as one on the area of the body. [1]"""
+    """Convert a Cd from the area of a reference diameter to the area of the body. [1]"""
     return cd * (reference / diameter) ** 2 if reference > 0 and diameter > 0 else cd
 
 
@@ -176,7 +177,7 @@ def _motors(rocket: "Element") -> "list[DesignMotor]":
 
 
 def _mounts(part: "Element", times: int) -> "Iterator[tuple[Element, int]]":
-    """The parts that hold motors, and how many each: clusters, times the pods or boosters that they are in."""
+    """The parts that hold motors, and how many each: clusters, multiplied by the pods or boosters that contain them."""
     if part.tag in ("podset", "parallelstage"):
         times *= max(int(number(part, "instancecount", 1.0)), 1)
     cluster = (part.findtext("clusterconfiguration") or "single").strip()

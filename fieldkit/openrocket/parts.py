@@ -1,6 +1,6 @@
-"""The parts of a design: their sizes, and what each weighs by its geometry and material, overrides first.
+"""The parts of a design: sizes, and masses from geometry and material, with overrides taking precedence.
 
-Lengths are in m, masses in kg, densities in kg/m^3 (bulk), kg/m^2 (surface) and kg/m (line), as the files have them.
+Lengths are in m, masses in kg, densities in kg/m^3 (bulk), kg/m^2 (surface) and kg/m (line), as in the files.
 Source: the elements of OpenRocket's saved designs, https://openrocket.readthedocs.io.
 """
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 AIRFRAME = ("nosecone", "bodytube", "transition")
-"""Parts that follow each other along the body."""
+"""Parts that are placed one after another along the body."""
 STEPS = 200
-"""Slices of a nose cone or transition, whose volume is summed. [1]"""
+"""Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Size:
 
 
 def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
-    """A number of a part in SI, which must be finite; the figure after `auto` if the file has it."""
+    """A number of a part in SI, which must be finite; the number after `auto` if the file includes one."""
     text = (part.findtext(name) or "").split()
     try:
         value = float(text[-1]) if text else otherwise
@@ -42,23 +42,23 @@ def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
 
 
 def children(part: "Element") -> "list[Element]":
-    """The parts that are on or in a part."""
+    """The parts attached to or contained in a part."""
     inside = part.find("subcomponents")
     return [] if inside is None else list(inside)
 
 
 def name_of(part: "Element") -> str:
-    """What the designer calls a part."""
+    """The designer's name for a part."""
     return (part.findtext("name") or part.tag).strip()
 
 
 def airframe(stage: "Element") -> "list[Element]":
-    """The parts of a stage that follow each other."""
+    """The parts of a stage along the body, in order."""
     return [part for part in children(stage) if part.tag in AIRFRAME]
 
 
 def sizes(parts: "list[Element]") -> list[Size]:
-    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbor with one."""
+    """Lengths and radii; an `auto` radius without a stored value is that of the nearest neighbor with one."""
     ends = [list(_ends(part)) for part in parts]
     flat = [radius for pair in ends for radius in pair]
     for place, radius in enumerate(flat):
@@ -81,13 +81,13 @@ def _ends(part: "Element") -> tuple[float | None, float | None]:
 
 
 def _radius(part: "Element", name: str) -> float | None:
-    """A radius, None for one that is automatic and not kept."""
+    """A radius; None if it is automatic and not stored."""
     value = number(part, name, -1.0)
     return value if value >= 0 else None
 
 
 def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
-    """What a part and all in it weigh; parts of unknown mass are named in `unknown`. [kg]"""
+    """Mass of a part and everything in it; the names of parts with unknown mass are added to `unknown`. [kg]"""
     own, below = override(part)
     if own is not None and below:
         return own
@@ -99,7 +99,7 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 
 
 def override(part: "Element") -> tuple[float | None, bool]:
-    """The mass that the designer weighed, if any, and whether it is of everything inside too."""
+    """The mass that the designer entered, if any, and whether it includes everything inside."""
     if part.findtext("overridemass") is None:
         return None, False
     below = part.findtext("overridesubcomponentsmass") or part.findtext("overridesubcomponents") or "false"
@@ -133,7 +133,7 @@ def _instances(part: "Element") -> float:
 
 
 def _shell(part: "Element", size: Size) -> float:
-    """Volume of the wall of a tube, nose or transition, and of the shoulders of the last two. [m^3]"""
+    """Volume of the wall of a tube, nose or transition, and of the shoulders of a nose or transition. [m^3]"""
     filled = (part.findtext("thickness") or "").strip() == "filled"
     wall = math.inf if filled else number(part, "thickness")
     along = (np.arange(STEPS) + 0.5) / STEPS
@@ -145,7 +145,7 @@ def _shell(part: "Element", size: Size) -> float:
 
 
 def _profile(part: "Element", x: Float[Array, "step"]) -> Float[Array, "step"]:
-    """How far the radius has gone from one end to the other; 0 to 1.
+    """Radius profile from one end to the other; 0 to 1.
 
     Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
     """
@@ -178,7 +178,7 @@ def _ring(part: "Element", name: str) -> float:
 
 
 def _tube(part: "Element") -> float:
-    """Volume of an inner tube, coupler, ring, bulkhead or lug, by either pair of its radii. [m^3]"""
+    """Volume of an inner tube, coupler, ring, bulkhead or lug, from either pair of its radii. [m^3]"""
     outer = number(part, "outerradius") or number(part, "radius")
     wall = number(part, "thickness")
     inner = number(part, "innerradius") if part.find("innerradius") is not None else max(outer - wall, 0.0)
@@ -187,7 +187,7 @@ def _tube(part: "Element") -> float:
 
 
 def _fins(part: "Element") -> float:
-    """Volume of a set of fins, their tabs left out. [m^3]"""
+    """Volume of a set of fins without their tabs. [m^3]"""
     root, tip, height = (number(part, name) for name in ("rootchord", "tipchord", "height"))
     if part.tag == "trapezoidfinset":
         area = (root + tip) / 2 * height
@@ -221,20 +221,20 @@ VOLUMES: "dict[str, Callable[[Element], float]]" = {
     **dict.fromkeys(("trapezoidfinset", "ellipticalfinset", "freeformfinset"), _fins),
     "tubefinset": _tube_fins,
 }
-"""Parts of one bulk material, and their volume. [m^3]"""
+"""Parts made of one bulk material, and their volume. [m^3]"""
 OTHER_MASSES: "dict[str, Callable[[Element], float]]" = {
     "masscomponent": lambda part: number(part, "mass"),
     "parachute": _parachute,
     "streamer": _streamer,
     "shockcord": _cord,
 }
-"""Parts that weigh otherwise. [kg]"""
+"""Parts whose mass is computed in another way. [kg]"""
 MASSLESS_PARTS = ("stage", "railbutton", "podset", "parallelstage")
-"""Parts without a mass of their own; a rail button is a gram or two."""
+"""Parts without a mass of their own; a rail button weighs only a gram or two."""
 
 
 def everything(part: "Element") -> "Iterator[Element]":
-    """A part and all that is in it."""
+    """A part and everything in it."""
     yield part
     for one in children(part):
         yield from everything(one)

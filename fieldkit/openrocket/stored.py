@@ -1,7 +1,7 @@
-"""What a simulation kept in a design says: mass without motor, and Cd on the reference area of the design's own body.
+"""Data of a simulation stored in a design: mass without motor, and Cd on the reference area of the design's body.
 
-The columns of a stored flight have three decimals, so that the reference area in m^2 keeps one digit for most rockets:
-it is never read. A stored Cd refers to the reference diameter of the geometry, which is.
+The columns of a stored flight have three decimals, so that the reference area in m^2 has only one significant digit for
+most rockets; it is never read. A stored Cd refers to the reference diameter of the geometry, which is read.
 Source: OpenRocket's `ReferenceType`, `TextUtil` and `FlightDataBranch`, version 24.12.
 """
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 MIN_COAST_SPEED_FRACTION = 0.3
-"""Fraction of the top speed below which Cd says little about the climb: it rises as the rocket slows. [1]"""
+"""Fraction of the top speed below which Cd is not typical of the climb: it rises as the rocket slows. [1]"""
 LEAST_RADIUS = 0.0005
-"""A nose that is thinner does not set the reference. [m]"""
+"""Smallest radius of a nose that sets the reference. [m]"""
 USED_COLUMNS = (
     "time",
     "mass",
@@ -36,9 +36,9 @@ USED_COLUMNS = (
 MOST_COLUMNS = 500
 """Columns of a stored simulation: OpenRocket has about sixty, and a few more per plug-in. [1]"""
 LONGEST_NAME = 80
-"""Of what is taken from the file as text. [characters]"""
+"""Largest length of text taken from the file. [characters]"""
 CD_TOLERANCE = 0.05
-"""Largest difference between Cd from the drag force and the stored Cd; sound files differ by 1 to 2%. [1]"""
+"""Largest difference between Cd from the drag force and the stored Cd; valid files differ by 1 to 2 %. [1]"""
 
 Columns = dict[str, Float[Array, "row"]]
 
@@ -47,8 +47,8 @@ Columns = dict[str, Float[Array, "row"]]
 class Simulation:
     """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and its flight.
 
-    `fresh` says that it is of the design as it is, `default` that it flew the default configuration. None is what
-    it did not keep.
+    `fresh` means that it belongs to the current design, `default` that it used the default configuration. None means
+    not stored.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Simulation:
 
 
 def simulations(root: "Element") -> list[Simulation]:
-    """The simulations with stored flight data, those of the design as it is first, the default configuration before."""
+    """The simulations with stored flight data: those of the current design first, then the default configuration."""
     rocket = root.find("rocket")
     assert rocket is not None
     found = [_read(rocket, one) for one in root.iterfind("simulations/simulation")]
@@ -71,7 +71,7 @@ def simulations(root: "Element") -> list[Simulation]:
 
 
 def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
-    """What a simulation kept, None if it kept nothing. Its first branch is that of the upper stage."""
+    """The stored data of a simulation; None if there are none. Its first branch is that of the upper stage."""
     data, branch = simulation.find("flightdata"), simulation.find("flightdata/databranch")
     if data is None or branch is None:
         return None
@@ -99,15 +99,15 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
 
 
 def shown(text: str | None) -> str:
-    """What a file calls something, as it is shown."""
+    """A name from the file, prepared for display."""
     return printable((text or "")[: 4 * LONGEST_NAME].strip())[:LONGEST_NAME]
 
 
 def reference_diameter(rocket: "Element", configuration: str = "") -> float:
-    """The diameter that OpenRocket's Cd refers to, of the stages that fly in a configuration. [m]
+    """The diameter that OpenRocket's Cd refers to, for the stages that fly in a configuration. [m]
 
-    By `referencetype` that of the widest part of the airframe, pods and boosters included, of the nose, or the
-    designer's own.
+    Depending on `referencetype` it is that of the widest part of the airframe (pods and boosters included), that of the
+    nose, or the designer's own.
     """
     kind = (rocket.findtext("referencetype") or "maximum").strip()
     if kind == "custom" and number(rocket, "customreference") > 0:
@@ -122,7 +122,7 @@ def reference_diameter(rocket: "Element", configuration: str = "") -> float:
 
 
 def _inactive(rocket: "Element", configuration: str) -> "list[Element]":
-    """The stages that are switched off in a configuration, and all that hangs on them."""
+    """The stages that are disabled in a configuration, and everything attached to them."""
     stages = [part for part in everything(rocket) if part.tag in ("stage", "parallelstage")]
     off = {
         int(stage.get("number", "-1"))
@@ -146,7 +146,7 @@ def _dry_mass(values: Columns) -> float | None:
 
 
 def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Which rows have a Cd of the coast: from the last burnout to apogee or an earlier parachute, and fast enough."""
+    """Rows with a Cd of the coast: from the last burnout to apogee or an earlier parachute, and fast enough."""
     time, cd = values.get("time"), values.get("drag coefficient")
     speed = values.get("total velocity", values.get("vertical velocity"))
     if time is None or cd is None or speed is None or not np.isfinite(speed).any():
@@ -162,7 +162,7 @@ def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np
 def _consistent(
     values: Columns, coast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], cd: float, reference: float
 ) -> bool:
-    """Whether the drag force on the reference area gives the stored Cd: else the body was another one."""
+    """Whether the drag force on the reference area gives the stored Cd; otherwise the body was a different one."""
     force, density = values.get("drag force"), values.get("air density")
     speed = values.get("total velocity")
     if force is None or density is None or speed is None or reference <= 0:
@@ -173,7 +173,7 @@ def _consistent(
 
 
 def _moments(branch: "Element", kind: str) -> list[float]:
-    """When events of a kind happened. [s]"""
+    """Times of the events of a kind. [s]"""
     moments = [_moment(one.get("time", "")) for one in branch.iterfind("event") if one.get("type") == kind]
     return [moment for moment in moments if moment is not None]
 
@@ -187,7 +187,7 @@ def _moment(text: str) -> float | None:
 
 
 def _row(text: str, places: list[int]) -> list[float]:
-    """The numbers at these places of a sample; what is no number is nan."""
+    """The numbers at these indices of a sample; text that is not a number becomes nan."""
     cells = text.split(",", MOST_COLUMNS)
     return [_float(cells[place]) if place < len(cells) else math.nan for place in places]
 

@@ -1,1 +1,1 @@
-"""What parsers are made of: text, rows and columns, clocks, what a header says, units that physics settles."""
+"""Building blocks of parsers: text, rows and columns, clocks, headers, and units inferred from physics."""

@@ -1,4 +1,4 @@
-"""What the raw records of Altus Metrum's devices have in common: clock, checksum, sensors, states.
+"""Common parts of the raw records of Altus Metrum devices: clock, checksum, sensors, states.
 
 Sources: the format notes of AltOS (altoslib, libaltos); MS5607-02BA03 data sheet, "Pressure and temperature
 calculation" and "Second order temperature compensation"; MP3H6115A data sheet, transfer function.
@@ -14,13 +14,13 @@ from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 from fieldkit.units import STANDARD_GRAVITY, ZERO_CELSIUS
 
 TICK = 0.01
-"""One count of every clock of AltOS. [s]"""
+"""One tick of every AltOS clock. [s]"""
 SEED = 0x5A
-"""Where the checksums of records and of radio lines begin."""
+"""Initial value of the checksums of records and of radio lines."""
 STEP_BACK = 100
-"""A clock that goes back no more than so many ticks went back; one that goes further has wrapped. [1]"""
+"""A clock that decreases by at most this many ticks went backward; a larger decrease is a wraparound. [1]"""
 NO_VALUE = 2_147_483_647
-"""What AltOS writes for a number that it does not have."""
+"""What AltOS writes for a missing number."""
 STATES: Mapping[str, tuple[int, ...]] = {
     "liftoff": (3,),
     "burnout": (4, 5),
@@ -33,9 +33,9 @@ BOOST = 3
 
 
 def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
-    """Times of records from their ticks of 16 bits, which wrap every 655.36 s; the first is at its own tick. [s]
+    """Times of records from their 16-bit ticks, which wrap every 655.36 s; the first keeps its own tick. [s]
 
-    A tick may be a little before the one ahead of it, as the clocks of AltOS have it: then so is the time.
+    A tick may be slightly less than the one before it, as happens with AltOS clocks; then the time is as well.
     """
     ahead = np.diff(ticks, prepend=ticks[:1]) % 65536
     ahead[ahead >= 65536 - STEP_BACK] -= 65536
@@ -44,13 +44,13 @@ def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
 
 
 def sound(records: Int[Any, "record byte"]) -> Bool[Flags, "record"]:
-    """Which records have the checksum that makes their bytes and the seed add up to 0 modulo 256."""
+    """Which records have a valid checksum: their bytes and the seed add up to 0 modulo 256."""
     return np.asarray((records.sum(axis=1) + SEED) % 256 == 0)
 
 
 @dataclass(frozen=True, slots=True)
 class Coefficients:
-    """C1 to C6 of an MS5607, by the data sheet's names for them."""
+    """C1 to C6 of an MS5607, with the names of the data sheet."""
 
     sens: int
     off: int
@@ -63,7 +63,7 @@ class Coefficients:
 def ms5607(
     pressure: Int[Integers, "record"], temperature: Int[Integers, "record"], c: Coefficients
 ) -> tuple[Float[Array, "record"], Float[Array, "record"]]:
-    """Pressure [Pa] and temperature [K] from the counts of an MS5607, compensated as its data sheet says."""
+    """Pressure [Pa] and temperature [K] from the counts of an MS5607, compensated as in its data sheet."""
     d1, d2 = pressure.astype(np.int64), temperature.astype(np.int64)
     dt = d2 - (c.tref << 8)
     warmth = 2000 + ((dt * c.tempsens) >> 23)
@@ -80,8 +80,8 @@ def ms5607(
 def mp3h6115(counts: Int[Integers, "record"]) -> Float[Array, "record"]:
     """Pressure from the counts of the MP3H6115A of TeleMetrum 1 and TeleMini 1. [Pa]
 
-    The sensor gives (0.009 p/kPa - 0.095) of its supply, the converter 16 * 2047 counts for all of it: every
-    pressure in exports of TeleMetrum 1 lies on a whole count of this.
+    The sensor's output is (0.009 p/kPa - 0.095) times its supply, for which the converter gives 16 * 2047 counts. Every
+    pressure in exports of TeleMetrum 1 corresponds to an integer count.
     """
     return (counts / (16 * 2047) + 0.095) / 0.009 * 1000
 
@@ -91,8 +91,8 @@ def net_acceleration(
 ) -> Float[Array, "record"] | None:
     """Acceleration along the axis, net of gravity, from the counts of an accelerometer. [m/s^2]
 
-    `plus` and `minus` are its counts with the nose up and down, `ground` those on the pad. None if one is not
-    known, or if the first samples are not what they were on the pad: then these are not the counts meant.
+    `plus` and `minus` are its counts with the nose up and down, `ground` those on the pad. None if one of them is
+    unknown, or if the first samples do not match the pad: then these are not the right counts.
     """
     if ground is None or plus is None or minus is None or plus == minus or not len(counts):
         return None
@@ -106,9 +106,9 @@ def entered(
     which: Mapping[str, Sequence[int]] = STATES,
     blind: float = np.inf,
 ) -> dict[str, float]:
-    """When the first of the states of each event was entered; a state may return, or never come. [s]
+    """When the first of the states of each event was entered; a state may recur, or never occur. [s]
 
-    If nothing was heard for longer than `blind` before it, it is not known when, and the event is left out.
+    If nothing was received for longer than `blind` before it, the time is unknown and the event is omitted.
     """
     firsts = {name: np.flatnonzero(np.isin(states, numbers)) for name, numbers in which.items()}
     known = {name: int(found[0]) for name, found in firsts.items() if len(found)}

@@ -1,9 +1,9 @@
-"""The flash of an Altus Metrum device as records, out of the lines of hex bytes that a download writes.
+"""Parse the flash of an Altus Metrum device into records from the lines of hex bytes that a download writes.
 
-A record is a letter, a checksum, a clock of 16 bits and what the letter says; the log format determines its length
-and layout. Erased bytes are ff; a record with a wrong checksum is skipped.
-Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files, but the accelerometer that
-a TeleMega and an EasyMega have along their axis only from `struct ao_log_mega` (ao_log.h).
+A record is a letter, a checksum, a 16-bit clock and data; the log format determines its length and layout. Erased bytes
+are ff; a record with a wrong checksum is skipped.
+Source: altoslib and libaltos of AltOS. Formats 1, 7, 16 and 22 were checked with real files, but the axial
+accelerometer of a TeleMega and an EasyMega only with `struct ao_log_mega` (ao_log.h).
 """
 
 import re
@@ -25,15 +25,15 @@ Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST_FLASH = 16 << 20
 """Twice the flash of the largest of these devices. [bytes]"""
 OLD_RECORD = re.compile(r"([A-Z]) +([0-9a-fA-F]{1,4})((?: +[0-9a-fA-F]{1,4})+)\s*$")
-"""A record of the old form; the oldest pads its numbers with blanks."""
+"""A record of the old form; the oldest pads its numbers with spaces."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordLayout:
-    """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
+    """One log format: the number of bytes in a record, and the positions of sensor data after its clock.
 
-    `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
-    record of the flight) are 2 bytes, None if the format has none.
+    The raw pressure and temperature come first, with `counts` bytes each; `acceleration` and `ground` (in the record of
+    the flight) are 2 bytes, None if the format has none.
     """
 
     device: str
@@ -57,7 +57,7 @@ LAYOUTS: Mapping[int, RecordLayout] = {
 
 @dataclass(frozen=True, slots=True)
 class Flash:
-    """Records without those that are damaged, the text above them, and what is to be said of the rest."""
+    """Records without damaged ones, the text above them, and notes about the rest."""
 
     settings: str
     records: Int[Octets, "record byte"]
@@ -65,7 +65,7 @@ class Flash:
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records of lines of hex bytes; a damaged line counts as erased. Raises DamagedLog for too much memory."""
+    """The records in lines of hex bytes; a damaged line counts as erased. Raises DamagedLog for too much data."""
     damaged = Damaged()
     flash, missing = bytearray(), 0
     widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
@@ -99,7 +99,7 @@ def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
 
 
 def hex_bytes(line: str) -> bytes | None:
-    """The bytes of a line in hex, None if it is not hex."""
+    """The bytes of a line of hex, None if it is not hex."""
     try:
         return bytes.fromhex(line)
     except ValueError:
@@ -107,7 +107,7 @@ def hex_bytes(line: str) -> bytes | None:
 
 
 def old_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
+    """The records in lines of a letter, a clock and bytes, or of two numbers in format 1."""
     damaged = Damaged()
     records = bytearray()
     for first, lines in blocks(log, row - 1):
@@ -138,6 +138,6 @@ def _old_record(line: str, layout: RecordLayout) -> bytes | None:
 
 
 def number_at(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
-    """The whole number at a place behind the clock of records."""
+    """The integer at a position after the clock of records."""
     values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
     return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values

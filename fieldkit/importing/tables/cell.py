@@ -1,4 +1,4 @@
-"""One cell of a table of numbers: when it is a number, and when it is allowed to be none."""
+"""One cell of a table of numbers: when it is a number, and when it may be missing."""
 
 import math
 import re
@@ -10,17 +10,17 @@ from fieldkit.units import Unit
 MAX_CELL_VALUE = 1e30
 """Largest magnitude accepted in a log; anything larger would overflow when squared. [any unit]"""
 ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
-"""What a cell holds, in any letter case, if the logger had no number."""
+"""Contents of a cell, ignoring case, when the logger had no number."""
 SI = Unit(1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One column of numbers: what it becomes, and the place of its cells in a row, from 0.
+    """One column of numbers: its target, and the index of its cells in a row, from 0.
 
-    `name` is a field of `Series` or a name of the parser's own, `header` the log's name for messages. A row whose
-    `needed` cell is no number is damaged, any other absent cell is nan. `suffix` ends every cell: `F` of `76.7F`.
-    A `clock` is written `1:02:03.5`, in seconds or with a date before it, and becomes seconds.
+    `name` is a field of `Series` or a name of the parser's own; `header` is the log's name, for messages. A row whose
+    `needed` cell is not a number is damaged; any other missing cell is nan. `suffix` ends every cell: `F` in `76.7F`. A
+    `clock` is written `1:02:03.5`, in seconds or with a date before it, and is converted to seconds.
     """
 
     name: str
@@ -56,7 +56,7 @@ def number_in(cell: str, channel: Channel) -> float | None:
 
 
 def _seconds(cell: str) -> float | None:
-    """The seconds of `1:02:03.5` or `02:03.5`, after a date or not; None for anything else. [s]"""
+    """The seconds of `1:02:03.5` or `02:03.5`, with or without a date before it; None for anything else. [s]"""
     match = _CLOCK.fullmatch(cell)
     if not match:
         return None
@@ -65,7 +65,7 @@ def _seconds(cell: str) -> float | None:
 
 
 def converter(channel: Channel) -> Callable[[str], float]:
-    """What numpy calls for each cell of a channel. Raises ValueError."""
+    """Function that numpy calls for each cell of a channel. The function raises ValueError."""
 
     def convert(cell: str) -> float:
         value = number_in(cell.strip().strip('"').strip(), channel)
@@ -77,7 +77,7 @@ def converter(channel: Channel) -> Callable[[str], float]:
 
 
 def gaps(separator: str | None) -> re.Pattern[str]:
-    """What finds the cells without a number in the lines of a table."""
+    """Pattern that finds the cells without a number in the lines of a table."""
     words = "|".join(re.escape(word) for word in sorted(ABSENT_MARKS - {"", "nan"}, key=len, reverse=True))
     if separator is None:
         return re.compile(rf"(?<=\s)(?:{words})(?!\S)", re.IGNORECASE)

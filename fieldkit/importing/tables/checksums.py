@@ -1,4 +1,4 @@
-"""The checksums that loggers send along with their data."""
+"""Checksums that loggers send with their data."""
 
 import binascii
 
@@ -13,17 +13,17 @@ def _buypass(byte: int) -> int:
 
 
 BUYPASS = tuple(map(_buypass, range(256)))
-"""What each byte does to a CRC-16/BUYPASS."""
+"""CRC-16/BUYPASS of each byte."""
 
 
 def crc_x25(data: bytes) -> int:
-    """CRC-16/X-25, of MicroPeak: "123456789" gives 0x906e. Bits backwards, it is the CRC that Python has."""
+    """CRC-16/X-25, used by MicroPeak: "123456789" gives 0x906e. It is Python's CRC with the bits reversed."""
     straight = binascii.crc_hqx(data.translate(_REVERSED_BYTES), 0xFFFF)
     return int(f"{straight:016b}"[::-1], 2) ^ 0xFFFF
 
 
 def crc_buypass(data: bytes) -> int:
-    """CRC-16/BUYPASS, of Blue Raven: "123456789" gives 0xfee8."""
+    """CRC-16/BUYPASS, used by Blue Raven: "123456789" gives 0xfee8."""
     crc = 0
     for byte in data:
         crc = (crc << 8 & 0xFFFF) ^ BUYPASS[crc >> 8 ^ byte]
@@ -31,5 +31,5 @@ def crc_buypass(data: bytes) -> int:
 
 
 def sum_256(data: bytes, start: int = 0) -> int:
-    """The sum of all bytes, modulo 256, of AltiMulti and, from 0x5a, of AltOS."""
+    """Sum of all bytes modulo 256, used by AltiMulti and, starting from 0x5a, by AltOS."""
     return (start + sum(data)) % 256

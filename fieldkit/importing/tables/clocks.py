@@ -1,4 +1,4 @@
-"""Rows of a log whose clock can be trusted, and where the clock restarts."""
+"""Select rows of a log with a trustworthy clock, and find where the clock restarts."""
 
 from array import array
 from bisect import bisect_right
@@ -8,13 +8,13 @@ import numpy as np
 from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 
 TWO_DAYS = 172_800.0
-"""Rows further apart than this cannot be of one flight. [s]"""
+"""Rows further apart than this cannot belong to one flight. [s]"""
 MAX_CLOCK = 1e11
-"""No logger counts so far, not even from 1970. [s]"""
+"""Largest time that any logger counts to, even from 1970. [s]"""
 
 
 def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
-    """Which rows to keep so that a clock never runs backwards and shows no time days away, as many as can be."""
+    """Largest set of rows in which the clock never runs backward and contains no time that is days away."""
     middle = np.quantile(clock, 0.5, method="lower")
     kept = np.asarray(np.abs(clock - middle) < TWO_DAYS)
     kept[kept] = onward(clock[kept])
@@ -22,7 +22,7 @@ def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
 
 
 def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
-    """Where a clock restarts: each of the three rows before is later than the three rows from there on."""
+    """Rows where a clock restarts: each of the three rows before is later than the three rows from there on."""
     if len(clock) < 6:
         return np.empty(0, np.int64)
     three = np.lib.stride_tricks.sliding_window_view(clock, 3)
@@ -30,10 +30,10 @@ def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
 
 
 def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
-    """Which rows to keep so that a clock never runs backwards, as many as can be."""
+    """Largest set of rows in which the clock never runs backward."""
     if not (np.diff(clock) < 0).any():
         return np.ones(len(clock), bool)
-    tails = array("d")  # the least last value of a run of each length, and the row that it is in
+    tails = array("d")  # the smallest last value of a run of each length, and the row that it is in
     ends, before = array("q"), array("q", bytes(8 * len(clock)))
     for row, value in enumerate(clock.tolist()):
         length = bisect_right(tails, value)
@@ -48,9 +48,9 @@ def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
 
 
 def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
-    """Columns of which the first is a clock, with its rows in order; of rows at the same time the first counts.
+    """Columns with their rows sorted by the first column, a clock; of rows at the same time only the first is kept.
 
-    Rows without a time, or at one of no logger, are left out.
+    Rows without a time, or with a time that no logger counts to, are dropped.
     """
     time = columns[0]
     known = np.flatnonzero(np.abs(time) < MAX_CLOCK)

@@ -1,4 +1,4 @@
-"""Which columns of a table are taken for which channels: by their names, or as the flyer says."""
+"""Assign the columns of a table to channels: by their names, or as the flyer specifies."""
 
 import re
 from collections.abc import Callable, Container, Sequence
@@ -28,19 +28,19 @@ SUFFICIENT_CHANNELS = (
     "felt?",
     "acceleration",
 )
-"""Besides time, one of these makes a table worth reading."""
+"""A table is worth reading if it has time and one of these."""
 REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
-"""Channels that are never left out for lack of a unit."""
+"""Channels that are never dropped because of a missing unit."""
 _START_SAMPLES, _ZERO_PART = 11, 0.01
-"""Heights whose first so many samples are within such a part of their range of zero count from the pad. [1]"""
+"""Heights are above the pad if this number of first samples is within this fraction of the range around zero. [1]"""
 _HOUR = 3600.0
 LIMIT = 1e12
-"""No sample is this far from zero; what is, was damaged. [any unit but of time]"""
+"""Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """A column taken for a channel: its place, its name, the unit it or the flyer states ("" if none)."""
+    """A column assigned to a channel: its index, its name, and the unit that it or the flyer states ("" if none)."""
 
     channel: str
     place: int
@@ -50,7 +50,7 @@ class Pick:
 
 
 def side_by_side(layout: Layout) -> list[range]:
-    """The columns of each of the tables that stand side by side: each begins with a clock of the same name."""
+    """The columns of each table if several are side by side: each begins with a clock of the same name."""
     heads = [heading(name) for name in layout.headers]
     starts = [i for i, head in enumerate(heads) if channel(head) == "time" and head.words == heads[0].words]
     if not starts or starts[0] or any(b - a < 2 for a, b in pairwise(starts)):
@@ -59,7 +59,7 @@ def side_by_side(layout: Layout) -> list[range]:
 
 
 def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
-    """The columns, some or all, whose names say what they hold."""
+    """All or some of the columns whose names identify their channel."""
     heads = [heading(name) for name in layout.headers]
     picks = []
     for place, head in enumerate(heads):
@@ -82,13 +82,13 @@ def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:
 
 
 def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
-    """The columns with the first of the clocks only: later ones belong to an update or another sensor."""
+    """The columns with only the first of the clocks; later clocks belong to an update or another sensor."""
     clocks = [pick for pick in picks if pick.channel == "time"]
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
 
 
 def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None = None) -> list[Pick]:
-    """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one not there."""
+    """The columns that the flyer named, and a guess for the rest. Raises DamagedLog for a missing column."""
     picks: list[Pick] = []
     for name, text in choice.channels.items():
         place, unit = _find(layout, text)
@@ -104,7 +104,7 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
 
 
 def _find(layout: Layout, text: str) -> tuple[int, str]:
-    """The place of a column, and the unit that follows its name in brackets. Raises DamagedLog."""
+    """The index of a column, and the unit that follows its name in brackets. Raises DamagedLog."""
     bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
     ways: list[tuple[str, str, Callable[[str], str]]] = [(text, "", _folded)]
     if bare:
@@ -128,14 +128,14 @@ def _folded(name: str) -> str:
 
 
 def missing_channel(channels: set[str]) -> str:
-    """The channel that a table of samples lacks, empty if it has enough."""
+    """The channel that a table of samples lacks; empty if it is complete."""
     if "time" not in channels:
         return "time"
     return "" if channels & set(SUFFICIENT_CHANNELS) else "altitude"
 
 
 def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
-    """The numbers of a picked column, without those that no sensor gives; a clock's are in seconds."""
+    """The numbers of a column, without values that no sensor returns; those of a clock are in seconds."""
     values = table.values[f"{pick.place}"]
     if pick.unit == "clock":
         return _over_midnight(values)
@@ -148,9 +148,9 @@ def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
-    """One column for each channel: of two heights the one that begins at zero, as the other counts from the sea.
+    """One column for each channel: of two heights the one that begins at zero, because the other is above sea level.
 
-    Raises DamagedLog for two that disagree and matter.
+    Raises DamagedLog for two that disagree and are needed.
     """
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
@@ -172,7 +172,7 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
                 f"found two columns for {pick.channel} that differ, {shown(rival.name)} and {shown(pick.name)}; "
                 f"choose one with --map '{pick.channel}=its column'"
             )
-        if from_zero[1]:  # a height above the pad beside one above the sea
+        if from_zero[1]:  # a height above the pad next to one above the sea
             kept[kept.index(rival)], values[pick.channel] = pick, column
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected some")
@@ -180,13 +180,13 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
 
 
 def _starts_at_zero(height: Float[Array, "row"]) -> bool:
-    """Whether heights count from where the log begins, in whatever unit."""
+    """Whether heights, in whatever unit, are relative to the beginning of the log."""
     there = height[np.isfinite(height)]
     return abs(float(np.median(there[:_START_SAMPLES]))) < _ZERO_PART * float(np.ptp(there))
 
 
 def _differ_in_zero(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
-    """Whether two columns of one unit, stated or not, are the same but for where they count from."""
+    """Whether two columns of one unit, stated or not, differ only in their zero."""
     apart = (others - values)[np.isfinite(others - values)]
     if one.unit != other.unit or not len(apart):
         return False
@@ -206,7 +206,7 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
 
 
 def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A time of day that passed midnight, or minutes that passed the hour. [s]"""
+    """A time of day continued past midnight, or minutes continued past the hour. [s]"""
     span = _HOUR if float(np.nanmax(clock, initial=0.0)) < _HOUR else 24 * _HOUR
     over = np.diff(clock, prepend=clock[:1]) < -0.9 * span
     return np.asarray(clock + np.cumsum(over) * span)

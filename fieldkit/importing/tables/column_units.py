@@ -1,6 +1,6 @@
-"""The units of the columns that were picked: as the header or the flyer states them, or as physics settles them.
+"""Units of the selected columns: as the header or the flyer states them, or inferred from physics.
 
-One that stays open is an error for time, height and pressure, and leaves out any other column.
+An undetermined unit is an error for time, height and pressure; any other column is dropped.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,15 +25,15 @@ from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
 
 AXES = ("felt_x", "felt_y", "felt_z")
 ABOVE_GROUND = 30.0
-"""A height that is steady above this before lift-off counts from elsewhere than the pad. [m]"""
+"""A height that is constant above this before lift-off is not relative to the pad. [m]"""
 
 
 def units_of(
     picks: Sequence[Pick], values: dict[str, Float[Array, "row"]]
 ) -> tuple[dict[str, tuple[Unit, str, str]], list[str]]:
-    """Of every channel its unit, that unit's name and why it is known; and the columns left out.
+    """The unit of every channel, with its name and the reason; and the names of the dropped columns.
 
-    `values` follow: `felt?` becomes what it proves to be, a height above another zero `altitude_msl`.
+    `values` are updated: `felt?` is renamed to what it proves to be, and a height above another zero to `altitude_msl`.
     Raises DamagedLog for a unit that neither the header nor the values determine.
     """
     by_channel = {pick.channel: pick for pick in picks}
@@ -68,8 +68,11 @@ def units_of(
 def _beside_pressure(
     pick: Pick, stated: tuple[Unit, str, str], values: Mapping[str, Float[Array, "row"]]
 ) -> tuple[Unit, str, str]:
-    """The unit of heights as stated. If the pressure shows another, a note is made if the user chose the stated one,
-    else DamagedLog is raised."""
+    """The stated unit of heights, checked against the pressure.
+
+    If the pressure implies another unit, a note is added if the user chose the stated unit; otherwise DamagedLog is
+    raised.
+    """
     unit, name, _ = stated
     shows = height_unit_by_pressure(values)
     if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
@@ -92,7 +95,7 @@ def _settled(
     known: Mapping[str, str],
     units: Mapping[str, tuple[Unit, str, str]],
 ) -> dict[str, InferredUnit]:
-    """Units that physics settles."""
+    """Units inferred from physics."""
     if "time" in units:
         values = {**values, "time": to_si(units["time"][0], values["time"])}
         known = {**known, "time": "s"}
@@ -111,7 +114,7 @@ def _settled(
 
 
 def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
-    """Call a column what it proves to be: felt or net acceleration, height above the pad or above elsewhere."""
+    """Rename columns to what they prove to be: felt or net acceleration, height above the pad or another level."""
     if "felt?" in units:
         unit = units.pop("felt?")
         time = to_si(units["time"][0], values["time"]) if "time" in units else None

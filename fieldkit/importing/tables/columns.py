@@ -1,8 +1,8 @@
-"""Numbers out of the table of a log: block by block in C, and cell by cell only if a row is damaged.
+"""Read the numbers of a log's table: block by block in C, and cell by cell only if a row is damaged.
 
-A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
-A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
-together. Memory is that of the columns asked for, and half a megabyte of text.
+A parser specifies the columns it needs, by their index in a row, and their units; it receives SI arrays. A row that
+does not fit the table is skipped and reported in one line; a few hundred are reported together. Memory use is that of
+the requested columns plus half a megabyte of text.
 """
 
 import re
@@ -19,11 +19,11 @@ from fieldkit.importing.tables.text import blocks, first_lines, is_cut
 __all__ = ["SI", "Channel", "LogTable", "read_columns"]
 
 FIRST_ROWS = 100
-"""So many rows say what the decimal mark is. [1]"""
+"""Number of rows from which the decimal mark is determined. [1]"""
 MOST_REMARKS, LONGEST_REMARK = 1000, 1000
-"""So many comment lines are kept apart, and so much of each. [1], [characters]"""
+"""Largest number of comment lines that are stored, and largest length of each. [1], [characters]"""
 LAST_LINES = 1 << 13
-"""So much of a block is looked at for how long its last cells are. [bytes]"""
+"""Size of the end of a block from which the length of the last cells is measured. [bytes]"""
 _POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
 
 
@@ -40,10 +40,10 @@ def read_columns(
 ) -> LogTable:
     """The rows of a log below row `after` (0: all), as numbers in SI and as words.
 
-    `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
-    needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
-    kept apart. `decimal` None is found in the first rows: a spreadsheet may have made commas of points. Raises
-    DamagedLog if not one row can be read.
+    `separator` None is whitespace. `widths` are the numbers of cells that a row may have; None allows any that include
+    the needed ones. `words` names columns that are stored as text. Lines that begin with `comment` are stored
+    separately. `decimal` None is determined from the first rows, because a spreadsheet may have replaced points by
+    commas. Raises DamagedLog if not a single row can be read.
     """
     decimal = decimal or _decimal(log, after, separator)
     reader = Rows(channels, separator, widths, words or {})
@@ -63,7 +63,7 @@ def read_columns(
 
 
 def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> Iterator[tuple[int, list[str]]]:
-    """The lines that are left to be read, in blocks: all, or of a large log those that pandas could not take."""
+    """The lines still to be read, in blocks: all of them, or for a large log those that pandas could not read."""
     separator = reader.separator
     if separator is None or not can_be_plain(log, reader.channels, separator, reader.words, comment):
         yield from blocks(log, after)
@@ -78,6 +78,6 @@ def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> 
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows: a point if any has one. Raises DamagedLog if `1,148` may be two."""
+    """The decimal mark of the first rows: a point if any has one. Raises DamagedLog if `1,148` is ambiguous."""
     cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
     return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)

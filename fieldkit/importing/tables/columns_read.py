@@ -1,7 +1,7 @@
-"""Which columns of a log were read as which channels: noted while a parser reads, for the flyer to see.
+"""Record which columns of a log were read as which channels while a parser reads, for display to the flyer.
 
-A parser hands on readings in SI, and by then the names and the units of the log are gone. `watched` keeps them:
-every table that is read inside of it is noted here, by `read_columns` or by a parser that settles units itself.
+A parser returns readings in SI, without the names and units of the log. `watched` records them: every table that is
+read inside its context is noted here, by `read_columns` or by a parser that determines units itself.
 """
 
 from collections.abc import Iterator, Sequence
@@ -39,12 +39,12 @@ _SI = {
     "mass": "kg",
     "degree": "deg",
 }
-"""How the SI unit of a quantity is written."""
+"""Spelling of the SI unit of a quantity."""
 
 
 @dataclass(frozen=True, slots=True)
 class ColumnRead:
-    """A column of a log as it was read: its name there, its channel ("" for none), its unit, and its sensor."""
+    """A column of a log as it was read: its name in the log, its channel ("" for none), its unit, and its sensor."""
 
     name: str
     channel: str
@@ -54,7 +54,7 @@ class ColumnRead:
 
 @dataclass(frozen=True, slots=True)
 class TableRead:
-    """A table as it was read: its columns, how many rows were used and how many were dropped as damaged."""
+    """A table as it was read: its columns, and how many rows were used and how many were dropped as damaged."""
 
     columns: tuple[ColumnRead, ...]
     rows: int
@@ -66,7 +66,7 @@ _WATCH: ContextVar[list[TableRead] | None] = ContextVar("tables read", default=N
 
 @contextmanager
 def watched() -> Iterator[list[TableRead]]:
-    """A list that every table which is read meanwhile is put into."""
+    """Context manager with a list to which every table read inside it is added."""
     tables: list[TableRead] = []
     token = _WATCH.set(tables)
     try:
@@ -76,32 +76,32 @@ def watched() -> Iterator[list[TableRead]]:
 
 
 def note_table(channels: Sequence[Channel], rows: int, dropped: int) -> None:
-    """Say that a table was read, for who watches."""
+    """Report to `watched` that a table was read."""
     tables = _WATCH.get()
     if tables is not None:
         tables.append(TableRead(tuple(map(_column, channels)), rows, dropped))
 
 
 def note_columns(columns: Sequence[ColumnRead]) -> None:
-    """Say what the columns of the table that was read last are, if its parser found that out afterwards."""
+    """Set the columns of the table that was read last, if its parser identified them afterwards."""
     tables = _WATCH.get()
     if tables:
         tables[-1] = replace(tables[-1], columns=tuple(columns))
 
 
 def column_read(name: str, channel: str, unit: str) -> ColumnRead:
-    """A column and the sensor that its channel is measured by."""
+    """A column and the sensor that measures its channel."""
     return ColumnRead(name, channel, unit, SENSOR_OF.get(channel, "device"))
 
 
 def of_series(clocks: Sequence[Series]) -> tuple[ColumnRead, ...]:
-    """The channels of samples as columns, for a log that has none: in SI, under their own names."""
+    """The channels of samples as columns, for a log without columns: in SI, with their own names."""
     there = [f.name for f in fields(Series) if any(getattr(series, f.name) is not None for series in clocks)]
     return tuple(column_read(name, name, _si(name)) for name in there)
 
 
 def samples_in(clocks: Sequence[Series]) -> int:
-    """How many rows there are on all clocks."""
+    """Total number of rows on all clocks."""
     return sum(int(np.size(series.time)) for series in clocks)
 
 
@@ -111,7 +111,7 @@ def _column(channel: Channel) -> ColumnRead:
 
 
 def _unit(channel: str, unit: Unit) -> str:
-    """How the unit of a channel's column is written; "" if it has none or no usual name."""
+    """Spelling of the unit of a channel's column; "" if it has none or no usual name."""
     quantity = QUANTITIES.get(channel, "")
     if unit == Unit(1.0):
         return _si(channel)

@@ -1,4 +1,4 @@
-"""Damaged lines of a log, reported in a few lines and stored in little memory however many there are."""
+"""Damaged lines of a log, reported in a few lines and stored in little memory regardless of their number."""
 
 from dataclasses import dataclass, field
 
@@ -12,27 +12,27 @@ MAX_REPORTED = 20
 
 @dataclass(slots=True)
 class Damaged:
-    """Lines that are damaged: how many, the first few, and the last; a log may have millions."""
+    """Damaged lines: their number, the first few, and the last; a log may have millions."""
 
     first: list[DamagedLog] = field(default_factory=list)
     last: DamagedLog | None = None
     count: int = 0
 
     def add(self, error: DamagedLog) -> None:
-        """Count one more."""
+        """Count one more damaged line."""
         self.last = error
         self.first += [error] if len(self.first) < MAX_REPORTED else []
         self.count += 1
 
     def reported(self, what: str, *, cut: bool = False) -> list[Found]:
-        """The first ones, and how many more; without the last one if that is only `cut` off."""
+        """The first errors and the number of further ones; without the last one if it is only `cut` off."""
         reported: list[Found] = [error for error in self.first if not (cut and error is self.last)]
         more = self.count - cut - len(reported)
         return [*reported, DamagedLog(f"found {more} more damaged {what}")] if more else reported
 
 
 def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
-    """Damaged lines as they are reported: the last as a note if the file ends within it."""
+    """Report damaged lines; the last one becomes a note if the file ends within it."""
     row = damaged.last.row if damaged.last else None
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
     reported = damaged.reported(what, cut=cut)

@@ -1,6 +1,6 @@
-"""What the headers of a table of flights stand for: fieldkit's own names of columns, those of others, and numbers.
+"""Interpret the headers of a table of flights: fieldkit's own column names, those of others, and numbers.
 
-A table without headers has the columns `#1`, `#2`, and is known again by what is in them: a date, a text or a number.
+A table without headers has the columns `#1`, `#2`, and is recognized by their contents: a date, a text or a number.
 """
 
 import re
@@ -19,18 +19,18 @@ from fieldkit.importing.tables.text import first_names, shown
 from fieldkit.safe_text import printable
 
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
-"""Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
+"""Columns of which one is enough to recognize a flight table; a readout with its unit is enough as well."""
 NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
-"""Ends of a header that look like a unit and are none: `wind_direction` is a column of its own."""
+"""Endings of a header that look like a unit but are not: `wind_direction` is a column of its own."""
 _NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
 _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 
 
 @dataclass(frozen=True, slots=True)
 class ColumnRole:
-    """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
+    """The content of one column: a field of `Flight`, a value `beside` a readout (its sd or source), or neither.
 
-    `unit` is empty if cells bring theirs; `loose` if the name may mean something else as well.
+    `unit` is empty if the cells include theirs; `loose` if the name may mean something else as well.
     """
 
     spelled: str
@@ -41,12 +41,12 @@ class ColumnRole:
 
     @property
     def key(self) -> str:
-        """What no second column may hold."""
+        """Identifier that no second column may share."""
         return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
 
 
 def shape(cells: Sequence[str]) -> tuple[str, ...]:
-    """The columns of a table that has no headers, by the cells of its first row; none if those are headers."""
+    """Column types of a table without headers, given the cells of its first row; empty if those are headers."""
     kinds = [
         "date" if _DATE.fullmatch(cell) else "number" if _NUMBER.fullmatch(cell) else "text"
         for cell in map(str.strip, cells)
@@ -57,15 +57,15 @@ def shape(cells: Sequence[str]) -> tuple[str, ...]:
 
 
 def table_names(head: bytes) -> tuple[str, ...]:
-    """What the columns of a table of flights are called, and what a table without headers is known again by."""
+    """Column names of a table of flights, and what identifies a table without headers."""
     names = first_names(head)
     return shape(names) or names
 
 
 def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
-    """The names of the columns with fieldkit's own for those that were chosen, each with its unit.
+    """Column names, with fieldkit's own names and units for the chosen columns.
 
-    Raises DamagedLog for a column that is not there.
+    Raises DamagedLog for a missing column.
     """
     told = list(names)
     for name, text in choice.channels.items():
@@ -82,26 +82,26 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
 
 
 def _places(names: Sequence[str], wanted: str) -> list[int]:
-    """Where a column of a name is, or of a number as in `#3`."""
+    """Indices of the columns with a name, or with a number such as `#3`."""
     if re.fullmatch(r"#\d{1,3}", wanted) and 1 <= int(wanted[1:]) <= len(names):
         return [int(wanted[1:]) - 1]
     return [place for place, name in enumerate(names) if plain(name) == plain(wanted)]
 
 
 def _stated_unit(name: str) -> str:
-    """The unit that the end of a header names, or none."""
+    """The unit at the end of a header, or none."""
     ending = plain(name).rpartition("_")[2]
     return ending if any(ending in known for known in units.UNITS.values()) and "_" in plain(name) else ""
 
 
 def plain(spelled: str) -> str:
-    """A header in lower case, with one underscore for blanks and brackets: `Apogee (ft)` is `apogee_ft`."""
+    """A header in lower case, with one underscore for spaces and brackets: `Apogee (ft)` becomes `apogee_ft`."""
     return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
 
 
 @cache
 def _known_names() -> Mapping[str, Mapping[str, str]]:
-    """Other names of columns and fieldkit's own: those that hold anywhere, beside a motor, and of masses."""
+    """Other names of columns and fieldkit's own: valid anywhere, valid in a table with motors, and names of masses."""
     known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
     return {part: {other: name for name, others in names.items() for other in others} for part, names in known.items()}
 
@@ -112,15 +112,15 @@ def synonyms() -> Mapping[str, str]:
 
 
 def mass_names(name: str) -> frozenset[str]:
-    """What a mass that is no field of a flight is called: the one at lift-off, or that of the motor."""
+    """Names of a mass that is not a field of a flight: the lift-off mass, or the motor mass."""
     return frozenset({name, *(other for other, own in _known_names()["masses"].items() if own == name)})
 
 
 def beside_a_motor(names: Sequence[str]) -> list[str]:
-    """The names of columns, with fieldkit's own for those that mean one in a table that names motors.
+    """Column names, with fieldkit's own for those that are unambiguous in a table that names motors.
 
-    `Altitude (ft)` is of a sample in a log and the apogee in a list of launches: only such a list has a motor in
-    every row.
+    `Altitude (ft)` is the height of a sample in a log and the apogee in a list of launches. Only such a list has a
+    motor in every row.
     """
     if "motor" not in {role_of(name, strict=False).field for name in names}:
         return list(names)
@@ -140,7 +140,7 @@ def beside_a_motor(names: Sequence[str]) -> list[str]:
 
 
 def _ours(words: str, taken: Collection[str]) -> str:
-    """A header under fieldkit's own name, its unit behind it: `wind_speed_mps` is `wind_mps`."""
+    """A header with fieldkit's own name, followed by its unit: `wind_speed_mps` becomes `wind_mps`."""
     for other, name in synonyms().items():
         if (words == other or words.startswith(f"{other}_")) and name not in taken:
             return name + words.removeprefix(other)
@@ -148,10 +148,10 @@ def _ours(words: str, taken: Collection[str]) -> str:
 
 
 def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
-    """What a header stands for; another name of a field counts if none of those `taken` has its own.
+    """Interpret a header; another name of a field counts only if none of those `taken` is the field's own name.
 
-    Raises BadValue for a column we know in a unit we do not, unless another column already holds the
-    quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
+    Raises BadValue for a known column with an unknown unit, unless another column already contains the quantity (not
+    `strict`) or the ending is a separate word: then the column counts as unknown.
     """
     words = _ours(plain(spelled), taken)
     if words in TEXT_COLUMNS or words in BY_NAME:
@@ -171,7 +171,7 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
 
 
 def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
-    """What is next to a readout in a column. Raises BadValue for a unit that it cannot have, if `strict`."""
+    """The sd or source of a readout that a column contains. Raises BadValue for an impossible unit, if `strict`."""
     try:
         return beside(words)
     except BadValue:
@@ -181,7 +181,7 @@ def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
 
 
 def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
-    """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
+    """Interpret all columns. Raises DamagedLog for an ambiguous or repeated header."""
     own = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
     certain = {role_of(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:
@@ -205,18 +205,18 @@ def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
 
 
 def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
-    """The column of a mass that is no field of a flight, or ""."""
+    """The column of a mass that is not a field of a flight, or ""."""
     return next((heading.spelled for heading in headings if is_mass(heading, mass_names(name))), "")
 
 
 def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
-    """Whether a column that is no field of a flight is a mass of one of these names, with its unit."""
+    """Whether a column that is not a field of a flight is a mass with one of these names, with its unit."""
     name, _, unit = plain(heading.spelled).rpartition("_")
     return not heading.field and name in words and unit in units.UNITS["mass"]
 
 
 def iso_date(text: str) -> str:
-    """A date by its day and month, if there is no doubt which is which, as ISO 8601; else as it is."""
+    """A date as ISO 8601 if day and month are unambiguous; otherwise unchanged."""
     match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
     if not match:
         return text

@@ -1,4 +1,4 @@
-"""The header of a logger's table: where it is, what its columns are called, what parts the cells."""
+"""Find the header of a logger's table: its row, its column names, and its separator."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -16,19 +16,19 @@ SEPARATORS = (",", ";", "\t")
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """The header of a table: its row, counted from 1, its names in lower case, and what parts the cells."""
+    """The header of a table: its row, counted from 1, its names in lower case, and the separator."""
 
     row: int
     names: tuple[str, ...]
     separator: str
 
     def place(self, *names: str) -> int | None:
-        """The first column with one of these names, or None."""
+        """Index of the first column with one of these names, or None."""
         places = (self.names.index(name) for name in names if name in self.names)
         return next(places, None)
 
     def channels(self, wanted: Mapping[str, tuple[str, Unit]], needed: Iterable[str] = ("time",)) -> list[Channel]:
-        """The columns there are of those wanted: header to a channel's name and unit."""
+        """The columns present among those wanted, given as header to a channel's name and unit."""
         places = {name: self.names.index(name) for name in wanted if name in self.names}
         named = {wanted[name][0]: (name, place) for name, place in reversed(places.items())}
         return [
@@ -50,12 +50,12 @@ def find_header(
 
 @lru_cache(maxsize=2)
 def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
-    """What the cells of each line would be called by each separator: every parser asks of the same few lines."""
+    """Names of the cells of each line for each separator; cached, because every parser examines the same few lines."""
     return [list(_ways(line, SEPARATORS)) for line in lines_of(decode(head))]
 
 
 def _ways(line: str, separators: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """The names of a line by each separator, without the empty ones that a spreadsheet puts behind them."""
+    """The names of a line for each separator, without the empty ones that a spreadsheet appends."""
     for separator in separators:
         names = [_plain(cell) for cell in line.split(separator)]
         while len(names) > 1 and not names[-1]:
@@ -76,7 +76,7 @@ def header_in(
 def header_or_damage(
     log: bytes, fits: Callable[[Sequence[str]], bool], expected: str, separators: Sequence[str] = SEPARATORS
 ) -> Header:
-    """The header of a table, as `heading` finds it. Raises DamagedLog that says what was expected."""
+    """The header of a table, as `find_header` finds it. Raises DamagedLog that states what was expected."""
     found = find_header(log, fits, separators)
     if found is None:
         raise DamagedLog(f"found no header, expected {expected}")

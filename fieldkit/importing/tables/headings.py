@@ -1,8 +1,8 @@
-"""What the header of a table of samples says: the channel of `Series` that a column holds, and its unit.
+"""Interpret the header of a table of samples: the channel of `Series` that a column contains, and its unit.
 
-Every logger and every team has its own names for columns: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`,
-`Velocity Feet / Sec`. A name gives a channel only if there is one meaning left: what is predicted, angular
-or sideways is nobody's altitude. A unit is never assumed; a header without one has none.
+Every logger and every team has its own column names: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`, `Velocity Feet /
+Sec`. A name identifies a channel only if a single meaning remains; predicted, angular or lateral values are excluded. A
+unit is never assumed; a header without one has none.
 """
 
 import re
@@ -37,7 +37,7 @@ QUANTITIES: Mapping[str, str] = {
     "drag": "force",
     "mass": "mass",
 }
-"""Channels of `Series`, and the three axes of an accelerometer, with the quantity that finds their units."""
+"""Channels of `Series`, and the three axes of an accelerometer, with the quantity that determines their units."""
 
 DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are in degrees unless another unit is given."""
@@ -74,7 +74,7 @@ _UNIT_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.
 
 @dataclass(frozen=True, slots=True)
 class Heading:
-    """A header as it is spelt, its words without the unit in brackets, and that unit; "" if none is written."""
+    """A header as spelled, its words without the unit in brackets, and that unit; "" if there is none."""
 
     spelled: str
     words: tuple[str, ...]
@@ -90,7 +90,7 @@ _QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
 
 
 def heading(spelled: str) -> Heading:
-    """What a header says: `Alt (ft)` is the word `alt` and the unit `ft`."""
+    """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
     name, unit = spelled, ""
     for match in reversed(list(_BRACKETS.finditer(spelled))):
@@ -103,7 +103,7 @@ def heading(spelled: str) -> Heading:
 
 
 def plain(unit: str) -> str:
-    """A unit in the spelling of `fieldkit.units`: `Feet / Sec` is `ft/s`, `m/s²` and `m/s/s` are `m/s2`."""
+    """A unit in the spelling of `fieldkit.units`: `Feet / Sec` becomes `ft/s`, `m/s²` and `m/s/s` become `m/s2`."""
     text = unicodedata.normalize("NFKC", unit).lower().replace("per", "/").replace("µ", "μ")
     parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
     parts = [_UNIT_ALIASES.get(part, part) for part in parts]
@@ -113,7 +113,7 @@ def plain(unit: str) -> str:
 
 
 def unit_named(quantity: str, text: str) -> Unit | None:
-    """The unit of a quantity that a text names in whatever spelling, or None."""
+    """The unit of a quantity that a text names in any spelling, or None."""
     if quantity == "degree":
         return DEGREES.get(plain(text))
     known = UNITS[quantity]
@@ -125,7 +125,7 @@ def unit_named(quantity: str, text: str) -> Unit | None:
 def stated_unit(head: Heading, channel: str) -> str:
     """The unit that a header states for a channel, in its own spelling; "" if it states none.
 
-    It stands in brackets, or is the end of the name: `time_ms`, `Velocity Feet / Sec`.
+    It is in brackets or at the end of the name: `time_ms`, `Velocity Feet / Sec`.
     """
     quantity = QUANTITIES[channel]
     if head.unit:
@@ -164,17 +164,17 @@ _PRESSURE = _set(
 )
 _TOTAL = _set("total magnitude norm resultant mag abs sum")
 _CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
-"""Words of a clock that says where it began."""
+"""Words of a clock that name its origin."""
 _SECONDS = (("sec",), ("secs",), ("seconds",))
-"""A clock that has its unit for a name."""
+"""Names of a clock that are its unit."""
 _LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
-"""Letters that are names if a unit of their quantity is beside them."""
+"""Letters that are names if a unit of their quantity is next to them."""
 
 
 def channel(head: Heading) -> str:
-    """The channel that a header names beyond doubt, or "".
+    """The channel that a header names unambiguously, or "".
 
-    `acceleration` without a word on gravity is felt or not: it comes back as `felt?`.
+    `acceleration` without a word about gravity may be felt or net: the result is `felt?`.
     """
     words = set(head.words)
     letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
@@ -218,7 +218,7 @@ def channel(head: Heading) -> str:
 
 
 def barometric(head: Heading) -> bool:
-    """Whether a header names a height that a filter made of a barometer's: as good a one if there is no other."""
+    """Whether a header names a height that a filter derived from a barometer, which is used if there is no other."""
     words = set(head.words)
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 

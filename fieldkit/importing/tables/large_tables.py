@@ -1,7 +1,7 @@
-"""Blocks of numbers of a large log by pandas' parser, if a block is plain; else it is read line by line.
+"""Read plain blocks of numbers of a large log with pandas; other blocks are read line by line.
 
-Only what cannot be read otherwise than by `rows` is taken here: as many rows as lines, every cell a number or one of
-the marks of none, nothing beyond what a log may hold. A block that is anything else is handed back.
+A block is read here only if `rows` would give the same result: as many rows as lines, every cell a number or a mark for
+a missing one, and nothing beyond the limits for a log. Any other block is returned unread.
 """
 
 import io
@@ -15,16 +15,16 @@ from fieldkit.importing.tables.text import encodings
 from fieldkit.shapes import Array, Float
 
 LARGE_LOG = 4 << 20
-"""From this size on reading by pandas saves more than importing it takes. [bytes]"""
+"""Size above which pandas saves more time than importing it takes. [bytes]"""
 BLOCK = 2 << 20
-"""Of a log that is read at a time. [bytes]"""
+"""Size of the part of a log that is read at a time. [bytes]"""
 _ABSENT_SPELLINGS = sorted({"NaN", *(one for mark in ABSENT_MARKS for one in (mark, mark.upper(), mark.title()))})
 
 
 def can_be_plain(
     log: bytes, channels: Sequence[Channel], separator: str | None, words: Collection[str], comment: str
 ) -> bool:
-    """Whether pandas may read blocks of a log: a large one in bytes of one width, with numbers alone."""
+    """Whether pandas may read blocks of a log: a large one in a single-byte encoding that contains only numbers."""
     return (
         len(log) >= LARGE_LOG
         and separator is not None
@@ -37,8 +37,8 @@ def can_be_plain(
 
 
 def byte_blocks(log: bytes, after: int) -> Iterator[tuple[int, memoryview, int]]:
-    """The lines of a log below row `after` in blocks that end with a line, each with the number of its first line and
-    how many ends of lines are in it."""
+    """The lines of a log below row `after` in blocks of complete lines, each with the number of its first line and its
+    number of line ends."""
     start, number = 0, 1
     while number <= after:
         start = log.find(b"\n", start) + 1
@@ -64,7 +64,7 @@ def plain_numbers(
     widths: Collection[int] | None,
 ) -> Float[Array, "row channel"] | None:
     """The numbers of a block with this number of line ends, one row per line, in the units of their columns; None if it
-    has anything else."""
+    contains anything else."""
     import pandas
 
     content = bytes(block)
@@ -102,6 +102,9 @@ def plain_numbers(
 
 
 def _has_width(content: bytes, lines: int, separator: str, widths: Collection[int]) -> bool:
-    """Whether all lines of a block have the one width that is allowed: none is wider than the first, or pandas reports
-    it, and together they have as many separators."""
+    """Whether all lines of a block have the one allowed width.
+
+    None is wider than the first, because pandas would report it, and together they have the expected number of
+    separators.
+    """
     return len(widths) == 1 and content.count(separator.encode()) == (max(widths) - 1) * lines

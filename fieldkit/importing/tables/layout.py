@@ -1,7 +1,7 @@
-"""Where the table is in a text, and how its cells stand apart: for tables that nobody documented.
+"""Find the table in a text, and its separator, for undocumented tables.
 
-Lines of text may come first (a block of settings, the name of the flight), then one line of names, perhaps one of
-units below it, and rows of numbers. The header may be marked as a comment, or missing.
+Lines of text may come first (a block of settings, the name of the flight), then one line of names, optionally one of
+units, and rows of numbers. The header may be marked as a comment, or missing.
 """
 
 import codecs
@@ -14,7 +14,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.text import encodings
 
 LOOKED_AT = 400
-"""Lines among which the first rows of numbers must be. [1]"""
+"""Number of lines among which the first rows of numbers must be. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
 _ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
@@ -26,10 +26,10 @@ _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """A table's names, the row above its first numbers, and how its cells are written.
+    """A table's column names, the row above its first numbers, and the format of its cells.
 
-    `headers` are `#1`, `#2`, ... if there are none. `separator` None is blank space; `first` are cells of the
-    first row of numbers.
+    `headers` are `#1`, `#2`, ... if there are none. `separator` None is whitespace; `first` are cells of the first row
+    of numbers.
     """
 
     headers: tuple[str, ...]
@@ -40,13 +40,13 @@ class Layout:
     first: tuple[str, ...]
 
     def says(self, place: int) -> bool:
-        """Whether the first row has a word in this column, and no number."""
+        """Whether the first row has a word rather than a number in this column."""
         cell = self.first[place] if place < len(self.first) else ""
         return cell.lower() not in _ABSENT_MARKS and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
 
 
 def split(line: str, separator: str | None) -> list[str]:
-    """The cells of a line; those in quotes may hold the separator."""
+    """The cells of a line; quoted cells may contain the separator."""
     if separator is not None and '"' in line:
         try:
             return next(csv.reader([line], delimiter=separator), [])
@@ -56,7 +56,7 @@ def split(line: str, separator: str | None) -> list[str]:
 
 
 def layout_of(head: bytes) -> Layout:
-    """The layout of the table that a log begins with. Raises DamagedLog if there is none."""
+    """The layout of the table at the beginning of a log. Raises DamagedLog if there is none."""
     first, *others = encodings(head[:2])
     try:
         text = codecs.getincrementaldecoder(first)().decode(head)
@@ -77,7 +77,8 @@ def table_in(text: str) -> Layout:
 
 
 def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
-    """The first of three lines (or of those there are) that are rows of equally many numbers."""
+    """Index of the first of three lines (or of fewer if there are no more) that are rows with the same count of
+    numbers."""
     rows = [split(line, separator) for line in lines]
     for start in range(len(rows)):
         if len(rows[start]) < 2 or not _numbers(rows[start], separator):
@@ -89,7 +90,7 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 
 
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
-    """Whether most cells are numbers, and nothing but single words stands between them."""
+    """Whether most cells are numbers, and the others single words."""
     said = [cell for cell in cells if cell.strip().lower() not in _ABSENT_MARKS]
     count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in said)
     return count >= 2 and count * 2 > len(said) and not (separator is None and any("," in cell for cell in cells))
@@ -112,7 +113,7 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
 
 
 def _names(line: str, separator: str | None, width: int) -> list[str] | None:
-    """The names in the line above a table, if it has one for every cell; a comment mark is no part of them."""
+    """The names in the line above a table, if there is one for every cell; a comment mark is not part of them."""
     cells = [cell.strip() for cell in split(_MARK.sub("", line), separator)]
     while len(cells) > width and not cells[-1]:
         cells.pop()

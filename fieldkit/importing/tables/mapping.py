@@ -1,9 +1,9 @@
-"""Which column of a table is which channel: what the flyer says once, and the tool remembers.
+"""Mapping of table columns to channels: entered once by the flyer, then remembered.
 
-A choice is written `altitude=Alt (ft)`: a channel of `Series`, or of a table of flights a field of `Flight`
-(`apogee=Height reached [ft]`) or `liftoff_mass`, and a column as its header spells it. A unit that
-the header lacks follows in brackets, `altitude=Alt [ft]`; a table without headers has the columns `#1`, `#2`.
-Choices are kept by the headers of the table they were made for, in a JSON file among the user's data.
+A choice is written `altitude=Alt (ft)`: a channel of `Series`, or for a table of flights a field of `Flight`
+(`apogee=Height reached [ft]`) or `liftoff_mass`, and a column as its header spells it. A unit that the header lacks
+follows in brackets, `altitude=Alt [ft]`; a table without headers has the columns `#1`, `#2`. Choices are stored by the
+headers of the table they were made for, in a JSON file in the user's data folder.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,17 +17,17 @@ from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_file
 
 MAX_MAPPINGS = 500
-"""Number of choices remembered, the latest ones. [1]"""
+"""Number of remembered choices; the oldest are dropped. [1]"""
 
 
 LIFTOFF_MASS, MOTOR_MASS = "liftoff_mass", "motor_mass"
-"""What a table of flights may have in place of the dry mass: the first less the second."""
+"""Columns that a table of flights may have instead of the dry mass, which is the first minus the second."""
 FLIGHT_COLUMNS = (*TEXT_COLUMNS, *BY_NAME, LIFTOFF_MASS, MOTOR_MASS)
-"""What the columns of a table of flights may be."""
+"""Fields that the columns of a table of flights may map to."""
 
 
 def read_choice(texts: Iterable[str]) -> ColumnChoice:
-    """The choice that `--map` texts make. Raises BadValue that says what to write."""
+    """Parse `--map` texts into a choice. Raises BadValue with the correct syntax."""
     channels: dict[str, str] = {}
     for text in texts:
         name, mark, column = (part.strip() for part in text.partition("="))
@@ -47,22 +47,22 @@ def read_choice(texts: Iterable[str]) -> ColumnChoice:
 
 
 def is_of_flights(choice: ColumnChoice) -> bool:
-    """Whether a choice names columns of a table of flights; one that may be either is of samples."""
+    """Whether a choice names columns of a table of flights; if ambiguous, it is of samples."""
     return not choice.channels.keys() <= QUANTITIES.keys()
 
 
 def choice_for(headers: Sequence[str], choices: Iterable[ColumnChoice]) -> ColumnChoice | None:
-    """The first choice made for such a table or for any, or None."""
+    """The first choice made for this table or for any table, or None."""
     return next((choice for choice in choices if choice.headers in ((), tuple(headers))), None)
 
 
 def mapping_file() -> Path:
-    """Where choices are kept, which may not be there yet."""
+    """Path of the file with the choices, which may not exist yet."""
     return data_file("mappings.json")
 
 
 def remembered() -> tuple[ColumnChoice, ...]:
-    """The choices made so far, latest first. Raises FieldkitError if their file is not what it should be."""
+    """The choices made so far, latest first. Raises FieldkitError if their file is invalid."""
     import json
 
     file = mapping_file()
@@ -82,7 +82,7 @@ def _texts(mapping: object) -> dict[str, str]:
 
 
 def remember(choice: ColumnChoice) -> None:
-    """Keep a choice for tables with its headers, in place of an earlier one.
+    """Store a choice for tables with its headers, replacing an earlier one.
 
     Raises FieldkitError if it cannot be written.
     """
@@ -91,9 +91,9 @@ def remember(choice: ColumnChoice) -> None:
 
 
 def forget(number: int) -> ColumnChoice:
-    """Take the choice of a number, counted from 1 as `remembered` lists them, from those kept.
+    """Delete and return a remembered choice by its number, counted from 1 in the order of `remembered`.
 
-    Raises BadValue if there is none of that number.
+    Raises BadValue if there is no such number.
     """
     kept = list(remembered())
     if not 1 <= number <= len(kept):
@@ -104,7 +104,7 @@ def forget(number: int) -> ColumnChoice:
 
 
 def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
-    """Put other columns in place of those of a remembered choice, for the same headers. Raises BadValue."""
+    """Replace the columns of a remembered choice, for the same headers. Raises BadValue."""
     kept = list(remembered())
     if not 1 <= number <= len(kept):
         raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
@@ -114,7 +114,7 @@ def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
 
 
 def _keep(choices: Sequence[ColumnChoice]) -> None:
-    """Write choices in place of those kept; a power cut leaves one or the other."""
+    """Replace the stored choices atomically: a power failure leaves either the old or the new file."""
     import json
 
     kept = choices[:MAX_MAPPINGS]

@@ -1,4 +1,4 @@
-"""What the flags of a log, and its accelerometer at rest on the pad, say."""
+"""Use the flags of a log, and its accelerometer at rest on the pad."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,7 +9,7 @@ from fieldkit.shapes import Array, Flags, Float
 from fieldkit.units import STANDARD_GRAVITY
 
 REST = (0.8, 1.15)
-"""How much of gravity an accelerometer at rest may show: tilted with its rail, or badly calibrated. [g]"""
+"""Reading of an accelerometer at rest: tilted with its rail, or badly calibrated. [g]"""
 
 
 def first_time(time: Float[Array, "row"], marked: Flags) -> float | None:
@@ -25,7 +25,7 @@ def marks(time: Float[Array, "row"], flags: Mapping[str, Float[Array, "row"] | N
 
 
 def scale_at_rest(magnitude: Float[Array, "row"], scales: Sequence[float]) -> float | None:
-    """The one of some scales that makes a magnitude at rest about one g, or None. [m/s^2 per unit]"""
+    """The scale that makes a magnitude at rest about one g, or None. [m/s^2 per unit]"""
     if not np.isfinite(magnitude).any():
         return None
     level = float(np.nanmedian(magnitude))
@@ -34,7 +34,7 @@ def scale_at_rest(magnitude: Float[Array, "row"], scales: Sequence[float]) -> fl
 
 
 def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] | None:
-    """The axis of three that measures gravity on the pad, positive with the nose up; None if there is none. [m/s^2]"""
+    """The axis that measures gravity on the pad, positive with the nose up; None if there is none. [m/s^2]"""
     if not rest.any() or not np.isfinite(axes[:, rest]).any(axis=1).all():
         return None
     levels = np.nanmedian(axes[:, rest], axis=1) / STANDARD_GRAVITY
@@ -48,15 +48,15 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
 BOOST = 0.4
 """Averaging time that distinguishes a boost from the shock of a charge, which is stronger and shorter. [s]"""
 PUSHED = 2.0 * STANDARD_GRAVITY
-"""The least push of a boost. [m/s^2]"""
+"""Smallest specific force of a boost. [m/s^2]"""
 ONE_G_RANGE = (0.6, 1.2)
-"""How much of gravity an accelerometer on its pad shows along the thrust that follows. [g]"""
+"""Reading of an accelerometer on the pad along the direction of the later thrust. [g]"""
 
 
 def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Float[Array, "row"] | None:
-    """The acceleration along the rocket from three axes in any mounting: along the strongest sustained push. [m/s^2]
+    """Acceleration along the rocket from three axes in any mounting: along the strongest sustained thrust. [m/s^2]
 
-    None if there is none, or if gravity on the pad does not point along it.
+    None if there is no such thrust, or if gravity on the pad is not along it.
     """
     whole = np.isfinite(axes).all(axis=0) & np.isfinite(time)
     if whole.sum() < 20:
@@ -77,7 +77,7 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
             return None
     along: Float[Array, "row"] = direction @ axes
     full = _is_full(time, axes)
-    if full.any():  # what an axis at the end of its range feels of the rocket's is not known: the most there is
+    if full.any():  # a saturated axis hides part of the acceleration: use the largest
         along[full] = np.nanmax(along)
     return along
 

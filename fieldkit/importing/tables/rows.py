@@ -1,7 +1,7 @@
-"""Rows of numbers: block by block in C, and cell by cell only if a row is damaged.
+"""Rows of numbers: read block by block in C, and cell by cell only if a row is damaged.
 
-A row that does not fit the table is skipped and reported in one line; a few hundred of them are reported
-together. A long table is thinned as it is read.
+A row that does not fit the table is skipped and reported in one line; a few hundred are reported together. A long table
+is thinned while it is read.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -19,19 +19,19 @@ from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
 from fieldkit.shapes import Array, Float, Int, Integers
 
 PATIENCE = 50
-"""A block with so many damaged rows is read cell by cell from there on. [1]"""
+"""Number of damaged rows in a block after which the rest of it is read cell by cell. [1]"""
 MOST_DAMAGED = 200_000
-"""After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
+"""Number of damaged rows after which, if they also outnumber the complete ones, the rest is not a table. [1]"""
 MOST_NUMBERS = 750_000
-"""A table of more numbers loses every other row, and again, until it has no more. [1]"""
+"""Number of values above which a table drops every other row, repeatedly if necessary. [1]"""
 ROWS_TO_MEASURE = 100
-"""Number of rows from which the length of a last cell is taken. [1]"""
+"""Number of rows from which the length of the last cell is measured. [1]"""
 MOST_WORDS = 1000
-"""So many different words a column of words may hold; what comes later is empty. [1]"""
+"""Number of different words in a column of words; later new ones become empty. [1]"""
 
 
 class Rows:
-    """Takes lines, and keeps the numbers of those that are whole."""
+    """Accepts lines, and stores the numbers of complete ones."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Rows:
         self.damaged, self.last_damaged, self.last, self.kept, self.seen, self.step = 0, 0, 0, 0, 0, 1
 
     def read(self, rows: list[int], lines: list[str]) -> None:
-        """Keep the rows of a block that are whole."""
+        """Store the complete rows of a block."""
         if not lines:
             return
         self.last = rows[-1]
@@ -70,18 +70,18 @@ class Rows:
             self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
     def take(self, first: int, numbers: Float[Array, "row channel"], last_lines: list[str]) -> None:
-        """Keep a block of whole rows from row `first` on, of which these are the last lines."""
+        """Store a block of complete rows from row `first` on; `last_lines` are its last lines."""
         self.last = first + len(numbers) - 1
         self._measure_ends(last_lines)
         self._keep(np.arange(first, first + len(numbers)), numbers, [])
 
     def _measure_ends(self, lines: list[str]) -> None:
-        """Note the last cells of some lines."""
+        """Record the last cells of some lines."""
         ends = [line.rpartition(self.separator or " ")[2] for line in lines[-ROWS_TO_MEASURE:]]
         self.ends = (self.ends + ends)[-ROWS_TO_MEASURE:]
 
     def too_much_damaged(self) -> bool:
-        """Whether so many rows are damaged that what follows is no table."""
+        """Whether so many rows are damaged that the rest is not a table."""
         return self.damaged > max(MOST_DAMAGED, self.seen)
 
     def _widths(self, lines: Iterable[str]) -> list[int]:
@@ -91,7 +91,7 @@ class Rows:
         return [line.count(separator) + 1 for line in lines]
 
     def _without_blanks(self, line: str) -> str:
-        """A line without as many of the blank cells at its end as it has cells too many: a spreadsheet adds them."""
+        """A line without surplus empty cells at its end, which a spreadsheet adds."""
         separator, widest = self.separator, max(self.widths or [0])
         if separator is None:
             return line
@@ -99,7 +99,7 @@ class Rows:
         return separator.join(cells[:widest]) if not any(cell.strip() for cell in cells[widest:]) else line
 
     def _around(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
-        """Keep the rows of a block, whose gaps are `filled` with nan, up to each damaged one and from there on."""
+        """Store the rows of a block, whose gaps are `filled` with nan, before, between and after damaged rows."""
         start = 0
         for _ in range(PATIENCE):
             coming = iter(filled[start:])
@@ -108,14 +108,14 @@ class Rows:
                 return
             except ValueError:
                 stop = len(filled) - length_hint(coming)
-            sound = max(start, stop - 2)  # should numpy have looked further than the line that it cannot read
+            sound = max(start, stop - 2)  # in case numpy has read past the invalid line
             self._halve(rows[start:sound], lines[start:sound], filled[start:sound])
             self._one_by_one(rows[sound:stop], lines[sound:stop])
             start = stop
         self._one_by_one(rows[start:], lines[start:])
 
     def _halve(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
-        """Keep rows that should be complete: all at once, or each half by itself."""
+        """Store rows that should be complete: all together, or each half separately."""
         try:
             self._quickly(rows, lines, iter(filled))
         except ValueError:
@@ -127,7 +127,7 @@ class Rows:
                 self._halve(rows[middle:], lines[middle:], filled[middle:])
 
     def _quickly(self, rows: list[int], lines: list[str], coming: Iterator[str]) -> None:
-        """Keep the rows of lines that all hold numbers where they should. Raises ValueError if one does not."""
+        """Store the rows of lines in which every number is valid. Raises ValueError if one is not."""
         if not lines:
             return
         converters: dict[int | str, Callable[[str], float]] = {
@@ -182,7 +182,7 @@ class Rows:
             self._keep(list(kept), np.array(values), [list(column) for column in zip(*said, strict=True)])
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
-        """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
+        """The numbers of a row, or its error; returned, because a raised error would keep a reference to its block."""
         if line.startswith(ENDLESS_LINE_MARK):
             return DamagedLog("found a line without end, or NUL, expected a row", row=row)
         if self.widths is not None and len(cells) not in self.widths:
@@ -203,7 +203,7 @@ class Rows:
     def _keep(
         self, rows: Sequence[int] | Integers, numbers: Float[Array, "row channel"], said: list[list[str]]
     ) -> None:
-        """Put rows, row by row numbers and words, behind those that there are; of a long table not all."""
+        """Append rows of numbers and words; for a long table, only some of them."""
         which = [_which(known, cells) for known, cells in zip(self.vocabulary, said, strict=True)]
         kept = (self.seen + np.arange(len(rows))) % self.step == 0
         for column, codes in zip(self.columns[1:], which, strict=False):
@@ -220,7 +220,7 @@ class Rows:
             self._thin()
 
     def _thin(self) -> None:
-        """Leave out every other row, from here on as well, but none if a word changes."""
+        """Drop every other row from now on and among those stored, but none at which a word changes."""
         self.step = min(self.step * 2, 1 << 40)
         every_other = kept = np.arange(self.kept) % 2 == 0
         for column in self.columns[1 : 1 + len(self.words)]:
@@ -231,7 +231,7 @@ class Rows:
         self.kept = int(kept.sum())
 
     def table(self, *, cut: bool) -> LogTable:
-        """What was kept. Raises DamagedLog if that is nothing."""
+        """The stored rows as a table. Raises DamagedLog if there are none."""
         if not self.kept:
             raise self.reported[0] if self.reported else DamagedLog("found no samples, expected at least one")
         rows, *columns = [self._joined(column) for column in self.columns]
@@ -247,13 +247,13 @@ class Rows:
 
     @staticmethod
     def _joined(column: list[np.ndarray[Any, Any]]) -> np.ndarray[Any, Any]:
-        """The pieces of a column as one, and let go: a long log's are not kept twice."""
+        """The pieces of a column joined; the pieces are released, so that those of a long log are not stored twice."""
         whole = np.concatenate(column)
         column.clear()
         return whole
 
     def _ends_short(self) -> bool:
-        """Whether the last cell of all has fewer decimals than each of many before it, or less of anything."""
+        """Whether the very last cell has fewer decimals or characters than all of many cells before it."""
         if min(self.kept, len(self.ends)) < ROWS_TO_MEASURE // 2:
             return False
         *usual, last = [(len(cell.partition(".")[2]), len(cell)) for cell in self.ends]
@@ -274,7 +274,7 @@ class Rows:
 
 
 def _which(known: dict[str, int], cells: list[str]) -> Int[Integers, "row"]:
-    """The place of each cell among the words that are known, to which new ones are added."""
+    """The index of each cell among the known words, to which new ones are added."""
     for cell in dict.fromkeys(cells):
         if len(known) < MOST_WORDS:
             known.setdefault(cell, len(known))

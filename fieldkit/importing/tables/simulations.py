@@ -1,8 +1,8 @@
-"""What the exports of flight simulators have in common: columns with units, read as a simulation.
+"""Common parts of the exports of flight simulators: columns with units, read as a simulation.
 
-Every column says its unit; one that says none, or a name that is not known, is left out. Names are those of the
-programs in English, and for a program that translates them the dictionary's word in some other languages: a wrong
-word loses a column, and cannot change a number, because the unit must be one of its quantity.
+Every column states its unit; one without a unit or with an unknown name is dropped. Names are those of the programs in
+English, and for a translated program the word in some other languages. A wrong word loses a column but cannot change a
+number, because the unit must fit the quantity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -77,7 +77,7 @@ def base_words(head: Heading) -> tuple[str, ...]:
 
 
 def channel_of(head: Heading) -> str:
-    """The channel that a column of a simulation is, or ""."""
+    """The channel of a simulation's column, or ""."""
     words = base_words(head)
     name = " ".join(words)
     if name in NAMES:
@@ -103,10 +103,10 @@ def read_simulation(
     comment: str = "",
     seconds: bool = False,
 ) -> tuple[LogTable, list[Found]]:
-    """The rows of an export and what was found in them: a simulation for each time that the clock starts.
+    """The rows of an export and what was found in them: a simulation for each start of the clock.
 
-    `seconds` says that the program's clock has no unit in its header and counts seconds. Raises DamagedLog for
-    an export without time or height, or whose height and speed contradict each other.
+    `seconds` means that the program's clock has no unit in its header and is in seconds. Raises DamagedLog for an
+    export without time or height, or whose height and speed contradict each other.
     """
     channels = _channels(headers, seconds)
     if missing := {"time", "altitude"} - {channel.name for channel in channels}:
@@ -125,7 +125,7 @@ def read_simulation(
 
 
 def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
-    """The columns with a known name and a unit, the first of each."""
+    """The columns with a known name and a unit; only the first of each name."""
     channels: dict[str, Channel] = {}
     for place, spelled in enumerate(headers):
         head = heading(spelled)
@@ -143,9 +143,9 @@ def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
 
 
 def _vertical(table: LogTable) -> LogTable:
-    """The table without a speed that is not the vertical one.
+    """The table, without its speed if that is not vertical.
 
-    Raises DamagedLog if the climb is not what the speed makes it: then a unit is not what the header says.
+    Raises DamagedLog if the climb does not match the speed: then a unit differs from the header.
     """
     if "speed" not in table.values:
         return table

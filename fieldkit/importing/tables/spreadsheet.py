@@ -1,6 +1,6 @@
-"""Spreadsheets, `.xlsx` and `.ods`, as the CSV that they would be saved as: then every parser of tables reads them.
+"""Convert spreadsheets (`.xlsx` and `.ods`) to CSV, so that every table parser can read them.
 
-Of several sheets the first is taken that a parser recognizes, else the first that holds anything.
+Of several sheets the first one that a parser recognizes is used, otherwise the first that is not empty.
 """
 
 import csv
@@ -14,15 +14,15 @@ from typing import Any
 from fieldkit.errors import DamagedLog
 
 MAX_UNPACKED = 256 << 20
-"""Size of all that is packed in a spreadsheet. [bytes]"""
+"""Largest uncompressed size of all files in a spreadsheet. [bytes]"""
 MAX_CELLS = 8_000_000
-"""Cells of a sheet. [1]"""
+"""Largest number of cells in a sheet. [1]"""
 _CONTENTS = ("xl/workbook.xml", "content.xml")
-"""A file that every spreadsheet of either kind has in it."""
+"""Files of which every spreadsheet contains one."""
 
 
 def is_spreadsheet(log: bytes) -> bool:
-    """Whether a file is a spreadsheet, of those that are read here."""
+    """Whether a file is a spreadsheet of a supported kind."""
     if not log.startswith(b"PK\x03\x04"):
         return False
     try:
@@ -35,9 +35,9 @@ def is_spreadsheet(log: bytes) -> bool:
 
 
 def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
-    """The sheet of a spreadsheet that is recognized, or else the first that holds anything, as CSV in UTF-8.
+    """The first recognized sheet of a spreadsheet, otherwise the first that is not empty, as CSV in UTF-8.
 
-    Raises DamagedLog for one that cannot be read, or that is beyond the bounds.
+    Raises DamagedLog if it cannot be read or exceeds the limits.
     """
     first = b""
     for sheet in _sheets(log):
@@ -50,7 +50,7 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
 
 
 def _sheets(log: bytes) -> Iterator[bytes]:
-    """Each sheet that holds anything, as CSV."""
+    """Each sheet that is not empty, as CSV."""
     import pandas
 
     with zipfile.ZipFile(io.BytesIO(log)) as archive:
@@ -67,7 +67,7 @@ def _sheets(log: bytes) -> Iterator[bytes]:
                     yield _written(table.itertuples(index=False, name=None))
     except DamagedLog:
         raise
-    except Exception as error:  # of the reader of spreadsheets, whose errors have no class in common
+    except Exception as error:  # the spreadsheet reader's errors have no common class
         raise DamagedLog(f"found a spreadsheet that cannot be read ({type(error).__name__}), save it as CSV") from error
 
 
@@ -80,7 +80,7 @@ def _written(rows: Iterator[tuple[Any, ...]]) -> bytes:
 
 
 def _cell(value: object) -> str:
-    """A cell as CSV has it: numbers with a point and all their digits, whole ones as such, dates by ISO 8601."""
+    """A cell as CSV text: numbers with a point and all digits, integers without decimals, dates in ISO 8601."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:

@@ -1,4 +1,4 @@
-"""The table of a log as it was read: arrays in SI by channel, and the flights that its clock parts it into."""
+"""The table of a log as it was read: SI arrays by channel, and the flights into which its clock splits it."""
 
 import hashlib
 from collections.abc import Iterator, Mapping
@@ -15,15 +15,16 @@ from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 MOST_FLIGHTS = 100
-"""No logger holds as many flights in one log. [1]"""
+"""Largest number of flights in one log. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogTable:
-    """The rows of a log: SI arrays by channel, and of each row its number in the file, counted from 1.
+    """The rows of a log: SI arrays by channel, and each row's number in the file, counted from 1.
 
-    `words` holds the columns of words: those there are, and for every row which of them. `remarks` are the
-    comment lines with their row, `found` what a parser hands on: damaged rows, and a note of a last one cut off.
+    `words` contains the columns of words: the different words, and for every row the index of its word. `remarks` are
+    the comment lines with their rows; `found` is what a parser passes on: damaged rows, and a note about a truncated
+    last row.
     """
 
     values: Mapping[str, Float[Array, "row"]]
@@ -41,26 +42,26 @@ class LogTable:
         return None if values is None or np.isnan(values).all() else values
 
     def where(self, name: str, word: str) -> Int[Integers, "match"]:
-        """The indices of the rows that say `word` in a column of words."""
+        """The indices of the rows with `word` in a column of words."""
         known, which = self.words[name]
         return np.flatnonzero(which == known.index(word)) if word in known else np.empty(0, np.int64)
 
     def pick(self, rows: slice | Flags | Integers) -> "LogTable":
-        """The table with some of its rows; what was found in the file stays."""
+        """The table with some of its rows; what was found in the file is unchanged."""
         words = {name: (known, which[rows]) for name, (known, which) in self.words.items()}
         return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
 
     def series(self) -> Series:
-        """The channels that a `Series` has a field for; `time` must be one of them."""
+        """The channels that are fields of `Series`; `time` must be one of them."""
         names = {f.name for f in fields(Series)} & self.values.keys()
         channels = {name: self.get(name) for name in names - {"time"}}
         return Series(self.values["time"], **channels)
 
     def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Found]]:
-        """The table split where its clock restarts, each part without rows out of order, and everything found.
+        """Split the table where its clock restarts. Returns the parts, without rows out of order, and everything found.
 
-        A part that equals an earlier one is a duplicate and left out. Raises DamagedLog for a clock that restarts
-        again and again: shuffled rows are not flights.
+        A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog for a clock that restarts
+        repeatedly: shuffled rows are not flights.
         """
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}
@@ -88,7 +89,7 @@ class LogTable:
 
 
 def _digest(table: LogTable) -> bytes:
-    """The same bytes for the same numbers."""
+    """A digest that is equal for equal numbers."""
     content = hashlib.blake2b()
     for values in table.values.values():
         content.update(np.ascontiguousarray(values).data)

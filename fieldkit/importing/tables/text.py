@@ -1,8 +1,8 @@
-"""Text out of a log's bytes, and rows out of a text, whatever wrote them.
+"""Text from a log's bytes, and rows from a text, regardless of the program that wrote them.
 
-Loggers and spreadsheets write UTF-8 with a mark or without, UTF-16, or the old Windows code page, and
-pad with NUL. Row numbers are those a spreadsheet shows: the first row is 1, blank rows count, and a
-quoted cell with line breaks in it is still one row.
+Loggers and spreadsheets write UTF-8 with or without a byte order mark, UTF-16, or the old Windows code page, and pad
+with NUL. Row numbers are those that a spreadsheet displays: the first row is 1, blank rows count, and a quoted cell
+with line breaks is still one row.
 """
 
 import codecs
@@ -14,21 +14,21 @@ from itertools import chain, islice
 from fieldkit.errors import DamagedLog
 
 BLOCK = 1 << 19
-"""How much of a log is text at one time, and the longest line there may be. [bytes]"""
+"""Size of the part of a log that is decoded at a time, and the longest line. [bytes]"""
 ENDLESS_LINE_MARK = "\0"
 """Start of what replaces a line longer than a block."""
 
 
 MAX_TABLE_SIZE = 4 << 20
-"""Size limit of a table with a row for each flight, or of what is read in one piece. [byte]"""
+"""Largest size of a table with a row for each flight, or of anything read in one piece. [byte]"""
 
 
 MOST_WIDE = 32 << 20
-"""A log in UTF-16 that has to be narrowed in one piece is no longer than this. [bytes]"""
+"""Largest size of a UTF-16 log that has to be converted in one piece. [bytes]"""
 
 
 def decode_whole(log: bytes) -> str:
-    """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
+    """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are not text."""
     if len(log) > MAX_TABLE_SIZE:
         found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; split it"
         raise DamagedLog(found)
@@ -36,10 +36,10 @@ def decode_whole(log: bytes) -> str:
 
 
 def decode(log: bytes) -> str:
-    """The text of a log: UTF-8, UTF-16, or cp1252 when it is neither.
+    """The text of a log: UTF-8, UTF-16, or cp1252 if it is neither.
 
-    Padding with NUL at the end is dropped, and so is a last character that was cut in two. Raises
-    DamagedLog for bytes that are no text.
+    NUL padding at the end is dropped, and so is a last character that was cut in two. Raises DamagedLog for bytes that
+    are not text.
     """
     while log.startswith(codecs.BOM_UTF8):
         log = log[len(codecs.BOM_UTF8) :]
@@ -56,7 +56,7 @@ def decode(log: bytes) -> str:
 
 
 def encodings(start: bytes) -> tuple[str, ...]:
-    """The encodings worth trying, best first, by the first two bytes."""
+    """The encodings to try, best first, based on the first two bytes."""
     if start == codecs.BOM_UTF16_LE or (start[1:] == b"\0" and start[:1] != b"\0"):
         return ("utf-16-le",)
     if start == codecs.BOM_UTF16_BE or (start[:1] == b"\0" and start[1:] != b"\0"):
@@ -65,7 +65,7 @@ def encodings(start: bytes) -> tuple[str, ...]:
 
 
 def _size(log: bytes) -> int:
-    """The length of a log without the NUL that pads it."""
+    """The length of a log without NUL padding at the end."""
     size = len(log)
     while size and not log[size - 1]:
         start = max(0, size - BLOCK)
@@ -74,10 +74,10 @@ def _size(log: bytes) -> int:
 
 
 def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
-    """The lines of a log below row `after` in blocks, each block with the number of its first line.
+    """The lines of a log below row `after` in blocks, each with the number of its first line.
 
-    Only one block is text at a time. Nothing is refused: an invalid character becomes U+FFFD, a line that
-    is longer than a block begins with ENDLESS. Padding with NUL at the end is dropped.
+    Only one block is decoded at a time. Nothing is rejected: an invalid character becomes U+FFFD, and a line longer
+    than a block begins with `ENDLESS_LINE_MARK`. NUL padding at the end is dropped.
     """
     number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"
     for text in _texts(log):
@@ -94,20 +94,20 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
 
 
 def first_lines(log: bytes, after: int = 0, most: int = 200) -> list[str]:
-    """The first lines of a log below row `after`, as many as are wanted and there are."""
+    """The first lines of a log below row `after`, at most `most`."""
     lines = chain.from_iterable(block for _, block in blocks(log, after))
     return list(islice(lines, most))
 
 
 def lines_of(text: str) -> list[str]:
-    """The lines of the beginning of a log, as `blocks` counts them."""
+    """The lines at the beginning of a log, as `blocks` counts them."""
     return [line.strip("\r\ufeff") for line in text.split("\n" if "\n" in text else "\r")]
 
 
 def narrow(log: bytes) -> bytes:
-    """A log with one byte a character, for a parser that looks at bytes: a terminal may have saved it as UTF-16.
+    """A log with one byte per character, for a parser that examines bytes: a terminal may have saved it as UTF-16.
 
-    Raises DamagedLog for a long one in UTF-16, or for bytes that are no text.
+    Raises DamagedLog for a long one in UTF-16, or for bytes that are not text.
     """
     if encodings(log[:2])[0] == "utf-8":
         return log
@@ -126,18 +126,18 @@ def _texts(log: bytes) -> Iterator[str]:
 
 
 def is_cut(log: bytes) -> bool:
-    """Whether a log ends within a line, padding apart."""
+    """Whether a log ends within a line, ignoring padding."""
     size = _size(log)
     return log[max(0, size - 1) : size] not in (b"\n", b"\r", b"")
 
 
 def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLog]]:
-    """The rows of a table with their numbers; a row whose quotes do not pair up is a DamagedLog.
+    """The rows of a table with their numbers; a row with an unmatched quotation mark is a DamagedLog.
 
-    Such a row ends where its line ends, so that a quotation mark which is never closed costs one
-    row and not the rest of the table.
+    That row ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
+    table.
     """
-    csv.field_size_limit(MAX_TABLE_SIZE)  # what was exported from a ledger comes back, however long its notes are
+    csv.field_size_limit(MAX_TABLE_SIZE)  # an exported ledger can be imported again, however long its notes are
     lines = list(io.StringIO(text, newline=""))
     row, start = 0, 0
     while start < len(lines):
@@ -157,14 +157,13 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
 
 
 _MOST_TITLES, _LEAST_BELOW_TITLE = 5, 3
-"""Rows of titles that a table may have above its header, and the cells that its header then has at least. [1]"""
+"""Largest number of title rows above a table's header, and the smallest number of cells in the header then. [1]"""
 
 
 def first_row(text: str, separator: str) -> tuple[int, list[str]]:
-    """The header of a table, with the number of its row: the first row that is neither blank nor a spreadsheet's
-    `sep=;`, nor a title, alone in its row above a row of several cells.
+    """The header of a table with its row number: the first row that is not blank, a spreadsheet's `sep=;` or a title.
 
-    (0, []) if there is none.
+    A title is a single cell above a row of several cells. (0, []) if there is no header.
     """
     titles: list[tuple[int, list[str]]] = []
     for row, cells in rows(text, separator):
@@ -182,25 +181,25 @@ def first_row(text: str, separator: str) -> tuple[int, list[str]]:
 
 
 def first_names(head: bytes) -> tuple[str, ...]:
-    """The cells of the first row of a table, by the separator that makes most of them."""
+    """The cells of the first row of a table, split by the separator that gives the most cells."""
     text = decode(head)
     cells = max((first_row(text, separator)[1] for separator in (",", ";", "\t")), key=len)
     return tuple(cell.strip() for cell in cells)
 
 
 def shown(cell: str, most: int = 40) -> str:
-    """A cell as messages quote it: in quotes, control characters spelt out, cut when it is long."""
+    """A cell as messages quote it: in quotes, with control characters escaped, truncated if long."""
     cell = cell.strip()
     return repr(cell if len(cell) <= most else cell[:most] + "…")
 
 
 def line_end(log: bytes) -> bytes:
-    """What ends the lines of a log, if not a carriage return alone then a line feed with or without one."""
+    """The line ending of a log: a carriage return if there are no line feeds, otherwise a line feed."""
     return b"\n" if b"\n" in log[: 1 << 21] or b"\r" not in log[: 1 << 21] else b"\r"
 
 
 def lines(log: bytes, longest: int = 1 << 20) -> Iterator[bytes]:
-    """The lines of a log, one at a time; of a line without end its last part."""
+    """The lines of a log, one at a time; of a line without end only its last part."""
     start, mark = 0, line_end(log)
     while start <= len(log):
         end = log.find(mark, start)

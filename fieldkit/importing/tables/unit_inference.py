@@ -1,8 +1,8 @@
-"""Units that a table does not write, settled by physics, or not at all.
+"""Infer units that a table does not state from physics, or not at all.
 
-Pressure falls with height in a known way, a coasting rocket is slowed by one g or more, speed is the change of
-height, an accelerometer at rest feels one g, and a logger samples neither every hour nor every nanosecond.
-A unit is settled when one candidate alone agrees with what is known; nothing is ever guessed from habit.
+Pressure falls with height in a known way, a coasting rocket decelerates at one g or more, speed is the derivative of
+height, an accelerometer at rest feels one g, and no logger samples once per hour or once per nanosecond. A unit is
+inferred when exactly one candidate agrees with what is known; common practice is never used as a guess.
 """
 
 from collections.abc import Mapping
@@ -22,16 +22,16 @@ CANDIDATES: Mapping[str, tuple[str, ...]] = {
 _EPOCH = (9.4e8, 2.6e9)
 """Unix time from 1999 to 2052. [s]"""
 _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
-"""Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
+"""Highest pressure of a log at launch sites below 4000 m, in units whose ranges do not overlap."""
 
 
 _REST_SAMPLES, _LEAST_REST = 20, 5
-"""A rest is looked for in pieces of at most and at least so many samples: some loggers keep no more of the pad. [1]"""
+"""Largest and smallest number of samples in the pieces searched for a rest: some loggers store few of the pad. [1]"""
 _BOOST_PART, _MAX_REST_PART, _REST_SPREAD = 0.4, 0.7, 0.3
-"""A boost is such a part of what was strongest, a rest no more than the second; nothing but a rest differs by less than
-the third, to its level. [1]"""
+"""Smallest fraction of the maximum that is a boost, largest fraction that is a rest, and largest spread of a rest
+relative to its level. [1]"""
 _LIFTS, _MOST_GRAVITIES = 1.5, 400.0
-"""What lifts a rocket off is felt as more than the first, and nothing that flies as more than the second. [g]"""
+"""Smallest acceleration felt at lift-off, and the largest in any flight. [g]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +43,9 @@ class InferredUnit:
 
 
 def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]) -> dict[str, InferredUnit]:
-    """Units of `time`, `altitude` and `speed` that `units` leaves open, as far as they can be settled.
+    """Units of `time`, `altitude` and `speed` that `units` does not contain, if they can be inferred.
 
-    `raw` are columns as they stand; `pressure` among them is of any unit. What does not come back stays open.
+    `raw` are columns with their original numbers; `pressure` may be in any unit. Missing results remain undetermined.
     """
     settled: dict[str, InferredUnit] = {}
     time = raw["time"]
@@ -76,7 +76,7 @@ def epoch_unit(time: Float[Array, "time"]) -> str:
 
 
 def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
-    """The unit in which the pressure on the pad is one of this planet, if it is one alone."""
+    """The unit in which the pressure on the pad is possible on this planet, if there is exactly one."""
     finite = pressure[np.isfinite(pressure)]
     pad = float(np.percentile(finite, 98)) if len(finite) else float("nan")
     fits = [unit for unit, (low, high) in _PAD_PRESSURE.items() if low <= pad <= high]
@@ -84,15 +84,15 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
 
 
 _BLOW_LASTS = 0.2
-"""A peak that is shorter is the blow of a charge, for the shortest motors burn longer. [s]"""
+"""Longest duration of the shock of a charge; the shortest motors burn longer. [s]"""
 
 
 def rest(acceleration: Float[Array, "time"], time: Float[Array, "time"] | None = None) -> float:
     """The reading of an accelerometer at its quietest before its peak, in the unit of the log.
 
-    After a landing it lies on its side, as quietly as before and with another part of gravity along its axis, so only
-    what comes before counts; nan if a log begins in flight, for what is steadiest in it may be the thrust. The
-    `time` [s] distinguishes the blow of a charge from a boost, which is weaker and longer.
+    After landing it lies on its side, equally quiet but with another component of gravity along its axis, so only
+    samples before the peak count. nan if a log begins in flight, because the most constant part may be the thrust.
+    `time` [s] distinguishes the shock of a charge from a boost, which is weaker and longer.
     """
     there = np.isfinite(acceleration)
     values = acceleration[there]
@@ -107,13 +107,13 @@ def rest(acceleration: Float[Array, "time"], time: Float[Array, "time"] | None =
             before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
             if len(before) and abs(usual) < _MAX_REST_PART * float(np.abs(means).max()):
                 return float(before[before.std(axis=1).argmin()].mean())
-        if np.ptp(values) <= _REST_SPREAD * abs(float(np.median(values))):  # a log of a rest alone
+        if np.ptp(values) <= _REST_SPREAD * abs(float(np.median(values))):  # a log that contains only a rest
             return float(np.median(values))
     return float("nan")
 
 
 def _lasting(values: Float[Array, "piece"], width: int) -> Float[Array, "piece"]:
-    """What lasts for a number of pieces: a morphological opening, which takes shorter peaks away."""
+    """Values that last for a number of pieces: a morphological opening, which removes shorter peaks."""
     if not 1 < width < len(values):
         return values
     windows = np.lib.stride_tricks.sliding_window_view
@@ -123,7 +123,7 @@ def _lasting(values: Float[Array, "piece"], width: int) -> Float[Array, "piece"]
 
 
 def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:
-    """The unit in which an accelerometer at rest feels one g, and more than at rest in a boost; None without a rest."""
+    """The unit in which an accelerometer feels one g at rest and more in a boost; None without a rest."""
     at_rest = abs(rest(acceleration))
     finite = np.abs(acceleration[np.isfinite(acceleration)])
     least, most = np.quantile(finite, (0.05, 0.995)).tolist() if len(finite) else (0.0, 0.0)
@@ -141,14 +141,14 @@ def _median(values: Float[Array, "some"]) -> float:
 
 
 def _steps_are_a_loggers(time: Float[Array, "time"]) -> bool:
-    """Whether steps are of a tenth of a millisecond to five seconds, and the whole of seconds to a day."""
+    """Whether the time steps are 0.1 ms to 5 s, and the whole log lasts seconds to a day."""
     steps = np.diff(time[np.isfinite(time)])
     steps = steps[steps > 0]
     return len(steps) > 0 and 2e-4 <= float(np.median(steps)) <= 5.0 and 1.5 <= float(steps.sum()) <= 1e5
 
 
 def _pressure_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
-    """Whether height grows as the standard atmosphere has it for this ratio of pressures."""
+    """Whether height increases as in the standard atmosphere for this ratio of pressures."""
     if "pressure" not in raw or "altitude" not in raw:
         return False
     altitude = raw["altitude"] * UNITS["length"][way["altitude"]].factor
@@ -156,15 +156,16 @@ def _pressure_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, 
 
 
 def height_unit_by_pressure(raw: Mapping[str, Float[Array, "time"]]) -> str:
-    """The unit in which heights are those of the pressure beside them, or "" if none is or both might be."""
+    """The unit in which heights match the pressure in the same log, or "" if none or both do."""
     fits = [unit for unit in CANDIDATES["altitude"] if _pressure_agrees(raw, {"altitude": unit})]
     return fits[0] if len(fits) == 1 else ""
 
 
 def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Height above where a log begins, of pressures in any one unit. [m]
+    """Height above the beginning of a log from pressures in any unit. [m]
 
-    Source: U.S. Standard Atmosphere 1976, the pad taken at sea level: a scale within some 5 % of the true one.
+    Source: U.S. Standard Atmosphere 1976, with the pad assumed at sea level: the scale is within about 5 % of the true
+    one.
     """
     pad = _median(pressure[:5])
     ratio = np.where(pressure > 0, pressure, np.nan) / pad if pad > 0 else np.full_like(pressure, np.nan)
@@ -179,7 +180,7 @@ def _ratio_is_one(one: Float[Array, "time"], other: Float[Array, "time"]) -> boo
 
 
 def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
-    """Whether the speed, summed up on the way to the top, makes the height."""
+    """Whether the speed, integrated up to apogee, gives the height."""
     if "speed" not in raw or "altitude" not in raw:
         return False
     raw = _with_heights(raw)
@@ -196,7 +197,7 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
 
 
 def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
-    """Whether the last of the climb is slowed by one g and a little drag, and the whole took its time."""
+    """Whether the end of the climb decelerates at one g plus a little drag, and the duration of the climb fits."""
     if "altitude" not in raw:
         return False
     time, height = _ascent(_with_heights(raw), way)
@@ -219,7 +220,7 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
 
 
 def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
-    """The rows that have a height: sensors that take turns leave each other's cells empty."""
+    """The rows that have a height: sensors that are read alternately leave each other's cells empty."""
     there = np.isfinite(raw["altitude"])
     return {name: values[there] for name, values in raw.items()}
 
@@ -227,7 +228,7 @@ def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
 def _ascent(
     raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]
 ) -> tuple[Float[Array, "time"] | None, Float[Array, "time"] | None]:
-    """Time and height up to the top, without spikes of one or two samples; None if there is no climb."""
+    """Time and height up to apogee, without spikes of one or two samples; None if there is no climb."""
     height = raw["altitude"] * UNITS["length"][way["altitude"]].factor
     time = raw["time"] * UNITS["time"][way["time"]].factor
     if np.isfinite(height).sum() < 12:
