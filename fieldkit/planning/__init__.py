@@ -1,1 +1,1 @@
-"""Planning the next flight: motor, delay, ballast, safety and contest points, all from the calibrated model."""
+"""Plan the next flight: motor, delay, ballast, safety and contest points, all from the calibrated model."""
