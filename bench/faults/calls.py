@@ -91,9 +91,7 @@ def run_with(
 
 
 def forked(folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None) -> Ended | None:
-    """Fork, with a fault in the fork: returns how the fork ended, and None in the fork itself, which must call
-    `leave`.
-    """
+    """Fork, with a fault in the fork: how the fork ended, and None in the fork itself, which must call `leave`."""
     notes.mkdir(parents=True, exist_ok=True)
     pipes = [_pipe(), _pipe()]
     pid = os.fork()

@@ -64,8 +64,8 @@ def _fresh(template: Path, file: Path) -> None:
 
 
 def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content: bytes, what: str) -> None:
-    """Run commands on a damaged file, which must give the right output, or report the damage and offer the backup; then
-    restore.
+    """Run commands on a damaged file, which must answer correctly or report the damage and offer the backup; restore
+    it.
     """
     _fresh(template, file)
     file.write_bytes(content)

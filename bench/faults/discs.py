@@ -21,9 +21,7 @@ def can_mount() -> bool:
 
 @contextmanager
 def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
-    """An in-memory file system of a given size, mounted at a folder. Raises CalledProcessError if that is not
-    allowed.
-    """
+    """An in-memory file system of a given size, mounted at a folder. Raises CalledProcessError if not allowed."""
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
     try:
@@ -78,9 +76,7 @@ def read_only(folder: Path) -> Outcome:
 
 
 def _judge(outcome: Outcome, file: Path, states: tuple[object, object], status: int, said: str, why: str) -> None:
-    """Check that a command either did its work or reports the reason in one line, and that the ledger matches its
-    status.
-    """
+    """Check that a command did its work or reports the reason in one line, and that the ledger matches its status."""
     name, wrong = after(file, states)  # type: ignore[arg-type]
     if status and why not in said:
         wrong = wrong or f"found {said!r}, expected {why!r}"

@@ -252,9 +252,7 @@ def gated(gate: Callable[[], object]) -> Iterator[None]:
 
 @contextmanager
 def unit(arguments: Sequence[str]) -> Iterator[list[str]]:
-    """A command's arguments; `PORT` among them is replaced by a terminal on which a logger sends its record
-    repeatedly.
-    """
+    """A command's arguments; `PORT` among them becomes a terminal on which a logger sends its record repeatedly."""
     if "PORT" not in arguments:
         yield list(arguments)
         return

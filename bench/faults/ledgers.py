@@ -98,8 +98,7 @@ def unsound(file: Path) -> str:
 def after(file: Path, states: Sequence[State]) -> tuple[str, str]:
     """Which of the states a ledger is in, `before` or `after`, and what is wrong with it, empty if nothing.
 
-    It must open and be sound, as must its newest two backups, and its content must equal one of these states
-    completely.
+    It must open and be sound, as must its newest two backups, and all of its content must equal one of these states.
     """
     try:
         now = state(file)

@@ -45,9 +45,7 @@ TRACEBACK = 99
 
 
 def binaries() -> Path | None:
-    """Folder of PostgreSQL's programs, None if there are none; links are resolved, because all programs are in the
-    target.
-    """
+    """Folder of PostgreSQL's programs, None if there are none; links are resolved to the folder with all programs."""
     found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
     return Path(found).resolve().parent if found else None
 

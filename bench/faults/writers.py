@@ -71,9 +71,7 @@ def _press(file: Path, _: str, each: int) -> None:
 
 
 def _judged(outcome: Outcome, file: Path, changes: int, flights: int | None) -> Outcome:
-    """Check that every change is in the journal, once and in order, and that the flights match the changes in
-    effect.
-    """
+    """Check that the journal has every change once and in order, and that the flights match the changes in effect."""
     with Ledger.open(file) as ledger:
         history, held = ledger.history(), len(ledger.flights())
     known = sum((12 if one.command == "import" else one.command == "add") for one in history if not one.undone)

@@ -115,9 +115,7 @@ def is_capture(file: Path) -> bool:
 
 
 def read_capture(file: Path) -> Captured:
-    """Read a capture, given either of its files. Raises CaptureTrouble; a damaged journal is read as far as
-    possible.
-    """
+    """Read a capture, given either file. Raises CaptureTrouble; a damaged journal is read as far as possible."""
     try:
         raw = read(file.with_suffix(BYTES), plain=True)
         journal = read(file.with_suffix(JOURNAL), plain=True)

@@ -43,8 +43,7 @@ class SerialLine:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def _go_on(self) -> None:
-        """Clear an XOFF caused by noise, which would block every command; commands are short enough to need no flow
-        control.
+        """Clear an XOFF caused by noise, which would block every command; none is long enough to need flow control.
 
         Linux resumes after an XOFF only if it was asked to stop as well.
         """

@@ -71,9 +71,7 @@ MAX_LAUNCH_ANGLE = math.radians(45)
 """A rail is closer to vertical than this: the codes allow 20 and 30 degrees, and beyond 45 a rocket flies farther than
 it climbs. [rad]"""
 MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
-"""Ratio of the body's diameter to its motor's: a motor fits inside a body, and saucers are about 15 times as wide.
-[1]
-"""
+"""Ratio of a body's diameter to its motor's: a motor fits inside, and saucers are about 15 times as wide. [1]"""
 
 
 def figure(column: Column, value: float) -> str:

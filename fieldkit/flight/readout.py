@@ -39,9 +39,7 @@ class Readout:
 
 @dataclass(frozen=True, slots=True)
 class ReadoutColumn:
-    """A column that accompanies a readout: its standard deviation with a unit (empty if cells have their own), or its
-    source.
-    """
+    """A column with a readout's standard deviation, with a unit (empty if cells have their own), or its source."""
 
     readout: str
     part: Literal["sd", "source"]
@@ -55,8 +53,7 @@ class ReadoutColumn:
 
 
 def beside(header: str) -> ReadoutColumn | None:
-    """The accompanying column that a lower-case header names, such as `apogee_sd_ft` or `apogee_source`; None for
-    others.
+    """The accompanying column that a lower-case header names (`apogee_sd_ft`, `apogee_source`); None for others.
 
     Raises BadValue for a standard deviation in a unit that does not fit its readout.
     """
@@ -73,8 +70,7 @@ def beside(header: str) -> ReadoutColumn | None:
 
 
 def read_sd(name: str, text: str, unit: str = "") -> float:
-    """Parse the standard deviation of a readout; a number without a unit is in `unit`, or in the column's own unit.
-    [SI]
+    """Parse the standard deviation of a readout; a number without a unit is in `unit`, or in the column's own. [SI]
 
     Raises BadValue if it is not positive.
     """

@@ -92,7 +92,7 @@ class Recovery:
 
 
 def recovery_of(flight: Flight) -> Recovery:
-    """Recovery settings of a flight. Raises BadValue for an unknown device, an invalid number, or a drogue without a
+    """Recovery settings of a flight. Raises BadValue for an unknown device, a non-number, or a drogue without a
     main.
     """
     device = flight.extra.get("recovery", "").strip().lower() or "parachute"

@@ -13,9 +13,7 @@ INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What is known about a rocket's configuration before its first flight, and the file it came from; None if unknown.
-    SI.
-    """
+    """What is known about a rocket's configuration before it has flown, and the source file; None if unknown. SI."""
 
     rocket: str
     config: str

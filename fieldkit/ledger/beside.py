@@ -25,11 +25,11 @@ class BesideFlights(OpenLedger):
             return models.versions(connection, rocket)
 
     def active_version(self, rocket: str) -> Version | None:
-        """The active model version of a rocket; None for the model without effects."""
+        """The active model version of a rocket; None for the plain model."""
         return next((version for version in self.versions(rocket) if version.active), None)
 
     def activate(self, rocket: str, number: int | None) -> None:
-        """Activate another saved model version of a rocket, or with None the model without effects.
+        """Activate another saved model version of a rocket, or with None the plain model.
 
         Raises LedgerError if the number is not among its versions.
         """

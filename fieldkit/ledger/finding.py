@@ -29,9 +29,7 @@ _EARLIER_DATE = func.max(flights.c.date_time).over(
     partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0)
 )
 _FLIGHT_DATE = func.coalesce(flights.c.date_time, _EARLIER_DATE)
-"""Sort key of a flight: its date; a flight without one sorts after the flights of its rocket that were entered
-earlier.
-"""
+"""Sort key of a flight: its date, or else the latest date among flights of its rocket entered earlier."""
 
 
 PAGE = 100

@@ -17,8 +17,7 @@ Rows = dict[str, dict[tuple[Any, ...], Row]]
 
 
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
-    """The state of each flight's rocket just before the flight was added; the current state for a flight that was never
-    added."""
+    """The state of each flight's rocket just before the flight was added; the current state if it never was."""
     changes = list(_changes(connection))
     came = _arrivals(changes)
     rows = _rows(connection)

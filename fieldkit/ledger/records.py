@@ -85,7 +85,7 @@ class StoredPrediction:
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """A rocket's flights, in order, and the active model's number at that time, 0 for the model without effects."""
+    """A rocket's flights, in order, and the active model's number at that time, 0 for the plain model."""
 
     flights: tuple[Flight, ...]
     version: int

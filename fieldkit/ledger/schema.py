@@ -41,8 +41,7 @@ def version(connection: Connection) -> str | None:
 
 
 def missing(connection: Connection) -> str:
-    """A table or column missing from a ledger of the newest version, or why that cannot be determined; otherwise
-    empty."""
+    """A table or column missing from a ledger of the newest version, or why that is unknown; otherwise empty."""
     try:
         there = inspect(connection)
         for name, table in metadata.tables.items():

@@ -97,9 +97,7 @@ def _connected(file: Path) -> Iterator[Connection]:
 
 
 def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
-    """Rows that differ from a backup or are missing from it, by table; empty if the backup is damaged or has other
-    tables.
-    """
+    """Rows that a backup lacks or has with other content, by table; empty if it is damaged or has other tables."""
     try:
         connection.execute(text(f"ATTACH :copy AS {_PAST_TABLE}"), {"copy": str(copy)})
         step = f"SELECT :newest IN (SELECT version_num FROM {_PAST_TABLE}.alembic_version)"
@@ -110,9 +108,7 @@ def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
 
 
 def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
-    """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of the given ones or of
-    all.
-    """
+    """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of the given ones or all."""
     if version(connection) == STEPS[-1] and (lost := missing(connection)):
         return lost
     if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():

@@ -212,9 +212,7 @@ def _bag(motor: Motor, longest: float) -> Motor:
 
 
 def _as_printed(motor: Motor, name: Name) -> Motor:
-    """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that delay, whatever the catalog
-    says.
-    """
+    """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that one, whatever the catalog has."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
     return _bag(motor, name.delay)

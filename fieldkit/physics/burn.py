@@ -139,9 +139,7 @@ def _with_stages(setup: Setup, step: int) -> Setup:
 
 
 def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
-    """Start and length of every step [s], and its thrust [N] and mass [kg]; each step starts where the last one
-    ended.
-    """
+    """Start and length of every step [s], with its thrust [N] and mass [kg]; a step starts where the last one ended."""
     burns, motor = setup.burns, setup.motor
     empty, propellant = setup.dry_mass + burns.casing_mass[motor], burns.propellant_mass[motor]
     factor = setup.thrust_factor / setup.burn_stretch

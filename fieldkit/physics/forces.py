@@ -8,9 +8,7 @@ from fieldkit.shapes import Array, Flags
 
 
 def planar(setup: Setup) -> Flags:
-    """Which draws need more than vertical motion: wind, a launch angle or rail friction. One flag if all are the
-    same.
-    """
+    """Which draws need more than vertical motion: wind, launch angle or rail friction. One flag if all are the same."""
     slanted = (setup.rail_angle != 0) | (setup.rail_across != 0)
     return np.asarray((setup.wind != 0) | slanted | (setup.rail_friction != 0))
 

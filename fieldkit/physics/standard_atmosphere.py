@@ -28,9 +28,7 @@ _SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY
 
 
 def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Height above sea level with this pressure [Pa] in the standard atmosphere; nan if the pressure is not positive.
-    [m]
-    """
+    """Height above sea level with this pressure [Pa] in the standard atmosphere; nan if it is not positive. [m]"""
     share = np.asarray(pressure, float) / STANDARD_PRESSURE
     share[~(share > 0)] = np.nan
     height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))

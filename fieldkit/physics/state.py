@@ -94,9 +94,7 @@ class Setup:
         return replace(self, drag_area=drag, power_off_drag=np.ones(1))
 
     def flat(self, shape: tuple[int, ...]) -> "Setup":
-        """Every entry on one axis of draws, in the order of `shape`; an entry shared by all draws stays as it is,
-        [1].
-        """
+        """Every entry on one axis of draws, in the order of `shape`; an entry shared by all draws remains [1]."""
 
         def spread(values: Any) -> Any:
             one = np.size(values) == 1

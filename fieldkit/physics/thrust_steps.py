@@ -124,9 +124,7 @@ def _area(at: Sequence[float], push: Sequence[float]) -> float:
 
 
 def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
-    """Stack rows along the last axis; shorter rows are padded with `fill`, or with their own last entry if it is
-    None.
-    """
+    """Stack rows along the last axis; shorter rows are padded with `fill`, or with their last entry if it is None."""
     longest = max(len(row) for row in rows)
     tails = [
         np.broadcast_to(row[-1] if fill is None else np.asarray(fill), (longest - len(row), *row.shape[1:]))

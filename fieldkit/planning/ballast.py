@@ -106,8 +106,7 @@ class Ballast:
 
     @property
     def clear(self) -> bool:
-        """Whether the change is worth it: the points saved are significant, or the current mass exceeds the season's
-        limit."""
+        """Whether the change is worth it: the points saved are significant, or the current mass exceeds the limit."""
         return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property

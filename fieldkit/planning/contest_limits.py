@@ -12,9 +12,7 @@ from fieldkit.planning.rules import MARKS
 
 
 def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
-    """The motors on a season's approved list, from the user's own file `2027_motors.txt`, one per line; None without
-    it.
-    """
+    """The motors on a season's approved list, in the user's file `2027_motors.txt`, one per line; None without it."""
     file = own / f"{year}_motors.txt" if own is not None else None
     if file is None or not file.exists():
         return None

@@ -55,8 +55,7 @@ class Drill:
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """One delay: its time from apogee [s], the speed of the rocket when it fires [m/s], its probability of being too
-    fast [1].
+    """One delay: its time from apogee [s], the speed when it fires [m/s], its probability of being too fast [1].
 
     `lands_first` is the probability that the rocket hits the ground first, which counts as too fast. [1]
     """

@@ -41,9 +41,7 @@ def descents(
 def durations(
     said: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """Time from liftoff to landing at these descent speeds near the ground; ballistic if no charge opened a device.
-    [s]
-    """
+    """Time from liftoff to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
     columns = [one.rise_time + descents(one, fall, speed).time for one, speed in zip(said, speeds.T, strict=True)]
     return np.stack(columns, axis=-1)
 

@@ -16,9 +16,7 @@ from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY
 
 DROGUE_SPEED = 20.0
-"""Default speed under a drogue, an assumption; student launches descend at 15 to 17, large rockets at 23 to 46.
-[m/s]
-"""
+"""Default speed under a drogue, an assumption: 15 to 17 in student launches, 23 to 46 for large rockets. [m/s]"""
 CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
 """Drag coefficients among which the one matching a recorded apogee is searched. [1]"""
 ROUNDS = 6

@@ -63,9 +63,7 @@ class Landing:
         return np.hypot(self.along, self.across)
 
     def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
-        """The ellipse that contains a fraction of the landings, for a normal distribution with their mean and
-        covariance.
-        """
+        """The ellipse with a fraction of the landings, for a normal distribution with their mean and covariance."""
         points = np.stack([self.along, self.across])
         variance, axes = np.linalg.eigh(np.cov(points))
         scale = math.sqrt(-2 * math.log(1 - level))
@@ -88,9 +86,7 @@ class Landing:
         }
 
     def wind_that_holds(self, size: float) -> float:
-        """Wind at the pad up to which 95 % of landings stay on a field of this size [m] with the pad in its center.
-        [m/s]
-        """
+        """Wind at the pad up to which 95 % of landings stay on a field of this size [m], with a central pad. [m/s]"""
         return size / 2 / max(three(self.drift)[2], 1e-9)
 
 

@@ -190,9 +190,7 @@ def _small_field(held: Governed) -> Rule | None:
 
 
 def distance_line(held: Governed, people: float | None) -> SafetyCheck:
-    """The distance from the pad to the people at the launch [m] against the table, in its complex column if
-    applicable.
-    """
+    """The distance from the pad to the people at the launch [m] against the table, if due in its complex column."""
     name, build = "pad distance", held.build
 
     def judge(rule: Rule) -> SafetyCheck:

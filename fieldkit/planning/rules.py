@@ -97,9 +97,7 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class RuleSet:
-    """A code: its authority, the kind of rockets it is for, its effective date, its rules, and its definition of high
-    power.
-    """
+    """A code: its authority, the rockets it is for, its effective date, its rules, and its definition of high power."""
 
     key: str
     title: str

@@ -60,8 +60,8 @@ def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
 
 
 def motor_temperature(plan: Flight) -> float | None:
-    """The motor temperature declared with the plan, or None. [K] Raises BadValue if it is not a number or
-    implausible.
+    """The motor temperature declared with the plan, or None. [K] Raises BadValue for a non-number or an implausible
+    value.
     """
     text = plan.extra.get(MOTOR_TEMPERATURE, "")
     try:

@@ -76,9 +76,7 @@ def in_a_shell(command: Sequence[str]) -> str:
 
 
 def address(host: str) -> str:
-    """The address at which other devices reach this computer, for a host that listens on all interfaces, as used in a
-    link.
-    """
+    """The address in a link with which other devices reach this computer, for a host that listens on all interfaces."""
     if host not in ("0.0.0.0", "::"):
         return f"[{host}]" if ":" in host else host
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -233,9 +231,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         return app
 
     def is_ours(self, asked: str) -> bool:
-        """Whether a host name and port refer only to this server: those of the link, or this computer's loopback
-        names.
-        """
+        """Whether a host name and port mean this server: those of the link, or this computer's loopback names."""
         try:
             split = urlsplit(f"//{asked}")
             here = is_loopback(split.hostname or "") and (split.port or 80) == self.port

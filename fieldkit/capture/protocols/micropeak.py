@@ -122,9 +122,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record what the unit's LED transmits; returns whether the record is sound. Raises PortTrouble if nothing
-    arrives.
-    """
+    """Record what the unit's LED transmits; returns whether the record is sound. Raises PortTrouble on silence."""
     stream = Stream()
     useful = time.monotonic()
     base = link.samples

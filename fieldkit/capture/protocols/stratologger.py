@@ -31,9 +31,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record live telemetry until it is silent; returns whether it is complete. Raises PortTrouble if nothing
-    arrives.
-    """
+    """Record live telemetry until it is silent; returns whether it is complete. Raises PortTrouble without any."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
