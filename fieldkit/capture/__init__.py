@@ -1,4 +1,4 @@
-"""Read loggers on a serial port: `capture` and `resume` report progress as events, `logs_in` returns logs for parsers.
+"""Loggers on a serial port: `capture` and `resume` report progress as events, `logs_in` returns what parsers read.
 
 Bytes are saved to disk before they are decoded, and only commands in the table of `commands.py` are ever sent.
 """

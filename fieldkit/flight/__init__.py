@@ -1,4 +1,4 @@
-"""The records that all packages share: a flight, its columns, and the time series of a log.
+"""The records everything shares: a flight, its columns, and the time series of a log.
 
 `COLUMNS` is the single list of the numbers recorded for a flight. The flight table, the prompts, the ledger, the
 exports and the JSON are all generated from it. Values are SI inside a `Flight`; a column's name carries the unit that

@@ -1,4 +1,4 @@
-"""The ledger: flights, logs, model versions and predictions, with a journal that makes every change undoable.
+"""The ledger: flights, logs, model versions and predictions, and a journal with which every change can be undone.
 
 It uses SQLAlchemy Core instead of the ORM: records are frozen dataclasses without identity to track, and importing only
 Core saves about 0.1 s per command.

@@ -1,4 +1,4 @@
-"""The motors of fieldkit: certified thrust curves, a tolerant search, and the user's own files."""
+"""The motors of fieldkit: certified thrust curves, a forgiving search, the flyer's own files."""
 
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, describe

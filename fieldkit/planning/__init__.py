@@ -1,1 +1,1 @@
-"""Plan the next flight: motor, delay, ballast, safety and contest points, all from the calibrated model."""
+"""Planning the next flight: motor, delay, ballast, safety and contest points, all from the calibrated model."""
