@@ -1,1 +1,1 @@
-"""The fault bench: what is left of a ledger after kills, full disks, two writers, odd clocks and damaged files."""
+"""The fault bench: the state of a ledger after kills, full disks, two writers, wrong clocks and damaged files."""

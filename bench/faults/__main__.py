@@ -1,8 +1,9 @@
-"""The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
+"""The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` runs a few trials of
+everything.
 
-It runs for two hours or so, one of which two laptops work at their own pace; `nice -n 19` leaves the cores to others,
-`--keep FOLDER` resumes where it was, with `--minutes` it stops after the part that is being tried by then, and with
-`--only` it tries the parts whose names begin so; these two write no page.
+It runs for about two hours, one of which is two laptops working at a realistic pace. `nice -n 19` leaves the cores to
+others, and `--keep FOLDER` resumes an interrupted run. `--minutes` stops after the part that is running at that time,
+and `--only` runs the parts whose names start with a text; these two do not write the page.
 """
 
 import argparse
@@ -39,18 +40,19 @@ from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 PAGE = ROOT / "docs" / "faults.md"
 SEED = 8
 MEMORY = Path("/dev/shm")
-"""A file system in memory, if there is one: what is killed is a process and not the machine, so that nothing hangs
-on what has reached a disk, and waiting for one would be most of the time."""
+"""A file system in memory, if there is one: processes are killed, not the machine, so the results do not depend on what
+has reached a disk, and waiting for a disk would take most of the time."""
 HOURLY_KILLS = 12
-"""How often the server of two laptops is killed in an hour. [1]"""
+"""Number of times per hour that the server of two laptops is killed. [1]"""
 
 Part = tuple[str, Callable[[], Outcome]]
 
 
 def parts(scratch: Path, *, killed: int, others: int, hours: float) -> Iterator[Part]:
-    """Every part of the bench, to be tried as it comes; `killed` kills in all, `others` the size of each other part.
+    """Every part of the bench, run one after the other; `killed` is the total number of kills, `others` the size of
+    each other part.
 
-    `hours` is how long two laptops work at their own pace. [h]
+    `hours` is how long two laptops work at a realistic pace. [h]
     """
     _warm(scratch / "warm")
     folders = (scratch / str(number) for number in range(1000))
@@ -120,20 +122,20 @@ def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
 
 
 def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
-    """What came of a part, now or in an earlier run that kept it in this file."""
+    """Result of a part, computed now or saved in this file by an earlier run."""
     if not file.exists():
         file.write_text(json.dumps(asdict(replace(part(), commit=_commit()))), encoding="utf-8")
     return Outcome(**json.loads(file.read_text(encoding="utf-8")))
 
 
 def _commit() -> str:
-    """The commit that is checked out, empty if git does not know it."""
+    """The commit that is checked out, empty if git cannot determine it."""
     command = ["git", "rev-parse", "--short", "HEAD"]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
 
 
 def _warm(folder: Path) -> None:
-    """Import what commands import, once: every process of the bench is a fork of this one."""
+    """Import what commands import, once, because every process of the bench is a fork of this one."""
     folder.mkdir()
     writers.old_schemas(folder)
     fieldkit(folder / "ledger.db", "import", str(TABLE), str(LOG), "--set", "rocket=Comet")
@@ -161,7 +163,7 @@ def _counts(one: Outcome) -> str:
 
 
 def main() -> int:
-    """Run the bench, write the page, and say by the exit status whether anything was lost."""
+    """Run the bench and write the page; the exit status is nonzero if anything was lost."""
     parser = argparse.ArgumentParser(prog="python -m bench.faults", description=__doc__)
     parser.add_argument("--kills", type=int, default=1000, help="how many processes are killed")
     parser.add_argument("--others", type=int, default=96, help="the size of each other part")
@@ -178,7 +180,7 @@ def main() -> int:
     if given.quick:
         given.kills, given.others, given.hours = 24, 8, 0.0
     scratch, found = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), []
-    scratch.chmod(0o755)  # the server is another user
+    scratch.chmod(0o755)  # the server runs as another user
     keep: Path = given.keep or scratch / "kept"
     keep.mkdir(parents=True, exist_ok=True)
     with at_home(scratch / "home"):

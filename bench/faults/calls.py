@@ -1,8 +1,8 @@
-"""System calls that fail: a command in a process of its own, under strace, which lets its n-th call go wrong.
+"""System calls that fail: a command in its own process under strace, which makes its n-th call fail.
 
-strace stands between a process and the system, so the calls of SQLite's own code fail as Python's do, and nothing of
-the program is replaced. A call that does its work in part, as on a disk that is nearly full, is had by a limit on the
-size of files instead, which the system itself keeps.
+strace intercepts system calls, so those of SQLite's own code fail like Python's, and no part of the program is
+replaced. A call that is only partly done, as on a disk that is nearly full, is produced with a file size limit instead,
+which the system itself enforces.
 """
 
 import fcntl
@@ -30,27 +30,27 @@ GROUPS = {
     "rename": ("rename", "renameat", "renameat2", "link", "linkat"),
     "unlink": ("unlink", "unlinkat"),
 }
-"""System calls by what they are for."""
+"""System calls by purpose."""
 CALLS = tuple(name for names in GROUPS.values() for name in names)
 TRACEBACK = 99
 """Exit status of a command that ended in a traceback."""
 HANGS = 98
-"""Exit status of a command that was ended because it took too long."""
+"""Exit status of a command that was killed because it took too long."""
 PATIENCE = 60.0
-"""How long a command may take under a fault. [s]"""
+"""Time limit of a command under a fault. [s]"""
 ROOM = 1 << 20
-"""What a command may print. [byte]"""
+"""Size limit of a command's output. [byte]"""
 
 EIO = "error=EIO"
 WAYS = {"read": (EIO, "retval=0"), "write": (EIO, "error=ENOSPC")}
-"""How calls of a kind go wrong, by turns."""
+"""How calls of a kind fail, in turn."""
 
 _LINE = re.compile(r"^(?:\[pid\s+\d+\]\s+|\d+\s+)?(\w+)\((.*)$")
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """The n-th call of a name gone wrong: `error=EIO`, `retval=0` (nothing read), `signal=SIGKILL`."""
+    """A failure of the n-th call of a name: `error=EIO`, `retval=0` (nothing read), `signal=SIGKILL`."""
 
     call: str
     number: int
@@ -62,7 +62,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """How a command ended: exit status, negative for a signal; what it said; whether its fault came."""
+    """How a command ended: exit status, negative for a signal; its output; whether the fault occurred."""
 
     status: int
     out: str
@@ -71,7 +71,7 @@ class Ended:
 
 
 def can_trace() -> bool:
-    """Whether strace is here and may look at a process."""
+    """Whether strace is installed and may trace a process."""
     if shutil.which("strace") is None:
         return False
     return subprocess.run(["strace", "-qq", "-o", os.devnull, "true"], capture_output=True).returncode == 0
@@ -80,9 +80,9 @@ def can_trace() -> bool:
 def run_with(
     work: Callable[[], int], folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None
 ) -> Ended:
-    """Run some work in a fork, with a fault in it that counts if it is in this folder; `notes` is a folder beside.
+    """Run some work in a fork, with a fault in its calls on files of `folder`; `notes` is a folder for logs.
 
-    `largest` is a limit on the size of a file. [byte]
+    `largest` is a file size limit. [byte]
     """
     ended = forked(folder, notes, fault, largest)
     if ended is None:
@@ -91,7 +91,7 @@ def run_with(
 
 
 def forked(folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None) -> Ended | None:
-    """Fork, with a fault in the fork: how that ended, and None in the fork itself, which is to `leave`."""
+    """Fork, with a fault in the fork: how the fork ended, and None in the fork itself, which must call `leave`."""
     notes.mkdir(parents=True, exist_ok=True)
     pipes = [_pipe(), _pipe()]
     pid = os.fork()
@@ -116,7 +116,7 @@ def forked(folder: Path, notes: Path, fault: Fault | None = None, largest: int |
 
 
 def leave(work: Callable[[], int]) -> NoReturn:
-    """Do some work as the last of this process, whose exit status it gives."""
+    """Do some work and end this process with its exit status."""
     status = TRACEBACK
     try:
         status = work()
@@ -128,21 +128,21 @@ def leave(work: Callable[[], int]) -> NoReturn:
 
 
 def _pipe() -> tuple[int, int]:
-    """A pipe that takes all that a command prints: no limit on files counts for it."""
+    """A pipe large enough for all of a command's output: the file size limit does not apply to it."""
     reading, writing = os.pipe()
     fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, ROOM)
     return reading, writing
 
 
 def _poured(pipe: tuple[int, int]) -> str:
-    """What came out of a pipe whose writer has ended."""
+    """The content of a pipe whose writer has ended."""
     os.close(pipe[1])
     with os.fdopen(pipe[0], "rb") as reading:
         return reading.read().decode(errors="replace")
 
 
 def _begin(streams: Sequence[int], largest: int | None) -> None:
-    """The begin of a forked process: it speaks into pipes, and waits for its tracer."""
+    """Start of a forked process: redirect its output to pipes, and wait for the tracer."""
     for number, stream in enumerate(streams, start=1):
         os.dup2(stream, number)
     sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
@@ -152,7 +152,7 @@ def _begin(streams: Sequence[int], largest: int | None) -> None:
 
 
 def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[bytes]":
-    """strace, looking at a process that has stopped, which then continues."""
+    """Attach strace to a stopped process, which then continues."""
     os.waitpid(pid, os.WUNTRACED)
     log.unlink(missing_ok=True)
     command = ["strace", "-f", "-qq", "-y", "-s", "0", "-o", str(log), "-e", f"trace={','.join(CALLS)}"]
@@ -166,7 +166,7 @@ def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[byt
 
 
 def _waited(pid: int) -> int:
-    """Exit status of a process, negative for a signal; one that takes too long is ended."""
+    """Exit status of a process, negative for a signal; a process that takes too long is killed."""
     ends, late = time.monotonic() + PATIENCE, False
     while True:
         found, status = os.waitpid(pid, os.WNOHANG)
@@ -180,7 +180,7 @@ def _waited(pid: int) -> int:
 
 
 def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
-    """The calls of the last run that were about this folder: name, and which of that name it was."""
+    """The calls of the last run on files of this folder: each name, with its count for that name so far."""
     counts: Counter[str] = Counter()
     found = []
     for line in (notes / "calls.txt").read_text(errors="replace").splitlines():
@@ -192,8 +192,9 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """The faults: the process killed at each call, and each refused by the disk, every other write for lack of space;
-    every other read brings nothing. Of one kind at most so many calls, evenly over the command."""
+    """The faults: the process killed at each call, and each call failed by the disk, every other write with a full
+    disk; every other read returns nothing. At most `reads` or `others` calls of a kind, spread evenly over the command.
+    """
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():
         some = _evenly([one for one in calls if one[0] in names], reads if kind == "read" else others)
@@ -210,5 +211,5 @@ def _evenly(some: Sequence[tuple[str, int]], most: int) -> list[tuple[str, int]]
 
 
 def command(ledger: Path, arguments: Sequence[str]) -> Callable[[], int]:
-    """A command as work."""
+    """A command as a function to run."""
     return lambda: run(["--ledger", str(ledger), *arguments])

@@ -1,4 +1,4 @@
-"""Damaged files: cut short and with bits flipped, at random places."""
+"""Damaged files: truncated and with flipped bits, at random positions."""
 
 import random
 import shutil
@@ -14,11 +14,11 @@ SAID = (
     "holds another program's tables",
 )
 ASKED = (("flights", "--json"), ("history", "--json"), ("show", "2", "--json"))
-"""What is asked of a damaged ledger: all of its tables that a flyer sees."""
+"""Commands run on a damaged ledger, which read all tables that a user sees."""
 
 
 def cut_short(folder: Path, trials: int, seed: int) -> Outcome:
-    """Cut a ledger at random lengths, none of them its own."""
+    """Truncate a ledger at random lengths, never its full length."""
     outcome, rng = Outcome("damage", "file cut short"), random.Random(seed)
     template, file, right = _ledger(folder)
     whole = template.read_bytes()
@@ -43,11 +43,11 @@ def bits_flipped(folder: Path, trials: int, seed: int) -> Outcome:
 
 
 def _ledger(folder: Path) -> tuple[Path, Path, list[str]]:
-    """A sound ledger with a backup, the file that is going to be damaged, and the right answers."""
+    """A sound ledger with a backup, the file to be damaged, and the expected output."""
     folder.mkdir(parents=True, exist_ok=True)
     template, file = folder / "template.db", folder / "ledger.db"
     season(file)
-    assert fieldkit(file, "tag", "3", "mine")[0] == 0  # the backup is made before it
+    assert fieldkit(file, "tag", "3", "mine")[0] == 0  # the backup is made before this change
     right = [fieldkit(file, *one)[1] for one in ASKED]
     file.replace(template)
     shutil.copytree(folder_of(file), folder_of(template))
@@ -55,7 +55,7 @@ def _ledger(folder: Path) -> tuple[Path, Path, list[str]]:
 
 
 def _fresh(template: Path, file: Path) -> None:
-    """The sound ledger and its backup, and nothing of an earlier trial."""
+    """Restore the sound ledger and its backup, and delete files of an earlier trial."""
     put(template, file)
     for aside in file.parent.glob(f"{file.name}.damaged*"):
         aside.unlink()
@@ -64,14 +64,16 @@ def _fresh(template: Path, file: Path) -> None:
 
 
 def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content: bytes, what: str) -> None:
-    """Ask a damaged file, which must answer, or say that it is damaged and offer the backup; then restore."""
+    """Run commands on a damaged file, which must answer correctly or report the damage and offer the backup; restore
+    it.
+    """
     _fresh(template, file)
     file.write_bytes(content)
     came, faults = [], []
     for arguments, answer in zip(ASKED, right, strict=True):
         try:
             status, out, said = fieldkit(file, *arguments)
-        except Exception as error:  # a traceback in a flyer's terminal
+        except Exception as error:  # a traceback in a user's terminal
             faults.append(f"{what}: {arguments[0]} raised {type(error).__name__}: {error}")
             continue
         if status:
@@ -94,7 +96,7 @@ WORST = ("another answer", "reported, backup offered", "answers are right")
 
 
 def _restored(file: Path, right: list[str]) -> list[str]:
-    """The fault of a restore that does not bring the flights back, less what came after the backup."""
+    """A message if a restore does not bring the flights back, except for changes after the backup."""
     status, _, said = fieldkit(file, "backups", "restore", "1", "--yes")
     if status:
         return [f"restore said {said.strip()!r}"]

@@ -1,4 +1,4 @@
-"""Full disks and read-only file systems: a small tmpfs is mounted for them, which takes root."""
+"""Full disks and read-only file systems, with a small tmpfs mounted for each, which requires root."""
 
 import os
 import subprocess
@@ -9,9 +9,9 @@ from pathlib import Path
 from bench.faults.ledgers import LOG, TABLE, Outcome, after, fieldkit, put, season, state
 
 SIZE = 1 << 20
-"""Of the mounted file system. [byte]"""
+"""Size of the mounted file system. [byte]"""
 PAGE = 4096
-"""Of a tmpfs: what is left free is a multiple of it. [byte]"""
+"""Page size of a tmpfs: its free space is a multiple of it. [byte]"""
 
 
 def can_mount() -> bool:
@@ -21,7 +21,7 @@ def can_mount() -> bool:
 
 @contextmanager
 def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
-    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError if that is not allowed."""
+    """An in-memory file system of a given size, mounted at a folder. Raises CalledProcessError if not allowed."""
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
     try:
@@ -31,7 +31,7 @@ def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
 
 
 def full_disc(folder: Path, step: int = 4) -> Outcome:
-    """Import onto a disk with 0, `step`, 2 `step`, ... free pages, until one import goes through with its backup."""
+    """Import onto a disk with 0, `step`, 2 `step`, ... free pages, until an import succeeds with its backup."""
     outcome = Outcome("full disk", "import")
     arguments = ("import", str(TABLE), str(LOG), "--set", "rocket=Comet")
     with mounted(folder / "small") as small:
@@ -54,7 +54,7 @@ def full_disc(folder: Path, step: int = 4) -> Outcome:
 
 
 def read_only(folder: Path) -> Outcome:
-    """Every kind of command on a file system that became read-only."""
+    """Every kind of command on a file system that has become read-only."""
     outcome = Outcome("read-only file system", "flights, add, undo, import")
     with mounted(folder / "fixed") as fixed:
         file = fixed / "ledger.db"
@@ -76,7 +76,7 @@ def read_only(folder: Path) -> Outcome:
 
 
 def _judge(outcome: Outcome, file: Path, states: tuple[object, object], status: int, said: str, why: str) -> None:
-    """A command either did its work or says in one line why not, and the ledger is as the status says."""
+    """Check that a command did its work or reports the reason in one line, and that the ledger matches its status."""
     name, wrong = after(file, states)  # type: ignore[arg-type]
     if status and why not in said:
         wrong = wrong or f"found {said!r}, expected {why!r}"
@@ -92,6 +92,6 @@ def _empty(small: Path) -> None:
 
 
 def _fill(filler: Path, free: int) -> None:
-    """Take all room on a disk but so much. [byte]"""
+    """Fill a disk except for `free` bytes."""
     room = os.statvfs(filler.parent)
     filler.write_bytes(bytes(max(0, room.f_bavail * room.f_frsize - free)))

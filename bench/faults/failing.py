@@ -1,8 +1,8 @@
-"""Every call of every command gone wrong in turn, and histories of commands with faults among them.
+"""Make every system call of every command fail in turn, and run histories of commands with faults among them.
 
-What a command says must be so: after an exit status of 0 the ledger is as after the command, also if a fault came;
-after any other it is as before, or as after and the line does not deny it. A history is replayed: what was
-acknowledged, without a fault on a ledger of its own, and the two must hold the same.
+A command must report the truth. After exit status 0 the ledger is as after the command, even if there was a fault;
+after any other status it is as before, or as after if the message does not deny it. A history is replayed: the
+acknowledged commands, without faults, on another ledger, and both ledgers must be equal.
 """
 
 import os
@@ -23,19 +23,19 @@ from bench.faults.session import Call, named
 from fieldkit.paths import DATA_FILES
 
 KEPT_FILES = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
-"""What stands beside the files that a command is asked to write."""
+"""Files that exist in addition to those a command is asked to write."""
 OWN = ("settings.json", *(name for name in DATA_FILES if name not in {"captures", "crashes"}))
-"""What a flyer has added and chosen, in the folder of that."""
+"""What a user has added and chosen, in the user's folder."""
 EVERY = sys.maxsize
 
 SLOW = 1.0
-"""A command that takes this long is forked where it first writes, and fewer of its reads go wrong. [s]"""
+"""A command that takes this long is forked where it first writes, and fewer of its reads fail. [s]"""
 MAX_READS = 64
-"""Of a command that writes: of one that reads more often so many go wrong, evenly. [1]"""
+"""Number of reads of a writing command that fail at most, spread evenly. [1]"""
 
 
 class Bench:
-    """A desk on which one call is tried again and again; `states` are the ledger before and after it."""
+    """A folder in which a call is run repeatedly; `states` are the ledger before and after it."""
 
     def __init__(self, folder: Path, call: Call) -> None:
         self.call, self.desk, self.notes = call, folder / "desk", folder / "notes"
@@ -43,14 +43,14 @@ class Bench:
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
         self.new: set[str] = set()
-        """Of those the ones that the call makes."""
+        """Those of them that the call creates."""
         self.spoken: set[str] = set()
-        """What the call says if nothing is wrong: how far it is."""
+        """Progress output of the call without faults."""
         self.takes = 0.0
-        """How long it takes. [s]"""
+        """Duration of the call. [s]"""
 
     def fresh(self) -> None:
-        """The desk as the call finds it; the folder itself stays, for a process may be in it."""
+        """Reset the files for the call; the folder itself is not replaced, because a process may be in it."""
         self.desk.mkdir(parents=True, exist_ok=True)
         for one in self.desk.iterdir():
             if one.is_dir() and not one.is_symlink():
@@ -60,13 +60,13 @@ class Bench:
         shutil.copytree(self.call.found, self.desk, symlinks=True, dirs_exist_ok=True)
 
     def tried(self, fault: Fault | None = None, largest: int | None = None) -> Ended:
-        """The call, with a fault in it."""
+        """Run the call, with an optional fault."""
         self.fresh()
         with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
             return run_with(command(self.file, arguments), self.desk, self.notes, fault, largest)
 
     def learn(self) -> list[tuple[str, int]]:
-        """The states before and after the call, and the system calls that it makes."""
+        """Record the states before and after the call, and the system calls that it makes."""
         self.fresh()
         with at_home(self.desk / "home"):
             before = state(self.file)
@@ -82,7 +82,7 @@ class Bench:
         return found
 
     def from_first_write(self) -> list[tuple[str, str]]:
-        """What came of all faults from where the call first writes on, and what is wrong with it."""
+        """Results of all faults from the first write of the call on, and any errors."""
 
         def trials() -> list[tuple[str, str]] | None:
             if forked(self.desk, self.notes) is None:
@@ -103,14 +103,14 @@ class Bench:
             return from_first_write(command(self.file, arguments), self.desk, trials)
 
     def files(self) -> dict[str, bytes]:
-        """What stands beside the ledger: the files that were asked for, and what the flyer has added."""
+        """Files next to the ledger: the requested ones, and what the user has added."""
         places = [one for one in self.desk.iterdir() if one.name not in KEPT_FILES]
         places += [self.desk / "home" / name for name in OWN]
         files = (one for place in places for one in (place, *place.rglob("*")) if one.is_file())
         return {str(one.relative_to(self.desk)): one.read_bytes() for one in files}
 
     def judged(self, ended: Ended) -> tuple[str, str]:
-        """What came of a trial, and what is wrong with it."""
+        """Result of a trial, and any error."""
         assert self.states is not None
         with at_home(self.desk / "home"):
             name, wrong = after(self.file, self.states)
@@ -137,7 +137,7 @@ class Bench:
         return "refused in a line", "" if len(lines) <= 3 else f"refused in {len(lines)} lines"
 
     def torn(self) -> str:
-        """The file that was asked for and is there in part; empty if each is whole or not there."""
+        """A requested file that was written only in part; empty if each is complete or missing."""
         for name, content in self.files().items():
             whole = self.asked.get(name)
             if Path(name).name.startswith("."):
@@ -148,9 +148,9 @@ class Bench:
 
 
 def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], reads: int, others: int) -> Outcome:
-    """The lines of the session that call one command, with each of their system calls gone wrong.
+    """The lines of the session for one command, with each of their system calls failing.
 
-    Of those that only read, and that take long or wait for a logger, so many calls.
+    `reads` and `others` limit the calls of lines that only read, take long or wait for a logger.
     """
     outcome = Outcome("a call fails", name)
     mine = [call for call in session() if named(call.arguments) == name]
@@ -195,11 +195,11 @@ HISTORY = (
     ("model", "--rocket", "Astra", "--use", "0"),
     ("sites", "North field", "--elevation", "{number}m"),
 )
-"""Commands of a history; each changes the ledger in another way."""
+"""Commands of a history; each makes a different kind of change."""
 
 
 def history(folder: Path, steps: int, seed: int) -> Outcome:
-    """A history of commands, some call of each gone wrong, and the same replayed on a ledger on which none does."""
+    """A history of commands, with some calls failing, and its replay on a ledger without faults."""
     outcome, rng = Outcome("a call fails", f"histories of {steps} commands, replayed"), random.Random(seed)
     desk, notes, clean = folder / "desk", folder / "notes", folder / "clean" / "ledger.db"
     clean.parent.mkdir(parents=True)
@@ -239,7 +239,7 @@ KINDS: Sequence[tuple[str, int]] = (
     *(("unlink", number) for number in range(1, 4)),
     *(("pread64", number) for number in range(1, 80, 4)),
 )
-"""Calls of a history that go wrong: name and number."""
+"""Calls of a history that fail: name and number."""
 
 
 def _drawn(rng: random.Random, step: int) -> list[str]:
@@ -250,7 +250,7 @@ def _drawn(rng: random.Random, step: int) -> list[str]:
 
 
 def _put_back(clean: Path, file: Path) -> None:
-    """The ledger of the replay as the other is."""
+    """Set the ledger of the replay to the other ledger."""
     for end in ("-journal",):
         clean.with_name(clean.name + end).unlink(missing_ok=True)
     shutil.copyfile(file, clean)

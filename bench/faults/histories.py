@@ -1,7 +1,7 @@
-"""Histories of several processes on one ledger, checked as Jepsen does: what was acknowledged must be somewhere.
+"""Histories of several processes on one ledger, checked as in Jepsen: nothing acknowledged may be lost.
 
-Each writer notes in a file of its own what was acknowledged, and notes it after the acknowledgment. At the end every
-such flight must be in the ledger, or in a copy that a restore kept of what it replaced; nothing may be there twice.
+Each writer records acknowledged changes in its own file, after the acknowledgment. At the end every such flight must be
+in the ledger, or in a backup that a restore made of the ledger it replaced; nothing may be there twice.
 """
 
 import multiprocessing
@@ -16,17 +16,17 @@ from bench.faults.ledgers import Outcome, fieldkit, season, unsound
 from fieldkit.ledger import backups
 
 ENOUGH = 10_000
-"""Number of copies kept here, so that rotation is not mistaken for a loss. [1]"""
+"""Number of backups retained here, so that rotation is not mistaken for a loss. [1]"""
 
 
 def restores_beside_writers(folder: Path, writers: int, each: int, restores: int) -> Outcome:
-    """Processes that add flights as fast as they can, while another puts the first copy back again and again."""
+    """Processes add flights as fast as they can, while another restores the first backup repeatedly."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "ledger.db"
     season(file)
     outcome = Outcome("histories", f"{writers} writers beside {restores} restores")
     with patch.object(backups, "MAX_BACKUPS", ENOUGH):
-        assert fieldkit(file, "tag", "1", "mine")[0] == 0  # before which the copy is made that is put back
+        assert fieldkit(file, "tag", "1", "mine")[0] == 0  # the backup to be restored is made before this change
         context = multiprocessing.get_context("fork")
         running = [context.Process(target=_add, args=(file, place, each)) for place in range(writers)]
         running.append(context.Process(target=_restore, args=(file, restores)))

@@ -1,11 +1,12 @@
-"""Kill -9 at random moments: while a command writes, and anywhere in it.
+"""SIGKILL at random times: while a command writes, and at any point in it.
 
-A command is the real one, run by `fieldkit.cli.main`. It runs up to where it first takes the ledger to change it
-(before the backup that comes first), and from there it is forked, once a trial, on a fresh copy of the ledger: so a
-long computation before is done once, and every kill falls if there is something to lose. Other trials fork before
-the first line of the command. The moment of each SIGKILL is drawn evenly over 1.1 times what that part takes when
-it is left alone, as measured just before; a trial that was done by then is repeated and not counted.
-A SIGKILL takes the process and not the machine: what the system has taken over reaches the disk.
+The real command runs, through `fieldkit.cli.main`, until it first locks the ledger for a change (before the preceding
+backup). From there it is forked, once per trial, on a fresh copy of the ledger: a long computation before it runs only
+once, and every kill comes while there is something to lose. Other trials fork before the first line of the command. The
+time of each SIGKILL is uniform over 1.1 times the duration of that part without a kill, as measured just before; a
+trial that finished earlier is repeated and not counted.
+
+SIGKILL ends the process and not the machine: what the operating system has accepted reaches the disk.
 """
 
 import json
@@ -46,14 +47,14 @@ from fieldkit.ledger.backups import folder_of
 from fieldkit.paths import capture_folder
 
 MEASURED = 5
-"""Trials without a kill, whose median length the moments are drawn over. [1]"""
+"""Number of trials without a kill, whose median duration sets the range of kill times. [1]"""
 LONG = 10.0
 """A command that takes this long is measured once. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A command, the ledger it finds, and how many of its kills come anywhere in it rather than while it writes."""
+    """A command, the ledger it starts from, and the number of kills at any point rather than while it writes."""
 
     name: str
     arguments: tuple[str, ...]
@@ -68,7 +69,7 @@ def _with_an_import(file: Path) -> None:
 
 SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
 ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
-"""With its time: else it is that of the trial, and every ledger differs."""
+"""With its time: otherwise it would be the time of the trial, and every ledger would differ."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
@@ -80,7 +81,7 @@ CASES = (
 
 
 def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
-    """Kill a command so many times, and look at the ledger after each; in a process of its own."""
+    """Kill a command repeatedly, and check the ledger after each kill; in a separate process."""
     if not trials:
         return Outcome("kill -9", case.name)
     reading, writing = os.pipe()
@@ -117,12 +118,12 @@ def _kills(case: Case, folder: Path, trials: int, rng: random.Random) -> Outcome
 
 
 class _Enough(BaseException):
-    """Leaves a command that was forked often enough."""
+    """Raised to leave a command after enough forks."""
 
 
 @dataclass(slots=True)
 class _Bench:
-    """One case being tried; `states` are the ledger before and after its command."""
+    """A case under test; `states` are the ledger before and after its command."""
 
     case: Case
     template: Path
@@ -133,7 +134,7 @@ class _Bench:
     lengths: list[float] = field(default_factory=list)
 
     def learn(self) -> None:
-        """The states before and after the command."""
+        """Record the states before and after the command."""
         put(self.template, self.file)
         before = state(self.file)
         put(self.template, self.file)
@@ -143,7 +144,7 @@ class _Bench:
         self.states = (before, state(self.file))
 
     def kill_anywhere(self, trials: int) -> None:
-        """Kill from the first line of the command on."""
+        """Kill at any time after the first line of the command."""
         for delay in self._moments(trials):
             with unit(self.case.arguments) as arguments:
                 if self._forked(delay):
@@ -151,7 +152,7 @@ class _Bench:
                     os._exit(0)
 
     def kill_while_writing(self, trials: int) -> None:
-        """Run the command up to its first change, and kill what follows."""
+        """Run the command up to its first change, and kill it after that."""
         if not trials:
             return
         went_on = False
@@ -172,7 +173,7 @@ class _Bench:
             os._exit(0)
 
     def _moments(self, trials: int) -> Iterator[float | None]:
-        """When to kill each trial, on a fresh ledger; None for those that are only measured. [s]"""
+        """Time of the kill in each trial, on a fresh ledger; None for trials that are only measured. [s]"""
         self.lengths.clear()
         while len(self.lengths) < MEASURED and sum(self.lengths) < LONG:
             self._fresh()
@@ -186,11 +187,11 @@ class _Bench:
     def _fresh(self) -> None:
         put(self.template, self.file)
         shutil.rmtree(capture_folder(), ignore_errors=True)
-        if self.rng.random() < 0.5:  # else a backup exists, and the command makes none
+        if self.rng.random() < 0.5:  # otherwise a backup exists, and the command makes none
             shutil.rmtree(folder_of(self.file), ignore_errors=True)
 
     def _forked(self, delay: float | None) -> bool:
-        """Fork; True in the fork. The bench kills it after a delay and looks at what is left."""
+        """Fork; True in the fork. The parent kills it after a delay and checks the ledger."""
         pid = os.fork()
         if not pid:
             return True
@@ -216,9 +217,9 @@ class _Bench:
 
 
 def _torn(file: Path) -> str:
-    """What is wrong with a capture whose program was killed: bytes that the unit never sent, or a record unread.
+    """What is wrong with a capture whose program was killed: bytes that the unit never sent, or an unread record.
 
-    Of a record that is not whole there may be nothing to read yet.
+    If the record is incomplete, there may be nothing to read yet.
     """
     record = STREAM.read_bytes()
     try:
@@ -251,7 +252,7 @@ def gated(gate: Callable[[], object]) -> Iterator[None]:
 
 @contextmanager
 def unit(arguments: Sequence[str]) -> Iterator[list[str]]:
-    """A command's arguments; `PORT` among them becomes a terminal on which a logger says its record over and over."""
+    """A command's arguments; `PORT` among them becomes a terminal on which a logger sends its record repeatedly."""
     if "PORT" not in arguments:
         yield list(arguments)
         return

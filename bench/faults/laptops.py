@@ -1,8 +1,8 @@
-"""Laptops of a club on one PostgreSQL server: mixed work at once, the server killed below them.
+"""Laptops of a club on one PostgreSQL server: concurrent mixed work while the server is killed.
 
-It is started again, or a standby takes its place for good. Each laptop is a process that draws its next command, and
-notes in a file of its own what was acknowledged. At the end every flight that was added and acknowledged is there once,
-and none that its own laptop has removed; the journal has each change once and in order.
+The server is restarted, or a standby replaces it for good. Each laptop is a process that draws its next command, and
+records acknowledged commands in its own file. At the end every flight that was added and acknowledged is there once,
+except those that its own laptop removed; the journal has each change once and in order.
 """
 
 import multiprocessing
@@ -19,21 +19,21 @@ from bench.faults.servers import Server, emptied, standby
 from fieldkit.ledger import Ledger
 
 EVERY = 15.0
-"""How often a laptop gives a command if it works at the pace of a club. [s]"""
+"""Interval between commands of a laptop at a club's pace. [s]"""
 HOUR = round(3600 / EVERY)
-"""Commands of a laptop in an hour. [1]"""
+"""Number of commands of a laptop per hour. [1]"""
 DOWN = 0.3
-"""How long a killed server stays away. [s]"""
+"""How long a killed server stays down. [s]"""
 STEP = 0.05
-"""How often it is looked how far the laptops are. [s]"""
+"""Polling interval for the progress of the laptops. [s]"""
 
 
 def mixed_work(
     ours: Server, folder: Path, laptops: int, commands: int, kills: int, seed: int, every: float = 0.0
 ) -> Outcome:
-    """Laptops that give so many commands each to one server, which is killed and started again so often meanwhile.
+    """Laptops that each run `commands` commands on one server, which is killed and restarted `kills` times meanwhile.
 
-    `every` is how often a laptop gives one, 0 for as fast as it can. [s]
+    `every` is the interval between commands, 0 for as fast as possible. [s]
     """
 
     def kill(_: int) -> None:
@@ -50,7 +50,7 @@ def mixed_work(
 
 
 def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:
-    """The same if the server does not come back: a standby takes its place, and laptops know both addresses."""
+    """The same if the server does not return: a standby replaces it, and laptops know both addresses."""
     what = f"{laptops} laptops, {commands} commands each, a standby takes the server's place"
     with standby(ours, folder.with_name(f"{folder.name}-standby")) as other:
         places = f"host=127.0.0.1,127.0.0.1&port={ours.port},{other.port}&target_session_attrs=read-write"
@@ -78,7 +78,7 @@ def _worked(
     seed: int,
     every: float = 0.0,
 ) -> Outcome:
-    """Have laptops work while a server is killed; the URLs are of it alone, and as laptops know it."""
+    """Run laptops while a server is killed; `urls` are the URL of that server, and the URL that the laptops use."""
     folder.mkdir(parents=True)
     emptied(urls[0])
     assert fieldkit(urls[0], "import", str(TABLE))[0] == 0
@@ -101,7 +101,7 @@ def _worked(
 
 @contextmanager
 def _killing(folder: Path, commands: int, kills: int, kill: Callable[[int], object]) -> Iterator[None]:
-    """Kill the server so often, evenly over the commands; what is left of that is done at the end."""
+    """Kill the server `kills` times, spread evenly over the commands; outstanding kills happen at the end."""
     over = Event()
 
     def work() -> None:
@@ -120,7 +120,7 @@ def _killing(folder: Path, commands: int, kills: int, kill: Callable[[int], obje
 
 
 def _work(url: str, notes: Path, laptop: int, commands: int, seed: int, every: float) -> None:
-    """So many commands of one laptop; `+` and `-` before what is known to be there, and not."""
+    """The commands of one laptop; flights known to be added are recorded with `+`, removed ones with `-`."""
     rng, mine = random.Random(seed), list[str]()
     with notes.open("a", encoding="ascii") as noted:
 
@@ -129,7 +129,7 @@ def _work(url: str, notes: Path, laptop: int, commands: int, seed: int, every: f
             noted.write(f"{'?' if status else ''}{mark}\n")
             noted.flush()
             if status:
-                time.sleep(DOWN)  # as who reads that the server is away
+                time.sleep(DOWN)  # like a user who reads that the server is down
             return not status
 
         began = time.monotonic()
@@ -139,7 +139,7 @@ def _work(url: str, notes: Path, laptop: int, commands: int, seed: int, every: f
 
 
 def _marks(folder: Path) -> list[str]:
-    """What all laptops have noted so far."""
+    """All records of all laptops so far."""
     notes = sorted(folder.glob("laptop-*.txt"))
     return [line for file in notes for line in file.read_text(encoding="ascii").splitlines()]
 
@@ -165,7 +165,7 @@ def _draw(rng: random.Random, id: str, laptop: int, mine: list[str], done: Calla
 
 
 def _judged(outcome: Outcome, url: str, folder: Path) -> Outcome:
-    """Compare what was acknowledged with what is there. Of what was refused either may be so, once."""
+    """Compare the acknowledged changes with the ledger. A refused change may be there or not, but at most once."""
     known: dict[str, bool | None] = {}
     marks = _marks(folder)
     for mark in marks:

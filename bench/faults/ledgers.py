@@ -1,4 +1,4 @@
-"""The ledgers that the bench hurts, and what must be true of one afterwards."""
+"""The ledgers that the bench damages, and the conditions that must be true afterwards."""
 
 import os
 import shutil
@@ -24,7 +24,7 @@ OLD = ROOT / "tests" / "ledger" / "old_ledgers"
 
 @dataclass(slots=True)
 class Outcome:
-    """What one part of the bench found: how often it tried what, what came of it, and every fault."""
+    """Results of one part of the bench: trials by kind, and every fault."""
 
     part: str
     case: str
@@ -32,7 +32,7 @@ class Outcome:
     counts: dict[str, int] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
     commit: str = ""
-    """Of the program that it was tried on."""
+    """Commit of the program under test."""
 
     def saw(self, what: str, fault: str = "") -> None:
         """Count one trial."""
@@ -48,14 +48,14 @@ def season(file: Path) -> None:
 
 
 def old(file: Path, step: str) -> None:
-    """A ledger as the program of an older schema left it."""
+    """A ledger written by a program with an older schema."""
     file.unlink(missing_ok=True)
     with closing(sqlite3.connect(file)) as raw:
         raw.executescript((OLD / f"{step}.sql").read_text(encoding="utf-8"))
 
 
 def fieldkit(ledger: Path | str, *arguments: str) -> tuple[int, str, str]:
-    """One command in this process: exit status, standard output and standard error."""
+    """Run a command in this process: exit status, standard output and standard error."""
     out, err = StringIO(), StringIO()
     with redirect_stdout(out), redirect_stderr(err):
         status = run(["--ledger", str(ledger), *arguments])
@@ -66,7 +66,7 @@ State = dict[str, Any]
 
 
 def state(ledger: Path | str) -> State:
-    """All that a ledger holds; times of the clock and the names of files are left out."""
+    """The content of a ledger, without clock times and file names."""
     with Ledger.open(ledger) as opened:
         rockets = opened.names("rocket")
         return {
@@ -79,30 +79,30 @@ def state(ledger: Path | str) -> State:
 
 
 def raw_step(file: Path) -> str:
-    """The step of the schema that a file is at, read before any fieldkit opens it."""
+    """The schema version of a file, read before fieldkit opens it."""
     with closing(sqlite3.connect(file)) as raw:
         return str(raw.execute("SELECT version_num FROM alembic_version").fetchone()[0])
 
 
 def unsound(file: Path) -> str:
-    """What SQLite finds wrong with a file; empty for a sound one."""
+    """What SQLite finds wrong with a file; empty if nothing."""
     try:
         with closing(sqlite3.connect(file)) as raw:
             found = [row[0] for row in raw.execute("PRAGMA integrity_check")]
             broken = raw.execute("PRAGMA foreign_key_check").fetchall()
-    except sqlite3.DatabaseError as error:  # so damaged that it cannot be checked
+    except sqlite3.DatabaseError as error:  # too damaged to be checked
         return str(error)
     return "" if found == ["ok"] and not broken else f"{found} {broken}"
 
 
 def after(file: Path, states: Sequence[State]) -> tuple[str, str]:
-    """Which of the states a ledger is in, `before` or `after`, and what is wrong with it, empty for nothing.
+    """Which of the states a ledger is in, `before` or `after`, and what is wrong with it, empty if nothing.
 
-    It must open and be sound, its newest two backups too, and what it holds must be one of these states as a whole.
+    It must open and be sound, as must its newest two backups, and all of its content must equal one of these states.
     """
     try:
         now = state(file)
-    except Exception as error:  # whatever it is, the ledger does not open
+    except Exception as error:  # for whatever reason, the ledger does not open
         return "lost", f"{type(error).__name__}: {error}"
     copies = [one.file for one in backups(file)[:2]]
     wrong = next((f"{one.name}: {found}" for one in (file, *copies) if (found := unsound(one))), "")
@@ -111,14 +111,14 @@ def after(file: Path, states: Sequence[State]) -> tuple[str, str]:
 
 
 def put(template: Path, file: Path) -> None:
-    """A copy of a ledger at a place, with no journal of an earlier one left beside it; backups stay."""
+    """Copy a ledger to a path and delete the journal of an earlier one; backups stay."""
     file.with_name(f"{file.name}-journal").unlink(missing_ok=True)
     shutil.copyfile(template, file)
 
 
 @contextmanager
 def at_home(folder: Path) -> Iterator[None]:
-    """A flyer's own data in a folder of the bench."""
+    """Use a folder of the bench for the user's data."""
     before = {name: os.environ.get(name) for name in ("FIELDKIT_HOME", "FIELDKIT_LEDGER")}
     os.environ["FIELDKIT_HOME"] = str(folder)
     os.environ.pop("FIELDKIT_LEDGER", None)

@@ -1,6 +1,6 @@
-"""A command that runs up to where it first writes, and is forked there once a trial: what it computes is computed once.
+"""Run a command until it first writes, and fork it there once per trial, so its computation runs only once.
 
-It is about to write when it takes its ledger to change it, or opens a file of its folder for writing.
+It is about to write when it locks its ledger for a change, or opens a file in its folder for writing.
 """
 
 import json
@@ -14,17 +14,17 @@ from bench.faults.calls import leave
 from bench.faults.kills import gated
 
 Seen = tuple[str, str]
-"""What came of a trial, and what is wrong with it."""
+"""Result of a trial, and any error."""
 
 
 class _Enough(BaseException):
-    """Leaves a command that was forked often enough."""
+    """Raised to leave a command after enough forks."""
 
 
 def from_first_write(work: Callable[[], int], folder: Path, trials: Callable[[], list[Seen] | None]) -> list[Seen]:
-    """What came of some trials, which are called where some work first writes in a folder.
+    """Results of trials that start where some work first writes in a folder.
 
-    They end in None in a fork, which continues with the work. The work runs in a process of its own.
+    `trials` returns None in a fork, which continues with the work. The work runs in a separate process.
     """
     reading, writing = os.pipe()
     pid = os.fork()
@@ -66,7 +66,7 @@ def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[See
 
 
 def _writes(folder: Path, path: object, _: object, flags: object) -> bool:
-    """Whether a file of a folder is opened for writing."""
+    """Whether a file in a folder is opened for writing."""
     named = isinstance(path, str | bytes | os.PathLike) and isinstance(flags, int)
     if not named or not flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT):  # type: ignore[operator]  # it is a number
         return False

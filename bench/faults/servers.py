@@ -1,8 +1,8 @@
-"""The same on PostgreSQL: commands killed, and the server itself killed while they are in the middle of a change.
+"""The same on PostgreSQL: kills of commands, and of the server itself in the middle of a change.
 
-A server of the bench's own runs on a free port of this computer, with its data in a scratch folder and
-synchronized to the disk as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
-the server without a word to anybody, as a crash would; it recovers when it is started again.
+The bench starts its own server on a free port of this computer, with its data in a scratch folder and the default disk
+synchronization. It is killed with `pg_ctl stop -m immediate`, which ends every server process without notice, like a
+crash; it recovers at the next start.
 """
 
 import os
@@ -41,43 +41,43 @@ COMMANDS = {
     "migrate": ("history",),
 }
 TRACEBACK = 99
-"""Exit status of a command that ended in a traceback, which a flyer would see."""
+"""Exit status of a command that ended in a traceback, which a user would see."""
 
 
 def binaries() -> Path | None:
-    """Where PostgreSQL's programs are, None if there are none; of a link, where it leads, for all are there."""
+    """Folder of PostgreSQL's programs, None if there are none; links are resolved to the folder with all programs."""
     found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
     return Path(found).resolve().parent if found else None
 
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    """A PostgreSQL server of our own."""
+    """A PostgreSQL server started by the bench."""
 
     folder: Path
     port: int
 
     @property
     def url(self) -> str:
-        """Of a ledger on it."""
+        """URL of a ledger on it."""
         return f"postgresql://postgres@127.0.0.1:{self.port}/postgres"
 
     def start(self, *, followed: bool = False) -> None:
-        """Start it, and wait until it answers; if it is `followed`, no change is done before a standby has it."""
+        """Start it, and wait until it answers; if it is `followed`, a commit waits until a standby has the change."""
         options = f"-p {self.port} -c listen_addresses=127.0.0.1 -c unix_socket_directories=''"
         options += " -c synchronous_standby_names=*" if followed else ""
         self.call("pg_ctl", "-D", "data", "-l", "log", "-s", "-w", "-o", options, "start")
 
     def kill(self) -> None:
-        """End it as a crash would."""
+        """Stop it like a crash."""
         self.call("pg_ctl", "-D", "data", "-s", "-m", "immediate", "stop")
 
     def promote(self) -> None:
-        """Have a standby take the place of the server that it follows."""
+        """Make a standby replace the server that it follows."""
         self.call("pg_ctl", "-D", "data", "-s", "-w", "promote")
 
     def call(self, program: str, *arguments: str) -> None:
-        """One of PostgreSQL's programs, as the user that it insists on."""
+        """Run one of PostgreSQL's programs, as the user it requires."""
         command = [str((binaries() or Path()) / program), *arguments]
         if os.geteuid() == 0:  # it refuses to run as root
             command = ["runuser", "-u", "postgres", "--", *command]
@@ -85,7 +85,7 @@ class Server:
 
 
 def _placed(folder: Path) -> Server:
-    """A server that is to be, in a folder of its own and on a free port."""
+    """A server that is not started yet, in its own folder and on a free port."""
     folder.mkdir(parents=True)
     if os.geteuid() == 0:
         shutil.chown(folder, "postgres")
@@ -96,7 +96,7 @@ def _placed(folder: Path) -> Server:
 
 @contextmanager
 def server(folder: Path) -> Iterator[Server]:
-    """A server that runs until the end."""
+    """A server that runs until the context ends."""
     ours = _placed(folder)
     ours.call("initdb", "--no-sync", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8")
     ours.start()
@@ -108,7 +108,7 @@ def server(folder: Path) -> Iterator[Server]:
 
 @contextmanager
 def standby(ours: Server, folder: Path) -> Iterator[Server]:
-    """A server that follows another one and has every change before that says that it is done."""
+    """A server that follows another one and has every change before it is acknowledged."""
     following = _placed(folder)
     copied = ("-h", "127.0.0.1", "-p", str(ours.port), "-U", "postgres", "-c", "fast", "--no-sync")
     following.call("pg_basebackup", "-D", "data", "-R", *copied)
@@ -123,10 +123,10 @@ def standby(ours: Server, folder: Path) -> Iterator[Server]:
 
 @contextmanager
 def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
-    """A server's process may be killed inside; call what is given to wait until it has recovered from that.
+    """Allows killing a server process in the block; call the returned function to wait until the server has recovered.
 
-    A connection from before shows when the server has seen it, and ends that too: until then it takes new ones as if
-    nothing had been.
+    A connection opened before detects when the server has noticed the kill, which ends that connection too: until then
+    it accepts new connections as usual.
     """
     import psycopg
 
@@ -159,7 +159,7 @@ def _await(so: Callable[[], bool], patience: float) -> None:
 
 
 def emptied(url: str) -> None:
-    """Take away whatever is on a server."""
+    """Delete everything on a server."""
     import psycopg
 
     with psycopg.connect(url, autocommit=True) as connection:
@@ -168,7 +168,7 @@ def emptied(url: str) -> None:
 
 
 def _prepared(name: str, url: str) -> None:
-    """The ledger that a command finds: two imports, or one at the first schema."""
+    """The ledger that a command starts from: two imports, or one at the first schema."""
     if name == "migrate":
         _of_the_first_step(url)
         return
@@ -181,7 +181,7 @@ def _prepared(name: str, url: str) -> None:
 
 
 def _of_the_first_step(url: str) -> None:
-    """The ledger of an old program: tables as the first migration made them, and the rows of a file from then."""
+    """The ledger of an old program: tables from the first migration, and the rows of a file from that time."""
     emptied(url)
     with TemporaryDirectory() as folder:
         old(Path(folder) / "ledger.db", STEPS[0])
@@ -199,7 +199,7 @@ def _of_the_first_step(url: str) -> None:
 
 
 def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: bool) -> Outcome:
-    """Kill a command, or the server below it, so often at random moments of its change, and look at the ledger."""
+    """Kill a command, or the server below it, at random times during its change, and check the ledger."""
     rng = random.Random(seed)
     outcome = Outcome("PostgreSQL", f"{name}, {'server' if of_the_server else 'command'} killed")
     _prepared(name, ours.url)
@@ -218,13 +218,13 @@ def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: b
         if of_the_server:
             ours.start()
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
-            continue  # it was done by then
+            continue  # it had finished by then
         outcome.saw(*_look(ours.url, (before, done), status))
     return outcome
 
 
 def _left_alone(name: str, url: str) -> float:
-    """How long a command takes from its first change on. [s]"""
+    """Duration of a command from its first change on. [s]"""
     _prepared(name, url)
     pid, began = _begun(url, COMMANDS[name]), time.monotonic()
     os.waitpid(pid, 0)
@@ -238,7 +238,7 @@ def _begun(url: str, arguments: Sequence[str]) -> int:
     if not pid:
         _run(url, arguments, lambda: os.write(writing, b"!"))
     os.close(writing)
-    os.read(reading, 1)  # comes to an end with the command, too
+    os.read(reading, 1)  # also returns at end of file, when the command ends
     os.close(reading)
     return pid
 

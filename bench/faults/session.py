@@ -1,7 +1,7 @@
-"""Every command there is, as the session of examples in the manual calls it, and what it finds when it is called.
+"""Every command, as called in the session of examples in the manual, and the files it starts from.
 
-The list is made from the command line's own tree: a new command has its example in `docs/examples.sh`, or a test fails,
-and so is tried here without a word more.
+The list comes from the command line's own tree: a new command must have an example in `docs/examples.sh`, or a test
+fails, so it is also run here.
 """
 
 import shlex
@@ -21,7 +21,7 @@ from fieldkit.cli.main import app
 
 SESSION = ROOT / "docs" / "examples.sh"
 DESK = Path(__file__).with_name("desk")
-"""Files of a flyer's own that calls name, beside those of the checkout."""
+"""A user's own files that calls refer to, in addition to those of the checkout."""
 MORE = (
     "import named.csv --map 'dry_mass=Weighed [g]' --map 'apogee=Reached [ft]'",
     "mappings --edit 1 --map 'apogee=Reached [ft]'",
@@ -47,17 +47,17 @@ MORE = (
     "backups restore 1 --yes",
     "demo",
 )
-"""Calls of commands that write by an option, or of which the session shows another part. `PORT` is a logger."""
+"""Calls of commands that write only with an option, or of which the session covers another part. `PORT` is a logger."""
 FLOWN = "2026-05-02T10:00"
-"""When a flight was flown of which the session says nothing: the minute of the clock differs from trial to trial."""
+"""Time of flights without one in the session: otherwise the clock's minute would differ between trials."""
 FIRST = ("demo",)
-"""Commands that want a ledger in which there is nothing yet."""
+"""Commands that require an empty ledger."""
 LEFT_OUT = {
     "tui": "stays open; the ledger beneath it is that of the commands",
     "serve": "stays open, and writes nothing itself",
     "train": "computes with threads, which no fork has; its files are written by the same function as an export",
 }
-"""Commands that are not tried, and why."""
+"""Commands that are not run, with the reason."""
 
 
 @cache
@@ -76,7 +76,7 @@ def _leaves(command: Any, path: tuple[str, ...]) -> Iterator[str]:
 
 
 def files() -> Iterator[tuple[str, str]]:
-    """Every command of the tree that takes a file in an option, and that option."""
+    """Every command of the tree with an option that takes a file, and that option."""
     for name in commands():
         command = get_command(app)
         for part in name.split():
@@ -88,14 +88,14 @@ def files() -> Iterator[tuple[str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A command as a flyer calls it, and the folder that it finds: its ledger, and what the flyer keeps."""
+    """A command as a user calls it, and the folder it starts from: its ledger and the user's files."""
 
     arguments: tuple[str, ...]
     found: Path
 
     @property
     def line(self) -> str:
-        """As it is typed."""
+        """The command line."""
         return shlex.join(self.arguments)
 
 
@@ -110,13 +110,13 @@ def lines() -> list[tuple[str, ...]]:
 
 
 def more() -> list[tuple[str, ...]]:
-    """The calls beside those."""
+    """The additional calls."""
     return [tuple(shlex.split(line)) for line in MORE]
 
 
 def calls(folder: Path) -> list[Call]:
-    """The lines of the session, each with a copy of what it finds; those that stay open or compute for long are not
-    among them. The copies lie in this folder. Raises ValueError for a line that is refused with nothing wrong."""
+    """The lines of the session, each with a copy of the files it starts from, without those that stay open or compute
+    for long. The copies are in this folder. Raises ValueError if a line fails without a fault."""
     desk, empty = furnished(folder / "desk"), furnished(folder / "empty")
     made: list[Call] = []
     for number, words in enumerate((*lines(), *more())):
@@ -133,7 +133,7 @@ def calls(folder: Path) -> list[Call]:
 
 
 def furnished(desk: Path) -> Path:
-    """A folder in which the session's paths lead to files of the checkout."""
+    """A folder in which the session's paths are links to files of the checkout."""
     desk.mkdir(parents=True)
     for name in ("sample_logs", "fieldkit"):
         (desk / name).symlink_to(ROOT / name)

@@ -1,6 +1,6 @@
-"""PostgreSQL's process behind a change killed -9 between two of the change's statements, for every change there is.
+"""Kill -9 of PostgreSQL's backend process between two statements of a change, for every kind of change.
 
-The server then ends all its processes and recovers, as after a crash. Before the commit nothing may have happened.
+The server then ends all its processes and recovers, as after a crash. Before the commit, nothing may have changed.
 """
 
 import os
@@ -38,7 +38,7 @@ CHANGES: dict[str, Change] = {
 
 
 def process_killed(url: str, counts: Iterable[int]) -> Outcome:
-    """Kill the process behind each change after so many statements of it, until there are no more."""
+    """Kill the backend process of each change after a number of its statements, until there are no more statements."""
     outcome = Outcome("PostgreSQL", "every change, the server's process killed between its statements")
     emptied(url)
     with Ledger.open(url) as ledger:
@@ -65,7 +65,7 @@ def _judged(as_before: bool, said: str, what: str) -> tuple[str, str]:
 
 
 def _failure(ledger: Ledger, change: Change) -> str:
-    """What a ledger says when it cannot be changed, empty if it was."""
+    """The error of a ledger that cannot be changed, empty if the change succeeded."""
     try:
         change(ledger)
     except LedgerError as error:
@@ -74,7 +74,7 @@ def _failure(ledger: Ledger, change: Change) -> str:
 
 
 def _furnish(ledger: Ledger) -> None:
-    """Something of each kind, so that each change has what it needs; the last one is undone."""
+    """Add a record of each kind, so that each change has what it needs; the last one is undone."""
     ledger.add([FIRST], log=b"a log")
     ledger.keep_version("Astra", {"effect": "wind"})
     ledger.keep_prediction({"p50": 1.0}, digest="d1", rocket="Astra")
@@ -87,7 +87,7 @@ def _furnish(ledger: Ledger) -> None:
 
 @contextmanager
 def _killed_after(ledger: Ledger, count: int) -> Iterator[list[int]]:
-    """Kill the server's process behind a change after so many statements; the number of the one that was killed."""
+    """Kill the server's backend process of a change after `count` statements; yields the id of the killed process."""
     killed, left = [], count
 
     def kill(connection: Connection) -> None:
@@ -104,7 +104,7 @@ def _killed_after(ledger: Ledger, count: int) -> Iterator[list[int]]:
 
 @contextmanager
 def _writing(ledger: Ledger, what: str, heard: Callable[[Connection], object]) -> Iterator[None]:
-    """Call a function at an event of the ledger's connections that change something."""
+    """Call a function at an event of the ledger's writing connections."""
 
     def hear(connection: Connection, *_: object) -> None:
         if connection.get_execution_options().get("writes"):

@@ -1,4 +1,4 @@
-"""Two processes that write at once, the app beside commands, a clock that goes backwards, and old schemas."""
+"""Two concurrent writers, the app and commands, a clock that goes backwards, and old schemas."""
 
 import asyncio
 import multiprocessing
@@ -15,7 +15,7 @@ from fieldkit.ledger.schema import STEPS
 
 
 def two_commands(folder: Path, each: int) -> Outcome:
-    """Two processes that add and tag in one ledger, as fast as they can."""
+    """Two processes that add and tag flights in one ledger, as fast as they can."""
     file = _ledger(folder)
     _at_once(file, each, _add, _add)
     outcome = Outcome("two writers", "two commands", tried=4 * each)
@@ -23,7 +23,7 @@ def two_commands(folder: Path, each: int) -> Outcome:
 
 
 def app_and_command(folder: Path, each: int) -> Outcome:
-    """The app, in which a key takes back whatever was last, while commands add and tag."""
+    """The app, in which a key undoes the last change, while commands add and tag."""
     file = _ledger(folder)
     _at_once(file, each, _press, _add)
     outcome = Outcome("two writers", "app and command", tried=3 * each)
@@ -54,7 +54,7 @@ def _add(file: Path, rocket: str, each: int) -> None:
     for number in range(each):
         id = f"{rocket}-{number}"
         assert fieldkit(file, "add", "--rocket", rocket, "--flight-id", id, "--apogee", "100m")[0] == 0
-        fieldkit(file, "tag", id, "mine")  # which the app may have taken back
+        fieldkit(file, "tag", id, "mine")  # the app may have undone it
 
 
 def _press(file: Path, _: str, each: int) -> None:
@@ -71,7 +71,7 @@ def _press(file: Path, _: str, each: int) -> None:
 
 
 def _judged(outcome: Outcome, file: Path, changes: int, flights: int | None) -> Outcome:
-    """Every change stands in the journal, once and in order, and the flights are those whose adding is in force."""
+    """Check that the journal has every change once and in order, and that the flights match the changes in effect."""
     with Ledger.open(file) as ledger:
         history, held = ledger.history(), len(ledger.flights())
     known = sum((12 if one.command == "import" else one.command == "add") for one in history if not one.undone)
@@ -87,18 +87,18 @@ def _judged(outcome: Outcome, file: Path, changes: int, flights: int | None) -> 
 
 
 class Backwards(datetime):
-    """A clock that goes back by a day every time it is read."""
+    """A clock that goes back by a day at every reading."""
 
     passed = count()
 
     @classmethod
     def now(cls, tz: tzinfo | None = None) -> "Backwards":
-        """The day before the one it said last."""
+        """The day before its last reading."""
         return cls(2026, 5, 1, tzinfo=UTC).astimezone(tz) - timedelta(days=next(cls.passed))
 
 
 def clock_backwards(folder: Path, changes: int) -> Outcome:
-    """Changes under a clock that goes back: order, undo and the rotation of backups go by numbers."""
+    """Changes while the clock goes back: order, undo and the rotation of backups use numbers."""
     outcome, file = Outcome("clock going backwards", "add, undo, backups"), folder / "ledger.db"
     folder.mkdir(parents=True, exist_ok=True)
     backwards = [patch.object(module, "datetime", Backwards) for module in (journal, backups)]

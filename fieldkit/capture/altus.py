@@ -1,4 +1,4 @@
-"""What flight computers and radios of Altus Metrum have in common: a command line with an echo, and a name.
+"""Shared by Altus Metrum flight computers and radios: a command line with an echo, and the version query.
 
 Source: AltosLink.java (Altus Metrum).
 """
@@ -8,19 +8,19 @@ import time
 from fieldkit.capture.link import NOISE, Dialogue, Link
 
 ANSWER = 5.0
-"""Time limit for a line from a unit. [s]"""
+"""Timeout for a line from a unit. [s]"""
 NAMES = {"product": "model", "serial-number": "serial", "software-version": "firmware"}
 
 
 def silence_echo(link: Link) -> Dialogue[None]:
-    """Clear earlier input, and request answers without echo."""
+    """Clear earlier input, and turn off the echo."""
     link.send(b"~\n")
     link.send(b"E 0\n")
     yield from link.drain(0.3)
 
 
 def version(link: Link) -> Dialogue[dict[str, str]]:
-    """The answer to `v`, key to value; nothing if it does not come to its end."""
+    """The answer to `v`, key to value; empty if it is incomplete."""
     found: dict[str, str] = {}
     link.send(b"v\n")
     ends = time.monotonic() + NOISE * ANSWER

@@ -1,4 +1,4 @@
-"""Captures read back: the bytes, the commands sent and when, and the logs in them."""
+"""Read back captures: the bytes, the commands sent and their times, and the logs."""
 
 import json
 from bisect import bisect_left, bisect_right
@@ -14,7 +14,7 @@ from fieldkit.files import read
 
 @dataclass(frozen=True, slots=True)
 class TapeMark:
-    """A line of the journal: `at` bytes were on tape `time` seconds after the capture began."""
+    """A line of the journal: `at` bytes had been saved `time` seconds after the capture started."""
 
     at: int
     time: float
@@ -31,19 +31,19 @@ class Response:
 
 @dataclass(frozen=True, slots=True)
 class Captured:
-    """A capture on disk, whatever happened to the program that wrote it."""
+    """A capture on disk, even if the program that wrote it was killed."""
 
     file: Path
     raw: bytes
     marks: tuple[TapeMark, ...] = ()
 
     def fact(self, name: str) -> object:
-        """The newest value that the journal has for a name, None if it has none."""
+        """The newest value of a fact in the journal, None if there is none."""
         return next((mark.facts[name] for mark in reversed(self.marks) if name in mark.facts), None)
 
     @property
     def device(self) -> str:
-        """The protocol of the capture, empty if it was never known."""
+        """The protocol of the capture, empty if it was never determined."""
         return str(self.fact("device") or "")
 
     @property
@@ -56,11 +56,11 @@ class Captured:
 
     @property
     def whole(self) -> bool:
-        """Whether it ended with everything received."""
+        """Whether the capture ended with everything received."""
         return self.fact("whole") is True
 
     def answers(self) -> list[Response]:
-        """The bytes, cut where a command was sent."""
+        """The bytes, split where a command was sent."""
         sent = [(min(mark.at, len(self.raw)), str(mark.facts["sent"]).encode("latin-1")) for mark in self._sent()]
         starts = [(0, b""), *sent]
         ends = [at for at, _ in sent] + [len(self.raw)]
@@ -70,20 +70,20 @@ class Captured:
         return [mark for mark in self.marks if "sent" in mark.facts]
 
     def arrivals(self, offsets: Iterable[int]) -> list[float]:
-        """When the bytes at these offsets had arrived, since the capture began. [s]"""
+        """Arrival times of the bytes at these offsets, since the start of the capture. [s]"""
         counts = [mark.at for mark in self.marks]
         places = (min(bisect_right(counts, offset), len(counts) - 1) for offset in offsets)
         return [self.marks[place].time if counts else 0.0 for place in places]
 
     @property
     def breaks(self) -> list[int]:
-        """Where bytes do not continue the earlier ones: the port was lost there, or the capture resumed."""
+        """Offsets at which bytes do not continue the earlier ones: the port was lost, or the capture resumed."""
         return [mark.at for mark in self.marks if mark.at and "port" in mark.facts]
 
     def lines(self) -> Iterator[tuple[int, bytes]]:
-        """The whole lines, each with the offset of the byte that ends it, without those that a break tore.
+        """The complete lines, each with the offset of the byte that ends it, without lines torn by a break.
 
-        What is left of two torn lines looks like one: `16` of `160` and `300` are no 16300.
+        The remains of two torn lines look like one line: `16` of `160` and `300` would read 16300.
         """
         start, breaks = 0, self.breaks
         for line in self.raw.split(b"\n")[:-1]:
@@ -103,7 +103,7 @@ class Captured:
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """A log as a parser reads it, taken out of a capture."""
+    """A log from a capture, ready for a parser."""
 
     name: str
     content: bytes
@@ -115,7 +115,7 @@ def is_capture(file: Path) -> bool:
 
 
 def read_capture(file: Path) -> Captured:
-    """A capture by either of its files. Raises CaptureTrouble; a torn journal is read as far as possible."""
+    """Read a capture, given either file. Raises CaptureTrouble; a damaged journal is read as far as possible."""
     try:
         raw = read(file.with_suffix(BYTES), plain=True)
         journal = read(file.with_suffix(JOURNAL), plain=True)

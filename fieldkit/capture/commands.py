@@ -1,12 +1,12 @@
-"""Every command that may leave this computer: what is not in this table is never sent.
+"""Every command that may be sent to a logger: anything not in this table is never sent.
 
-Loggers share a wire with commands that fire their outputs, erase their flights or write their settings, and a
-command of one may mean something else to another. So the table names the exact bytes, per protocol, and holds
-only what reads; a protocol that is not in it can listen and nothing else. `Line.send` is the one place that
-writes to a port, and asks here first.
+Loggers accept commands on the same wire that fire their outputs, erase their flights or write their settings, and a
+command of one protocol may mean something else to another. The table therefore lists the exact bytes, per protocol, and
+contains only read commands; a protocol without an entry can only listen. `Line.send` is the only function that writes
+to a port, and it checks this table first.
 
-Sources: RocketFlightLogger (bdureau), AltosLink and AltosEepromDownload (Altus Metrum), Blue Raven USB
-Interface Guide, mawd (ukhpr).
+Sources: RocketFlightLogger (bdureau), AltosLink and AltosEepromDownload (Altus Metrum), Blue Raven USB Interface Guide,
+mawd (ukhpr).
 """
 
 import re
@@ -15,11 +15,11 @@ from types import MappingProxyType
 
 ALLOWED_COMMANDS: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
     {
-        # greeting, settings, number of flights, one of at most 25 flights, fast reading, telemetry
+        # greeting, settings, number of flights, one of at most 25 flights, fast readout, telemetry
         "altimulti": re.compile(rb"h;|b;|n;|r(?:1?[0-9]|2[0-4]);|[fg];|y[01];"),
         # clear the line, echo off, settings, flash, version, flights, one block of 256 bytes
         "altos": re.compile(rb"~\n|E 0\n|c s\n|f\n|v\n|l\n|e [0-9a-f]{1,6}\n"),
-        # the same, and: tune to a frequency in kHz, forward packets of 32 bytes, forward none
+        # the same, plus: tune to a frequency in kHz, forward 32-byte packets, stop forwarding
         "teledongle": re.compile(rb"~\n|E 0\n|v\n|c F 4[0-9]{5}\n|m 20\n|m 0\n"),
         # low-rate and high-rate flight data
         "blue_raven": re.compile(rb"download [lh]\r\n"),
@@ -27,11 +27,11 @@ ALLOWED_COMMANDS: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
         "mawd": re.compile(rb"[IVSD]"),
     }
 )
-"""What each protocol may send, as a pattern that the whole command has to match."""
+"""Commands that each protocol may send, as a pattern that must match the whole command."""
 
 
 class ForbiddenCommand(Exception):
-    """Something tried to send what is not allowed: a fault of the program, and nothing was sent."""
+    """Code tried to send a command that is not allowed: a bug; nothing was sent."""
 
 
 def allowed(protocol: str, command: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""Events that a running capture reports to its display: a line in a terminal, a screen, a test."""
+"""Events that a running capture reports to whatever displays it: a terminal line, a screen, a test."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """The newest figures of a telemetry stream; what it does not carry is None."""
+    """The latest telemetry values; None for values that the stream does not carry."""
 
     altitude: float
     """Height above the pad. [m]"""
@@ -16,21 +16,21 @@ class Sample:
     speed: float | None = None
     """Upward speed. [m/s]"""
     state: str = ""
-    """The phase of flight, in the logger's words."""
+    """Flight phase as named by the logger."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """A flight in a logger's memory, by the number that the logger has for it."""
+    """A flight in a logger's memory, by the logger's flight number."""
 
     number: int
     about: str = ""
-    """The logger's description of it, for a list to choose from."""
+    """The logger's description of it, for a selection list."""
 
 
 @dataclass(frozen=True, slots=True)
 class PortOpened:
-    """A port is open; every byte from now on goes to `file`. `device` is empty while it is not known."""
+    """A port was opened; every byte from now on is saved to `file`. `device` is empty until it is known."""
 
     port: str
     device: str
@@ -46,14 +46,14 @@ class Recognised:
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """An instruction or a fact for the flyer, in one line."""
+    """An instruction or a note for the user, in one line."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class FlightsListed:
-    """The flights in the logger's memory, and those of them that will be read."""
+    """The flights in the logger's memory, and which of them will be read."""
 
     flights: tuple[Stored, ...]
     chosen: tuple[int, ...]
@@ -61,13 +61,13 @@ class FlightsListed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a capture is, a few times a second: all counts are of this run."""
+    """Progress of a capture, a few times per second; all counts are for this run."""
 
     bytes: int
     samples: int = 0
-    """Samples, or lines of them, received intact. [1]"""
+    """Samples, or lines of samples, received intact. [1]"""
     damaged: int = 0
-    """Pieces that were not: a wrong checksum, a torn line, noise. [1]"""
+    """Pieces received damaged: a wrong checksum, a torn line, noise. [1]"""
     share: float | None = None
     """Fraction received, if the total is known. [1]"""
     sample: Sample | None = None
@@ -75,7 +75,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The port has disappeared; everything received is saved, and a reconnection is awaited."""
+    """The port has disappeared; everything received is saved, and the capture waits for a reconnection."""
 
     port: str
     why: str
@@ -90,7 +90,7 @@ class Back:
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """The last event: what was kept, and why it ended there. `whole` is True when nothing is missing."""
+    """The last event: what was saved, and why the capture ended. `whole` is True if nothing is missing."""
 
     file: Path
     device: str

@@ -1,4 +1,4 @@
-"""A serial port on which every byte is saved before it is used, and only allowed commands are sent."""
+"""A serial port that saves every byte before it is used and sends only allowed commands."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +13,7 @@ WAIT = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PortSettings:
-    """How a port is opened: 8 data bits, no parity, 1 stop bit, and these."""
+    """Port settings in addition to 8 data bits, no parity and 1 stop bit."""
 
     baud: int = 9600
     xonxoff: bool = False
@@ -21,7 +21,7 @@ class PortSettings:
 
 @dataclass(slots=True)
 class SerialLine:
-    """An open port. `protocol` decides what may be sent, and is empty as long as it is only listened to."""
+    """An open port. `protocol` determines what may be sent; it is empty while the port is only listened to."""
 
     name: str
     protocol: str
@@ -29,9 +29,9 @@ class SerialLine:
     _port: Any
 
     def send(self, command: bytes) -> None:
-        """Send one command: the only place in fieldkit that writes to a port.
+        """Send one command: the only function in fieldkit that writes to a port.
 
-        Raises ForbiddenCommand for anything that is not in the table of this protocol, PortLost.
+        Raises ForbiddenCommand for anything not in the table of this protocol, PortLost.
         """
         if not allowed(self.protocol, command):
             raise ForbiddenCommand(f"{self.protocol or 'a listener'} may not send {command!r}")
@@ -43,7 +43,7 @@ class SerialLine:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def _go_on(self) -> None:
-        """Undo an XOFF that noise held, which would hold back every command: none is too long for a unit.
+        """Clear an XOFF caused by noise, which would block every command; none is long enough to need flow control.
 
         Linux resumes after an XOFF only if it was asked to stop as well.
         """
@@ -52,8 +52,7 @@ class SerialLine:
             self._port.set_output_flow_control(True)
 
     def hear(self) -> bytes:
-        """The bytes that have arrived, after `WAIT` at most and perhaps none; they are already saved. Raises
-        PortLost."""
+        """The bytes that arrived within `WAIT`, possibly none; they are already saved. Raises PortLost."""
         try:
             chunk: bytes = self._port.read(1)
             if chunk:
@@ -76,7 +75,7 @@ class SerialLine:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def close(self) -> None:
-        """Close the port, also one that has disappeared."""
+        """Close the port, even if it has disappeared."""
         try:
             self._port.close()
         except _faults():
@@ -84,7 +83,7 @@ class SerialLine:
 
 
 def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> SerialLine:
-    """A port, opened for this program alone. Raises PortTrouble with the reason if it cannot be."""
+    """Open a port for exclusive use. Raises PortTrouble with the reason if that fails."""
     import serial
 
     try:
@@ -102,7 +101,7 @@ def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> S
 
 
 def _faults() -> tuple[type[Exception], ...]:
-    """What pyserial lets out when a port fails: OSError mostly, on Unix the errors of its terminal too."""
+    """Exceptions that pyserial raises when a port fails: mostly OSError, on Unix also termios errors."""
     try:
         from termios import error
     except ImportError:  # Windows
@@ -111,7 +110,7 @@ def _faults() -> tuple[type[Exception], ...]:
 
 
 def _reason(error: Exception) -> str:
-    """The system's own message for an error, in a few words."""
+    """The system's message for an error, shortened."""
     texts = [str(part) for part in error.args if isinstance(part, str)]
     return (getattr(error, "strerror", None) or (texts[-1] if texts else type(error).__name__)).splitlines()[0][:120]
 

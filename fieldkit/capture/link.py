@@ -1,7 +1,7 @@
-"""A line as protocols see it: pieces between marks, time-outs, counts for the flyer, and a way to stop.
+"""A line as protocols use it: pieces between marks, timeouts, progress counts, and a way to stop.
 
-A protocol is a generator: it yields events, and waits with `yield from`, so that whatever shows the capture stays
-alive while nothing arrives. Silence is measured between bytes, never from the start of a wait that receives some.
+A protocol is a generator: it yields events, and waits with `yield from`, which keeps the display responsive while
+nothing arrives. Silence is measured from the last byte received.
 """
 
 import time
@@ -14,29 +14,29 @@ from fieldkit.capture.line import SerialLine
 from fieldkit.errors import PortLost, PortTrouble
 
 MAX_PIECE = 4096
-"""Size limit of a piece between two marks; of a longer one, which is noise, only the end is used. [byte]"""
+"""Size limit of a piece between two marks; only the end of a longer piece, which is noise, is used. [byte]"""
 NOISE = 4
-"""Noise is given up after so many times the silence that would be. [1]"""
+"""Noise ends a wait after this many times the silence timeout. [1]"""
 PROGRESS_INTERVAL = 0.2
-"""Time between two reports of progress. [s]"""
+"""Time between two progress reports. [s]"""
 
 T = TypeVar("T")
 Dialogue = Generator[Event, None, T]
-"""A conversation, or a part of one: events on the way, something at its end."""
+"""A dialogue, or a part of one: yields events and returns a result."""
 
 
 class Stopped(Exception):
-    """The user, or the time limit, ends a capture."""
+    """The user, or the time limit, ended the capture."""
 
 
 def never() -> bool:
-    """Never stops."""
+    """A stop check that never stops."""
     return False
 
 
 @dataclass(slots=True)
 class Link:
-    """A conversation's end of a line, and the counts of a whole capture, which may outlive several lines."""
+    """Our end of a dialogue, with the counts of a whole capture, which may use several lines in turn."""
 
     line: SerialLine
     stop: Callable[[], bool] = never
@@ -45,7 +45,7 @@ class Link:
     samples: int = 0
     damaged: int = 0
     open_ended: bool = False
-    """Whether only the user knows when the capture is over, so that stopping it loses nothing."""
+    """Whether only the user knows when the capture is over; stopping it then loses nothing."""
     share: float | None = None
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class Link:
     _told: float = field(default=float("-inf"))
 
     def send(self, command: bytes) -> None:
-        """Send a command of the table. Raises PortLost."""
+        """Send a command from the table. Raises PortLost."""
         self.line.send(command)
 
     def last_command(self, command: bytes) -> None:
@@ -70,7 +70,7 @@ class Link:
         return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
 
     def hear(self) -> Dialogue[bytes]:
-        """The bytes that have arrived, perhaps none. Raises Stopped, PortLost."""
+        """The bytes that have arrived, possibly none. Raises Stopped, PortLost."""
         if self.stop():
             raise Stopped("stopped")
         if time.monotonic() >= self.ends:
@@ -88,17 +88,17 @@ class Link:
         return chunk
 
     def push_back(self, chunk: bytes) -> None:
-        """Push received bytes back, to be read again before others."""
+        """Push received bytes back, to be returned before new ones."""
         self._pending[:0] = chunk
         self._searched = 0
 
     def forget(self) -> None:
-        """Discard received bytes that were not read: their port has disappeared."""
+        """Discard received bytes that were not read, because their port has disappeared."""
         self._pending.clear()
         self._searched = 0
 
     def first_word(self, wait: float, asked: str) -> Dialogue[None]:
-        """Wait for anything at all. Raises PortTrouble after so long. [s]"""
+        """Wait for the first byte. Raises PortTrouble after `wait` [s]."""
         began = time.monotonic()
         while time.monotonic() - began < wait:
             chunk = yield from self.hear()
@@ -108,7 +108,7 @@ class Link:
         raise PortTrouble(f"{self.line.name}: received nothing in {wait:.0f} s; {asked}")
 
     def piece(self, mark: bytes, silence: float) -> Dialogue[bytes | None]:
-        """The bytes up to the next mark, without it; None after silence, or four times that of noise. [s]"""
+        """The bytes up to the next mark, without it; None after `silence` [s], or after four times that of noise."""
         began = quiet_since = time.monotonic()
         while True:
             at = self._pending.find(mark, max(0, self._searched - len(mark) + 1))
@@ -134,12 +134,12 @@ class Link:
                 return None
 
     def text_line(self, silence: float) -> Dialogue[str | None]:
-        """The next line without its end, in which every byte is a character; None after silence. [s]"""
+        """The next line without its line end, one character per byte; None after `silence` [s]."""
         found = yield from self.piece(b"\n", silence)
         return None if found is None else found.decode("latin-1").rstrip("\r")
 
     def drain(self, silence: float, patience: float = NOISE) -> Dialogue[bytes]:
-        """The end of what arrives until there is silence, or `patience` times that of noise. [s]"""
+        """Read until there is silence [s], or for `patience` times that if there is noise; returns the last bytes."""
         heard = bytearray()
         began = quiet_since = time.monotonic()
         while time.monotonic() - quiet_since < silence and time.monotonic() - began < patience * silence:

@@ -1,7 +1,8 @@
-"""The serial ports of this computer, and what their vendor and product numbers say of what is behind them.
+"""The serial ports of this computer, and the devices identified by their vendor and product numbers.
 
-Few loggers have numbers of their own; most sit behind a chip that says no more than who made it. Only numbers
-that one maker gave to one device choose a protocol; for the others the flyer does, or what is heard.
+Few loggers have numbers of their own; most are behind a USB serial chip whose numbers identify only the chip's maker.
+Only numbers that a maker assigned to a single device select a protocol; otherwise the user or the received bytes do.
+
 Sources: AltosUSB product list (Altus Metrum), the USB ID repository (usb.ids) for the chips.
 """
 
@@ -21,7 +22,7 @@ ALTOS_PRODUCTS: Mapping[int, str] = {
     0x2B: "MicroPeak USB adapter",
     0x2C: "EasyMotor",
 }
-"""Product numbers of Altus Metrum; all from 0x0a to 0x2c are theirs."""
+"""Product numbers of Altus Metrum; all from 0x0a to 0x2c belong to them."""
 CHIPS: Mapping[int, str] = {
     0x0403: "FTDI chip",
     0x0483: "STMicroelectronics chip (a Blue Raven has one)",
@@ -37,7 +38,7 @@ MICROPEAK_ADAPTER = (0x0403, 0x6015)
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A serial port: its name, its numbers if it has any, and what they say."""
+    """A serial port: its name, its USB numbers if it has any, and the device they identify."""
 
     name: str
     vendor: int | None = None
@@ -64,7 +65,7 @@ class Port:
         return next(named, "")
 
     def same_unit(self, other: "Port") -> bool:
-        """Whether another port can be this unit, plugged in elsewhere: same numbers, same serial number."""
+        """Whether another port can be this unit, plugged in elsewhere: same USB numbers, same serial number."""
         mine = (self.vendor, self.product, self.serial)
         return self.vendor is not None and mine == (other.vendor, other.product, other.serial)
 
@@ -81,9 +82,9 @@ def ports() -> list[Port]:
 
 
 def again(unit: Port, here: Iterable[Port]) -> str | None:
-    """The port on which a unit is again, by its numbers or, if it has none, by its port's name.
+    """The port on which a unit has returned, by its USB numbers or, if it has none, by its port name.
 
-    A port that the system does not list, as a pseudo-terminal, is there where its name is.
+    A port that the system does not list, such as a pseudo-terminal, is present if its path exists.
     """
     here = list(here)
     same = [port.name for port in here if unit.same_unit(port)]

@@ -1,7 +1,7 @@
-"""What a protocol is, and the registry of them: one file in `fieldkit/capture/protocols` each.
+"""The definition of a protocol, and the registry of protocols: one file each in `fieldkit/capture/protocols`.
 
-A protocol that only listens is that one file. One that has to ask needs its commands in the table of
-`fieldkit/capture/commands.py` too, which is a place of its own on purpose.
+A protocol that only listens needs just that file. One that sends commands also needs them in the table of
+`fieldkit/capture/commands.py`, which is separate on purpose.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,17 +23,17 @@ def everything(flights: Sequence[Stored]) -> Sequence[int]:
 
 @dataclass(frozen=True, slots=True)
 class CaptureOptions:
-    """The user's choices; None leaves a value to the protocol."""
+    """The user's choices; None leaves the value to the protocol."""
 
     choose: Callable[[Sequence[Stored]], Sequence[int]] = everything
     """Given the flights in memory, the numbers of those to read."""
     live: bool = False
-    """Record telemetry of a unit that has both memory and telemetry."""
+    """Record telemetry if the unit has both memory and telemetry."""
     frequency: float | None = None
     """Frequency of a radio. [Hz]"""
     baud: int | None = None
     wait: float | None = None
-    """How long a unit that sends unprompted may take to start. [s]"""
+    """How long to wait for a unit that sends unprompted. [s]"""
     silence: float | None = None
     """How long a stream may pause before it ends. [s]"""
     seconds: float | None = None
@@ -43,12 +43,12 @@ class CaptureOptions:
 
 
 def as_it_came(captured: Captured) -> list[Log]:
-    """The whole capture as one log."""
+    """The whole capture as one log, unchanged."""
     return [Log(captured.file.name, captured.raw)] if captured.raw else []
 
 
 def unheard(heard: bytes) -> bool:
-    """Nothing distinguishes this protocol from others until the unit is asked."""
+    """Always False: this protocol cannot be recognized from unprompted bytes."""
     return False
 
 
@@ -56,9 +56,9 @@ def unheard(heard: bytes) -> bool:
 class Protocol:
     """One kind of unit on a serial port.
 
-    `dialogue` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
-    it got, when a lost unit is back. `recognizes_stream` says whether bytes that the unit sent unprompted can only be
-    from it. `logs` takes out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
+    `dialogue` reads everything and returns whether it is complete; when a lost unit returns, it is called again with
+    the capture so far. `recognizes_stream` returns whether bytes that the unit sent unprompted can only come from it.
+    `logs` extracts the logs for parsers from a capture. Both must handle noise and torn pieces without raising.
     """
 
     title: str
@@ -79,7 +79,7 @@ NOT_PUBLIC: Mapping[str, str] = {
     "aim": "the download of the AIM is not public; export the flight as CSV from Entacore's own program and "
     "import that file",
 }
-"""Devices that may be asked for and cannot be captured, with the alternative."""
+"""Devices that may be asked for but cannot be captured, with the alternative."""
 
 
 def known_devices() -> Mapping[str, Protocol]:
@@ -92,7 +92,7 @@ def known_devices() -> Mapping[str, Protocol]:
 
 
 def known_device(name: str) -> Protocol:
-    """The protocol of a name. Raises PortTrouble that says what there is instead."""
+    """The protocol with a name. Raises PortTrouble that lists the available ones."""
     plain = name.strip().lower().replace("-", "_").replace(" ", "_")
     if plain in known_devices():
         return known_devices()[plain]
@@ -102,7 +102,7 @@ def known_device(name: str) -> Protocol:
 
 
 def logs_in(file: Path) -> list[Log]:
-    """The logs that a capture holds, ready for parsers, by either of its files. Raises CaptureTrouble."""
+    """The logs in a capture, ready for parsers, given either of its files. Raises CaptureTrouble."""
     captured = read_capture(file)
     found = known_devices().get(captured.device) or _overheard(captured.raw)
     logs = found.logs(captured) if found else as_it_came(captured)
@@ -114,6 +114,6 @@ def logs_in(file: Path) -> list[Log]:
 
 
 def _overheard(raw: bytes) -> Protocol | None:
-    """The one protocol that bytes can be from, if the journal does not say it."""
+    """The only protocol that can have sent these bytes, for a journal that does not name it."""
     fitting = [one for one in known_devices().values() if one.recognizes_stream(raw)]
     return fitting[0] if len(fitting) == 1 else None

@@ -1,6 +1,6 @@
 """The sentences of bdureau's altimeters: `$name,field,...,checksum;`.
 
-The checksum is the sum of the characters from the name up to the comma before it, modulo 256.
+The checksum is the sum of the characters from the name up to the comma before the checksum, modulo 256.
 """
 
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from fieldkit.importing.tables.checksums import sum_256
 
 @dataclass(frozen=True, slots=True)
 class Sentence:
-    """A sentence; `sound` when its checksum is right, or when it is one that has none."""
+    """A sentence; `sound` if its checksum is valid, or if its kind has none."""
 
     name: str
     fields: tuple[str, ...]
@@ -19,7 +19,7 @@ class Sentence:
 
 
 def sentence(piece: bytes) -> Sentence | None:
-    """The sentence at the end of what came before a semicolon, None if there is none."""
+    """The sentence at the end of the text before a semicolon, None if there is none."""
     start = piece.rfind(b"$")
     if start < 0:
         return None
@@ -32,7 +32,7 @@ def sentence(piece: bytes) -> Sentence | None:
 
 
 def sentences(content: bytes) -> Iterable[Sentence]:
-    """All sentences of bytes."""
+    """All sentences in a sequence of bytes."""
     for piece in content.split(b";")[:-1]:
         if (one := sentence(piece)) is not None:
             yield one

@@ -1,4 +1,4 @@
-"""A capture from its first byte to its last, over lost and regained ports, as a stream of events."""
+"""A capture from start to end, across lost and regained ports, as a stream of events."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -16,21 +16,21 @@ from fieldkit.capture.tape import Tape, begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 
 RECOGNITION_BYTES = 16_384
-"""How much of the end of the received data is searched to recognize a unit. [byte]"""
+"""Number of received bytes, counted from the end, that are searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
-"""Speeds at which units send unprompted, tried in turn until one is readable. [baud]"""
+"""Baud rates at which units send unprompted, tried in turn until the data is readable. [baud]"""
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 
 MOST_LOSSES = 5
-"""Number of losses without data in between after which a port is given up. [1]"""
+"""Number of consecutive losses without data after which a port is given up. [1]"""
 PAUSE = 0.5
 """Additional wait before each retry of such a port. [s]"""
 AFTER_A_FAULT = 30.0
-"""Silence that ends a capture which nobody understands any more. [s]"""
+"""Silence that ends a capture whose protocol has failed. [s]"""
 
 Look = Callable[[], list[Port]]
-"""Lists the current ports."""
+"""A function that lists the current ports."""
 
 
 def capture(
@@ -42,11 +42,11 @@ def capture(
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
-    """Capture what is on a port into a folder; what happens comes as events, the last of them `Ended`.
+    """Capture from a port into a folder; yields events, the last of them `Ended`.
 
-    Every byte is on the disk before it is looked at. Without a device, what the port's numbers prove is taken,
-    else what is recognized by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
-    named. Raises PortTrouble if a port cannot be opened or a unit does not answer; the capture is kept then too.
+    Every byte is on disk before it is decoded. Without a device, the port's numbers identify it, or else the received
+    bytes; nothing is ever sent to a unit identified neither by the user nor by its numbers. Raises PortTrouble if a
+    port cannot be opened or a unit does not answer; the capture is still saved in that case.
     """
     name = _name(device or port.device)
     settings = _settings(name, wishes)
@@ -68,9 +68,9 @@ def resume(
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
-    """Continue a capture, on the port where its unit is now; what it has already is not read again.
+    """Resume a capture, on the port where its unit is now; data it already has is not read again.
 
-    Raises CaptureTrouble if there is no such capture or its unit is not found, and what `capture` raises.
+    Raises CaptureTrouble if there is no such capture or its unit is not found, and the errors of `capture`.
     """
     captured = read_capture(file)
     numbers = (captured.fact("vendor"), captured.fact("product"))
@@ -95,7 +95,7 @@ def resume(
 
 
 def _name(device: str) -> str:
-    """The name of a protocol in the folder, empty for none. Raises PortTrouble for another."""
+    """The name of a known protocol, empty for none. Raises PortTrouble for an unknown name."""
     if not device:
         return ""
     wanted = known_device(device)
@@ -143,9 +143,9 @@ def _run(
 
 
 def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
-    """Run the dialogue until a unit has sent what it has, across reconnections; whether the capture is complete.
+    """Run the dialogue until a unit has sent everything, across reconnections; returns whether the capture is complete.
 
-    Raises PortLost if it stays away, or is lost again and again and says nothing between.
+    Raises PortLost if the unit does not return, or is lost repeatedly without sending anything in between.
     """
     losses, at_loss = 0, -1
     while True:
@@ -167,7 +167,7 @@ def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureO
 
 
 def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
-    """Talk to a known unit, with what the tape has of it."""
+    """Run the dialogue with a known unit, given the capture so far."""
     one = known_devices()[link.line.protocol]
     if one.invites:
         yield Instruction(one.invites)
@@ -177,7 +177,7 @@ def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
 def _reopened(
     link: Link, unit: Port, settings: PortSettings, patience: float, look: Look, lost: PortLost
 ) -> Dialogue[SerialLine]:
-    """The line of a unit that is there again. Raises the loss again when it stays away."""
+    """The line of a unit that has returned. Raises the loss again if it does not return."""
     tape, name = link.line.tape, link.line.protocol
     gives_up = time.monotonic() + patience
     while time.monotonic() < gives_up:
@@ -190,7 +190,7 @@ def _reopened(
                     found, name, _settings(name, CaptureOptions(baud=settings.baud)) if name else settings, tape
                 )
             except PortTrouble:
-                pass  # it may take a moment until the system lets it be opened
+                pass  # it may take a moment until the system allows it to be opened
             else:
                 tape.note(port=found)
                 return line
@@ -200,7 +200,7 @@ def _reopened(
 
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
-    """Listen until the bytes can only be one protocol's, and continue with that one. Raises PortTrouble."""
+    """Listen until the bytes can come from only one protocol, and continue with it. Raises PortTrouble."""
     yield Instruction("listening for a unit that sends unprompted; if yours must be asked, name it with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
@@ -225,7 +225,7 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
 
 
 _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
-"""Bytes that no text holds: what a wrong speed makes of one."""
+"""Bytes that no text contains, which result from a wrong baud rate."""
 
 
 def _overheard(heard: bytes) -> list[str]:
@@ -240,6 +240,6 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
 
 
 def _kept(link: Link, silence: float | None) -> Dialogue[None]:
-    """Keep what comes without a look at it, until it stops."""
+    """Save the incoming bytes without decoding them, until they stop."""
     with suppress(Stopped, PortLost):
         yield from link.drain(AFTER_A_FAULT if silence is None else silence, patience=float("inf"))

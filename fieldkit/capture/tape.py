@@ -1,10 +1,10 @@
-"""Keeping what arrives before anybody looks at it: an append-only file of bytes and a journal beside it.
+"""Save what arrives before it is decoded: an append-only file of bytes, with a journal next to it.
 
-`NAME.raw` holds the bytes as they came, nothing else. `NAME.jsonl` holds one JSON object a line: first the device,
-the port, the settings and the time, then what was sent, when bytes arrived, when the port was lost and opened
-again; each with `at`, the number of bytes on tape by then, and `t`, seconds since the capture began. Both are only
-appended to and synchronized with the disk a few times a second, so neither a kill nor a power cut takes more than
-the last instant.
+`NAME.raw` contains the bytes as received and nothing else. `NAME.jsonl` contains one JSON object per line: first the
+device, the port, the settings and the time, then what was sent, when bytes arrived, and when the port was lost and
+reopened. Each has `at`, the number of bytes saved by then, and `t`, seconds since the capture started. Both are only
+appended to, and synchronized with the disk a few times per second, so a kill or a power failure loses at most the last
+instant.
 """
 
 import json
@@ -20,7 +20,7 @@ from types import TracebackType
 from fieldkit.errors import CaptureTrouble
 
 SYNC = 0.25
-"""Bytes are on the disk at most this long after they came. [s]"""
+"""Longest time from the arrival of bytes until they are on disk. [s]"""
 GRAIN = 0.02
 """Arrivals closer together than this share one line of the journal. [s]"""
 BYTES, JOURNAL = ".raw", ".jsonl"
@@ -29,7 +29,7 @@ BYTES, JOURNAL = ".raw", ".jsonl"
 
 @dataclass(slots=True)
 class Tape:
-    """An open capture. Make one with `begin` or `go_on`; close it, or use it as a context."""
+    """An open capture. Make one with `begin` or `go_on`; close it, or use it in a `with` statement."""
 
     file: Path
     _raw: FileIO
@@ -52,28 +52,28 @@ class Tape:
         self.close()
 
     def heard(self, chunk: bytes) -> None:
-        """Keep bytes that arrived just now. Raises CaptureTrouble if the disk takes no more."""
+        """Save bytes that just arrived. Raises CaptureTrouble if the disk is full."""
         self._append(self._raw, chunk)
         self.size += len(chunk)
         self.tick()
 
     def note(self, **facts: object) -> None:
-        """Keep what happened at this place of the tape, in JSON types; nothing but the time without facts."""
+        """Record an event at this position, in JSON types; without facts, only the time."""
         now = time.monotonic()
         line = {"at": self.size, "t": round(now - self._start, 3), **facts}
         self._marked, self._marked_size = now, self.size
         self._append(self._journal, json.dumps(line).encode() + b"\n")
 
     def tick(self) -> None:
-        """Note when bytes came, bring to the disk what is due; to be called also when nothing arrives."""
+        """Record arrival times, and synchronize with the disk if due; call it regularly even if nothing arrives."""
         if self.size != self._marked_size and time.monotonic() - self._marked >= GRAIN:
             self.note()
         if self._dirty and time.monotonic() - self._synced >= SYNC:
             self._sync()
 
     def close(self) -> None:
-        """Bring everything to the disk and let go of the files. Raises CaptureTrouble if the disk failed since the
-        capture began: a disk that fails once does not end a capture, since a logger may send its flight only once."""
+        """Write everything to disk and close the files. Raises CaptureTrouble if the disk failed at any time during the
+        capture: a failure does not end a capture at that moment, because a logger may send its flight only once."""
         if self._raw.closed:
             return
         self._sync()
@@ -83,7 +83,7 @@ class Tape:
             raise CaptureTrouble(f"{self.file}: the disk failed ({self._failed}); some of the capture may not be saved")
 
     def discard_if_empty(self) -> None:
-        """Close, and leave nothing behind if nothing ever came."""
+        """Close, and delete the files if nothing ever arrived."""
         self.close()
         if not self.size:
             self.file.unlink(missing_ok=True)
@@ -109,7 +109,7 @@ class Tape:
 
 
 def begin(folder: Path, about: Mapping[str, object]) -> Tape:
-    """A new capture in a folder, made if it is not there, named after the time.
+    """Start a capture in a folder, created if needed, with files named after the time.
 
     `about` is the first line of its journal. Raises CaptureTrouble.
     """
@@ -131,7 +131,7 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
 
 
 def _sync_names(folder: Path) -> None:
-    """Bring the names of new files to the disk, on systems where that is a step of its own."""
+    """Write the names of new files to disk, on systems that need a separate step for it."""
     if os.name == "posix":
         names = os.open(folder, os.O_RDONLY)
         try:
@@ -141,7 +141,7 @@ def _sync_names(folder: Path) -> None:
 
 
 def _new(folder: Path, name: str) -> tuple[Path, FileIO]:
-    """A file of this name, or of this name and a number, that was not there before."""
+    """Create a file with this name, or with this name and a number if it exists."""
     for number in range(1, 1000):
         file = folder / f"{name}{f'-{number}' if number > 1 else ''}{BYTES}"
         try:
@@ -152,7 +152,7 @@ def _new(folder: Path, name: str) -> tuple[Path, FileIO]:
 
 
 def go_on(file: Path, began: datetime) -> Tape:
-    """A capture that continues where it ended, after what its files hold. Raises CaptureTrouble."""
+    """Resume a capture at the end of its files. Raises CaptureTrouble."""
     try:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")
@@ -162,5 +162,5 @@ def go_on(file: Path, began: datetime) -> Tape:
     tape = Tape(file, raw, journal, began, raw.seek(0, os.SEEK_END), time.monotonic() - passed)
     tape._marked_size = tape.size
     if journal.seek(0, os.SEEK_END):
-        tape._append(journal, b"\n")  # its last line may be torn
+        tape._append(journal, b"\n")  # the previous last line may be torn
     return tape

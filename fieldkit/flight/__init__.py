@@ -1,8 +1,8 @@
 """The records everything shares: a flight, its columns, and the time series of a log.
 
-`COLUMNS` is the one list of what is known of a flight as numbers. The flight table, the prompts, the
-ledger, the exports and the JSON are all read off it. Values are SI inside a `Flight`; a column's name
-carries the unit that flyers see.
+`COLUMNS` is the single list of the numbers recorded for a flight. The flight table, the prompts, the ledger, the
+exports and the JSON are all generated from it. Values are SI inside a `Flight`; a column's name carries the unit that
+flyers see.
 """
 
 from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, LOGGED, MEASURED, READOUTS, SETUP, Column

@@ -1,4 +1,4 @@
-"""What is known of a flight as numbers: each column's name, unit, meaning and plausible range."""
+"""The numbers recorded for a flight: each column's name, unit, meaning and plausible range."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from fieldkit import units
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One number of a flight: how it is named at the edge, what it means, what is plausible.
+    """One number of a flight: its external name, its meaning, and its plausible range.
 
-    `name` is the field of `Flight`; `low` and `high` bound what is taken without a question, in SI.
+    `name` is the field of `Flight`; values between `low` and `high` are accepted without a question, in SI.
     """
 
     name: str
@@ -25,30 +25,30 @@ class Column:
 
     @property
     def header(self) -> str:
-        """The column's name at the edge, unit and all: `apogee_m`."""
+        """The column's external name with its unit: `apogee_m`."""
         return f"{self.name}_{self.suffix}"
 
     @property
     def sd_header(self) -> str:
-        """The column that holds the standard deviation of a readout: `apogee_sd_m`."""
+        """The column for the standard deviation of a readout: `apogee_sd_m`."""
         return f"{self.name}_sd_{self.suffix}"
 
     @property
     def source_header(self) -> str:
-        """The column that says what a readout was measured by: `apogee_source`."""
+        """The column for the source of a readout: `apogee_source`."""
         return f"{self.name}_source"
 
     @property
     def stated_header(self) -> str:
-        """The extra column that holds what the device itself stated: `stated_apogee_m`."""
+        """The extra column for the value that the device itself stated: `stated_apogee_m`."""
         return f"stated_{self.header}"
 
     def parse(self, text: str, unit: str | None = None) -> float:
-        """The SI value of a text; a number without a unit is in `unit`, or this column's own."""
+        """Parse a text to an SI value; a number without a unit is in `unit`, or in this column's own unit."""
         return units.parse(text, self.quantity, unit or self.unit)
 
     def render(self, value: float) -> str:
-        """The number at the edge, in this column's unit."""
+        """The number in this column's unit, as text."""
         return units.render(value, self.quantity, self.unit)
 
 
@@ -128,7 +128,7 @@ READOUTS = (
     _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Speed under the parachute or streamer."),
     _column("duration", "time", "s", "Duration", 1, 1200, "Time from lift-off to landing."),
 )
-"""The ten readouts, in the order in which the AltimeterTwo shows them."""
+"""The ten readouts, in the order in which the AltimeterTwo displays them."""
 
 LOGGED = (
     _column(
@@ -150,10 +150,10 @@ LOGGED = (
         "Thrust over mass, integrated over the burn.",
     ),
 )
-"""Figures that only the samples of a log show, and no device does (`fieldkit.analysis.drag_and_impulse`)."""
+"""Quantities that are computed only from the samples of a log (`fieldkit.analysis.drag_and_impulse`)."""
 
 COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED
-"""Whatever may have a standard deviation and a source."""
+"""Everything that may have a standard deviation and a source."""
 BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})

@@ -1,4 +1,4 @@
-"""One flight, as its flyer knows it."""
+"""The record of one flight."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -11,11 +11,11 @@ from fieldkit.flight.tags import TAGS
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """One flight as its flyer knows it, in SI units; None is "not recorded", never zero.
+    """One flight as recorded, in SI units; None means "not recorded", never zero.
 
-    `rocket` and `flight_id` together name it. `motor` is as printed, with the delay if it has one. `sd` is the
-    standard deviation and `source` the origin, one of `SOURCES`, of each readout of which it is recorded, by name.
-    `extra` keeps the columns of a flight table that fieldkit does not know.
+    `rocket` and `flight_id` together identify it. `motor` is as printed, with the delay if it has one. `sd` and
+    `source` map readout names to the standard deviation and the origin (one of `SOURCES`), if recorded. `extra`
+    contains the columns of a flight table that fieldkit does not know.
     """
 
     flight_id: str = ""
@@ -55,7 +55,7 @@ class Flight:
 
     @property
     def clean(self) -> bool:
-        """Whether the flight carries no anomaly tag, so that it is used in the fit."""
+        """Whether the flight has no anomaly tag and is therefore used in the fit."""
         return not any(tag in TAGS for tag in self.tags)
 
     def number(self, name: str) -> float | None:
@@ -64,19 +64,19 @@ class Flight:
         return value
 
     def readouts(self) -> dict[str, float]:
-        """The recorded readouts by name, in SI, with what only a log shows."""
+        """The recorded readouts by name, in SI, including those computed from a log."""
         return {c.name: v for c in MEASURED if (v := self.number(c.name)) is not None}
 
     def readout(self, name: str) -> Readout | None:
-        """A readout with how well it is known, and by what; None if it was not recorded. [SI]"""
+        """A readout with its uncertainty and source; None if it was not recorded. [SI]"""
         value = self.number(name)
         return None if value is None else Readout(value, self.sd.get(name), self.source.get(name, ""))
 
     def with_changes(self, **changes: object) -> "Flight":
-        """The same flight with some fields changed.
+        """A copy of the flight with some fields changed.
 
-        A readout of another value, or of none, loses its standard deviation and its source, unless `changes` has an
-        `sd` or a `source`, which is then that of all readouts.
+        A readout whose value changes loses its standard deviation and its source, unless `changes` includes `sd` or
+        `source`, which then replaces that of all readouts.
         """
         changed = {c.name for c in MEASURED if c.name in changes and changes[c.name] != self.number(c.name)}
         for part in ("sd", "source"):
@@ -86,7 +86,7 @@ class Flight:
         return replace(self, **changes)  # type: ignore[arg-type]
 
     def with_source(self, names: Iterable[str], source: str) -> "Flight":
-        """The same flight with a source for those of its readouts among `names` that have none."""
+        """A copy of the flight with a source for those readouts among `names` that have none."""
         added = {name: source for name in names if self.number(name) is not None and name not in self.source}
         return replace(self, source={**self.source, **added}) if added else self
 

@@ -1,8 +1,9 @@
-"""What the figures of a flight can be at all, and which of them contradict each other.
+"""Which values a flight can have at all, and which values contradict each other.
 
-`Column.low` and `high` say what is usual. Here are the bounds beyond which a number is a slip of the
-pen, and the relations that the ten readouts of one flight obey. A figure that is merely unusual is accepted.
-What no rocket on a flight's motor can do is `implausible`: the flight is kept, named and left out of every fit.
+`Column.low` and `high` are the usual range. This module has the bounds beyond which a number must be a typing error,
+and the relations that the ten readouts of a flight obey. A value that is merely unusual is accepted. A value that no
+rocket can reach on the flight's motor is `implausible`: the flight stays in the ledger, is reported, and is left out of
+every fit.
 """
 
 import math
@@ -40,47 +41,47 @@ _EDGE: Mapping[str, tuple[float, float]] = {
     "burn_impulse": (0.1, 5000),
 }
 LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(_EDGE)
-"""Lowest and highest possible number of each column, in the column's own unit."""
+"""Lowest and highest possible value of each column, in the column's own unit."""
 
 IDENTITY = (0.9, 1.1)
-"""Top speed over (average acceleration × burn time): outside of this something is mistyped. [1]
+"""Range of top speed over (average acceleration × burn time); outside it, a value is mistyped. [1]
 
-The device averages the acceleration over the burn and net of gravity, so the ratio is 1 but for
-rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
+The device averages the acceleration over the burn and net of gravity, so the ratio is 1 except for rounding. Of 116
+flights in one ledger, all but one were within 0.905 to 1.055.
 """
 
 
 PLAUSIBLE_RATIO = (0.5, 2.0)
-"""A readout over the middle of the same rocket's on the same motor: outside of this something is mistyped. [1]
+"""Range of a readout over the median for the same rocket and motor; outside it, a value is mistyped. [1]
 
-Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for meters, by more.
+Mass, wind and motor lots change a readout by less; an extra digit, or feet entered as meters, by more.
 """
 SIGNED_READOUTS = ("apogee_to_eject",)
-"""Readouts about zero, which no ratio can judge."""
+"""Readouts that can be around zero, which a ratio cannot check."""
 
 IMPULSE_SCATTER = 0.067
-"""Standard deviation of the total impulse of a certified motor at most, NFPA 1125. [1]"""
+"""Largest standard deviation of the total impulse of a certified motor, NFPA 1125. [1]"""
 MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
 """Largest impulse or thrust of a motor, relative to its certified curve. [1]"""
 READ_TOO_HIGH = 1.2
-"""No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
+"""Largest ratio of an altimeter's reading to the true value: the standard atmosphere in air at -35 °C. [1]"""
 MIN_BURN_FRACTION = 0.5
-"""The least part of a motor's burn in which a rocket gains speed. [1]"""
+"""Smallest fraction of a motor's burn in which a rocket gains speed. [1]"""
 MAX_LAUNCH_ANGLE = math.radians(45)
-"""A rail is closer to vertical: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes
-up. [rad]"""
+"""A rail is closer to vertical than this: the codes allow 20 and 30 degrees, and beyond 45 a rocket flies farther than
+it climbs. [rad]"""
 MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
-"""The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
+"""Ratio of a body's diameter to its motor's: a motor fits inside, and saucers are about 15 times as wide. [1]"""
 
 
 def figure(column: Column, value: float) -> str:
-    """A value [SI] in the column's own unit: `281.3 m`."""
+    """Format a value [SI] in the column's own unit: `281.3 m`."""
     number = units.unit(column.quantity, column.unit).from_si(value)
     return f"{number:.0f} {column.unit}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g} {column.unit}"
 
 
 class Burning(Protocol):
-    """What is asked of a motor here, as `fieldkit.motors.Motor` has it. SI."""
+    """The motor data that these checks need, as in `fieldkit.motors.Motor`. SI."""
 
     @property
     def designation(self) -> str: ...
@@ -99,7 +100,7 @@ class Burning(Protocol):
 
 
 def check(column: Column, value: float) -> float:
-    """The SI value of a column, if a flight can have it. Raises BadValue with the range expected."""
+    """Return the SI value of a column if it is possible. Raises BadValue with the expected range."""
     low, high = LIMITS[column.name]
     scale = units.unit(column.quantity, column.unit)
     number = scale.from_si(value)
@@ -110,20 +111,21 @@ def check(column: Column, value: float) -> float:
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
-    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None if one can.
+    """Why no rocket can have flown like this on its motor, as a phrase that starts with the column; None if possible.
 
-    A plan is judged by what it says, a flight also by what its altimeter showed. Bounds are of physics, with room for
-    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely unusual passes.
+    A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
+    strongest motor and an altimeter that reads high, so a flight that is merely unusual passes.
     """
     found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
     return next((reason for reason in found if reason), None)
 
 
 def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
-    """The readouts of a boost that no rocket of this mass can have had on its motor, each with why.
+    """Boost readouts that no rocket of this mass can reach on its motor, each with the reason.
 
-    A readout is one only if it is so by more than two of its standard deviations. A burn ends, to an altimeter,
-    when the thrust falls below drag and weight: it may be much shorter than the motor's, but not by half.
+    A readout counts only if it exceeds the bound by more than two standard deviations. To an altimeter, a burn ends
+    when thrust falls below drag plus weight: it may be much shorter than the motor's burn, but not less than half of
+    it.
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
@@ -144,9 +146,9 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
 
 
 def best_speed(dry_mass: float, motor: Burning) -> float:
-    """What a motor makes of a rocket without drag and gravity, a certified one of the strongest kind. [m/s]
+    """Speed that a certified motor, at its strongest, gives a rocket without drag and gravity. [m/s]
 
-    Tsiolkovsky's equation, with the exhaust at the speed that total impulse and propellant give.
+    Tsiolkovsky's equation, with the exhaust speed computed from total impulse and propellant mass.
     """
     end = dry_mass + motor.casing_mass
     if motor.propellant_mass <= 0:
@@ -156,18 +158,18 @@ def best_speed(dry_mass: float, motor: Burning) -> float:
 
 
 def best_apogee(dry_mass: float, motor: Burning) -> float:
-    """Where `best_speed` at the pad leads without drag: all impulse at once and straight up beats any burn. [m]"""
+    """Height reached without drag from `best_speed` at the pad: no burn is better than an instant vertical one. [m]"""
     return float(best_speed(dry_mass, motor) ** 2 / (2 * units.STANDARD_GRAVITY))
 
 
 def _not_a_number(flight: Flight) -> str:
-    """A phrase for the first figure that is not finite."""
+    """A phrase for the first value that is not finite."""
     odd = (column for column in COLUMNS if not math.isfinite(flight.number(column.name) or 0.0))
     return next((f"{column.header}: found {flight.number(column.name)}, expected a number" for column in odd), "")
 
 
 def _misfit(flight: Flight, motor: Burning) -> str:
-    """A phrase for a body that is not one around its motor, or a rail that lies more than it stands."""
+    """A phrase for a body too narrow or too wide for its motor, or a rail closer to horizontal than to vertical."""
     if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
         low, high = (
             figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
@@ -179,7 +181,7 @@ def _misfit(flight: Flight, motor: Burning) -> str:
 
 
 def _too_heavy(flight: Flight, motor: Burning) -> str:
-    """A phrase for a rocket that its motor does not lift, even at its peak and when all propellant is gone."""
+    """A phrase for a rocket that its motor cannot lift, even at peak thrust with all propellant gone."""
     if flight.dry_mass is None:
         return ""
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
@@ -209,7 +211,7 @@ def _too_far(flight: Flight, motor: Burning) -> str:
 
 
 def _at_fault(name: str, flight: Flight) -> str:
-    """A column and what a flight has in it."""
+    """A column and the flight's value in it."""
     column = BY_NAME[name]
     return f"{column.header}: found {figure(column, flight.number(name) or 0.0)}"
 
@@ -222,7 +224,7 @@ def identity(flight: Flight) -> float | None:
 
 
 def middles(flights: Iterable[Flight]) -> dict[str, float]:
-    """The median of each readout of the clean ones among flights, but of those about zero. [SI]"""
+    """Median of each readout over the flights without anomaly tags, except readouts around zero. [SI]"""
     clean = [flight for flight in flights if flight.clean]
     known = {
         c.name: [own for one in clean if (own := one.number(c.name))] for c in READOUTS if c.name not in SIGNED_READOUTS
@@ -235,8 +237,9 @@ def doubts(
     usual: Mapping[str, float] = MappingProxyType({}),
     figure: Callable[[Column, float], str] = figure,
 ) -> list[str]:
-    """What looks mistyped in a flight, one phrase each: implausible values, readouts that contradict each other or the
-    `usual` ones, the `middles` of flights of the same rocket on the same motor. `figure` formats a value [SI]."""
+    """Values in a flight that look mistyped, one phrase each: implausible values, and readouts that contradict each
+    other or the `usual` ones (the `middles` of flights of the same rocket on the same motor). `figure` formats a value
+    [SI]."""
     found = [_unusual(column, value, figure) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
@@ -250,7 +253,9 @@ def doubts(
 
 
 def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, float], str]) -> str:
-    """A phrase for a top speed that is not average acceleration times burn time; `ratio` is `identity(flight)`."""
+    """A phrase for a top speed that differs from average acceleration times burn time; `ratio` is
+    `identity(flight)`.
+    """
     off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
     acceleration = figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
     burn = figure(BY_NAME["burn_time"], flight.burn_time or 0.0)

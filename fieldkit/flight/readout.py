@@ -1,4 +1,4 @@
-"""How well a readout is known, and by what: the columns beside it, and what may stand in them."""
+"""The uncertainty and source of a readout: the accompanying columns and their values."""
 
 import math
 from collections.abc import Mapping
@@ -20,16 +20,16 @@ SOURCES: Mapping[str, str] = MappingProxyType(
         "simulated": "From a simulation.",
     }
 )
-"""What a readout can have been measured by."""
+"""Allowed sources of a readout."""
 SENSORS = ("baro", "accel", "gps")
-"""Sources that are sensors, in whose samples a readout was measured."""
+"""Sources that are sensors whose samples gave the readout."""
 
 
 @dataclass(frozen=True, slots=True)
 class Readout:
-    """The value of a readout and its standard deviation, in SI, and one of `SOURCES`.
+    """The value of a readout and its standard deviation, in SI, and its source, one of `SOURCES`.
 
-    A standard deviation of None and an empty source are "not recorded".
+    None and an empty source mean "not recorded".
     """
 
     value: float
@@ -39,23 +39,23 @@ class Readout:
 
 @dataclass(frozen=True, slots=True)
 class ReadoutColumn:
-    """A column beside a readout: its standard deviation in a unit, empty if cells bring theirs, or its source."""
+    """A column with a readout's standard deviation, with a unit (empty if cells have their own), or its source."""
 
     readout: str
     part: Literal["sd", "source"]
     unit: str = ""
 
     def read(self, text: str) -> float | str | None:
-        """What a cell of the column says; None for an empty one. Raises BadValue. [SI]"""
+        """Parse a cell of the column; None for an empty cell. Raises BadValue. [SI]"""
         if not text.strip():
             return None
         return read_sd(self.readout, text, self.unit) if self.part == "sd" else read_source(text)
 
 
 def beside(header: str) -> ReadoutColumn | None:
-    """The column beside a readout that a lower-case header names, `apogee_sd_ft` or `apogee_source`; None for others.
+    """The accompanying column that a lower-case header names (`apogee_sd_ft`, `apogee_source`); None for others.
 
-    Raises BadValue for a standard deviation in a unit that its readout cannot have.
+    Raises BadValue for a standard deviation in a unit that does not fit its readout.
     """
     for column in MEASURED:
         ending = header.removeprefix(f"{column.name}_")
@@ -70,9 +70,9 @@ def beside(header: str) -> ReadoutColumn | None:
 
 
 def read_sd(name: str, text: str, unit: str = "") -> float:
-    """The standard deviation of a readout as typed; a number without a unit is in `unit`, or the column's own. [SI]
+    """Parse the standard deviation of a readout; a number without a unit is in `unit`, or in the column's own. [SI]
 
-    Raises BadValue for one that is not above zero.
+    Raises BadValue if it is not positive.
     """
     column = BY_NAME[name]
     value = units.parse_difference(text, column.quantity, unit or column.unit)
@@ -84,13 +84,13 @@ def read_sd(name: str, text: str, unit: str = "") -> float:
 
 
 def render_sd(name: str, value: float) -> str:
-    """A standard deviation at the edge, in the unit of its readout's column."""
+    """Format a standard deviation in the unit of its readout's column."""
     column = BY_NAME[name]
     return units.render_difference(value, column.quantity, column.unit)
 
 
 def read_source(text: str) -> str:
-    """One of `SOURCES`, in any case. Raises BadValue."""
+    """Parse a source, one of `SOURCES`, in any case. Raises BadValue."""
     source = text.strip().lower()
     if source not in SOURCES:
         raise BadValue(f"found {text.strip()[:40]!r}, expected one of {', '.join(SOURCES)}")

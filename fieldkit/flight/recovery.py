@@ -1,7 +1,6 @@
-"""How a flight is to come down, and which way its rail points: extra columns of a flight table, in addition to
-`COLUMNS`.
+"""Recovery settings and rail direction of a flight: extra columns of a flight table, in addition to `COLUMNS`.
 
-A flight keeps them as text, as every column that only some flights have, with the unit in the column's name.
+They are stored as text, like all columns that only some flights have, with the unit in the column's name.
 """
 
 import math
@@ -32,24 +31,24 @@ RECOVERY_COLUMNS = {
     "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m."),
     "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
 }
-"""Numbers of a recovery: quantity, unit at the edge, and what each is."""
+"""Recovery columns that are numbers: quantity, external unit, and meaning."""
 STABILITY = "stability_cal"
-"""The column of a rocket's static margin, as a design program states it. [body diameters]"""
+"""The column for a rocket's static margin, as a design program states it. [body diameters]"""
 RECOVERY_TEXTS = {
     "recovery": "parachute or streamer.",
     "rail_direction": "Direction of the rail: into, away, or across the wind, or degrees from into it.",
     STABILITY: "Static margin on the pad in body diameters: 2.5; the larger, the sooner it turns into the wind.",
 }
-"""Texts of a recovery, and what each is."""
+"""Recovery columns that are text, with their meaning."""
 RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
 DIRECTIONS = {"into": 0.0, "away": 180.0, "across": 90.0}
 """Directions of a rail by name. [deg]"""
 OPENING_TIME = 0.5
-"""From the charge to an open parachute if nobody said: an assumption. [s]"""
+"""Default time from the charge to an open parachute, an assumption. [s]"""
 
 
 def recovery_header(name: str) -> str:
-    """The column of an extra number or text at the edge: `main_altitude_m`."""
+    """External name of an extra number or text column: `main_altitude_m`."""
     return f"{name}_{RECOVERY_COLUMNS[name][1]}" if name in RECOVERY_COLUMNS else name
 
 
@@ -71,11 +70,12 @@ def recovery_figure(flight: Flight, name: str) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What opens when: the device, the speed under a drogue near the ground [m/s], where the main opens above the pad
-    [m], how long a device takes to open [s]. Without a height of the main the one device opens at the charge.
+    """What opens when: the device, the speed under a drogue near the ground [m/s], the height above the pad at which
+    the main opens [m], and the time a device takes to open [s]. If the main has no height, the only device opens at the
+    charge.
 
-    `main_speed` is the descent speed under the main or only device near the ground [m/s], `parachute_diameter` its
-    diameter laid flat [m], None if they were not said.
+    `main_speed` is the descent speed near the ground under the main or only device [m/s], `parachute_diameter` its
+    diameter laid flat [m]; None if not recorded.
     """
 
     device: Device = "parachute"
@@ -92,7 +92,9 @@ class Recovery:
 
 
 def recovery_of(flight: Flight) -> Recovery:
-    """How a flight is to come down. Raises BadValue for what is no device and no number, and for a drogue alone."""
+    """Recovery settings of a flight. Raises BadValue for an unknown device, a non-number, or a drogue without a
+    main.
+    """
     device = flight.extra.get("recovery", "").strip().lower() or "parachute"
     found = next((one for one in DEVICES if one == device), None)
     if found is None:
@@ -113,7 +115,7 @@ def recovery_of(flight: Flight) -> Recovery:
 
 
 def stability(flight: Flight) -> float | None:
-    """The static margin of a flight in body diameters, None if it was not recorded. Raises BadValue. [1]"""
+    """Static margin of a flight in body diameters, None if it was not recorded. Raises BadValue. [1]"""
     text = flight.extra.get(STABILITY, "").strip()
     if not text:
         return None
@@ -129,7 +131,7 @@ def stability(flight: Flight) -> float | None:
 def rail_direction(flight: Flight) -> float:
     """Direction of the rail: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
 
-    The default is into the wind, as flyers set it.
+    The default is into the wind, the usual practice.
     """
     text = flight.extra.get("rail_direction", "").strip().lower()
     if not text:

@@ -1,15 +1,15 @@
-"""Where flights are flown."""
+"""Launch sites."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """A launch site: elevation of the pad above sea level, the field's shorter side, and the ceiling above the pad
-    that its waiver or its owner sets, how far from the pad the people at the launch stand, and persons and property
-    that have no part in it; None if not known. [m]
+    """A launch site: elevation of the pad above sea level, the shorter side of the field, the ceiling above the pad set
+    by its waiver or owner, and the distances from the pad to the people at the launch and to uninvolved people and
+    property; None if not known. [m]
 
-    `rules` names whose rules govern it, such as `NAR, FAA` or `UKRA`; empty for the usual.
+    `rules` names the rules that apply, such as `NAR, FAA` or `UKRA`; empty for the default.
     """
 
     name: str = ""

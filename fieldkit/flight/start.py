@@ -1,4 +1,4 @@
-"""What a flight that is planned starts from: its design, and the flight before."""
+"""Starting values of a planned flight: its design, and the previous flight."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,12 +8,12 @@ from typing import Any
 from fieldkit.flight.flight import Flight
 
 INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
-"""What a plan takes from the last flight of its rocket and configuration if it says nothing itself."""
+"""Fields that a plan inherits from the last flight of its rocket and configuration if it has no value of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What is known of a rocket's configuration before it has flown, and from which file; None if it is not. SI."""
+    """What is known about a rocket's configuration before it has flown, and the source file; None if unknown. SI."""
 
     rocket: str
     config: str
@@ -25,9 +25,9 @@ class Start:
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration if it has none.
+    """A plan with missing mass, diameter and rail length filled in from the last flight of its configuration.
 
-    A configuration that has not flown takes them from how it starts, if that is known.
+    For a configuration that has not flown, they come from its starting configuration, if known.
     """
     if start is not None and all(flight.config != plan.config for flight in history):
         known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
@@ -42,20 +42,20 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
 
 
 def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
-    """Of the starting configurations of a rocket, that of a plan; if only one is kept, that one."""
+    """The starting configuration for a plan; if only one is saved, that one."""
     named = [one for one in known if one.config == plan.config]
     return (named or list(known))[0] if named or len(known) == 1 else None
 
 
 def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
-    """The Cd that each configuration of some flights of a rocket starts from, if a design gives one. [1]"""
+    """Starting Cd of each configuration of some flights of a rocket, if a design gives one. [1]"""
     starts = {flight.config: start_among(known, flight) for flight in flights}
     return {config: start.cd for config, start in starts.items() if start and start.cd}
 
 
 def repeated(flight: Flight) -> Flight:
-    """The plan to fly the same again a week later, or at the same time if there is no later date."""
-    name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
+    """A plan to repeat the flight a week later, or at the same time if there is no later date."""
+    name = f"{flight.flight_id} again"  # a plan needs an id of its own
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
     try:
         return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)

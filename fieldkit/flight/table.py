@@ -1,4 +1,4 @@
-"""A flight as a row of the flight table, and what is read back out of its texts."""
+"""Convert a flight to a row of the flight table, and parse its texts."""
 
 from collections.abc import Iterable
 from datetime import datetime
@@ -9,15 +9,15 @@ from fieldkit.flight.flight import Flight
 from fieldkit.flight.readout import render_sd
 
 MOTOR_TEMPERATURE = "motor_temperature_c"
-"""Extra column of a planned flight: how warm the motor is, for a safety check alone."""
+"""Extra column of a planned flight: motor temperature, used only in a safety check."""
 TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "tags", "notes", "log")
 """The columns of a flight table that are not numbers."""
 
 
 def read_date(text: str) -> datetime | None:
-    """Local lift-off time, None for an empty text. Raises BadValue.
+    """Parse local liftoff time, None for an empty text. Raises BadValue.
 
-    An offset from UTC is left off, for the clock at the field is what is meant.
+    An offset from UTC is dropped, because local time at the field is meant.
     """
     try:
         return datetime.fromisoformat(text).replace(tzinfo=None) if text else None
@@ -29,7 +29,7 @@ def read_date(text: str) -> datetime | None:
 def table_row(flight: Flight) -> dict[str, str]:
     """A flight as a row of the flight table: header to text, an empty text for "not recorded".
 
-    Standard deviations and sources of readouts, and what only a log shows, have a cell if they are recorded.
+    Standard deviations and sources of readouts, and quantities computed from a log, have a cell if recorded.
     """
     row = {name: str(getattr(flight, name)) for name in TEXT_COLUMNS if name not in ("date_time", "tags")}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else ""
@@ -49,10 +49,9 @@ def table_row(flight: Flight) -> dict[str, str]:
 
 
 def table_headers(flights: Iterable[Flight]) -> list[str]:
-    """The headers of a flight table that holds all of these flights, extra columns last.
+    """The headers of a flight table with all of these flights, extra columns last.
 
-    Beside a readout stand its standard deviation and its source, if they are recorded of any flight; so do the
-    figures that only a log shows.
+    Standard deviations and sources follow their readouts if any flight has them; so do quantities computed from a log.
     """
     flights = list(flights)
     extra = dict.fromkeys(name for flight in flights for name in flight.extra)

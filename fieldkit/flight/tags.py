@@ -1,4 +1,4 @@
-"""What a flight can be tagged with, and which tags keep it from teaching the model."""
+"""The tags of flights, and which of them exclude a flight from the fit."""
 
 import re
 from collections.abc import Mapping
@@ -22,11 +22,11 @@ CHECKED_TAG = "checked"
 KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
     {**TAGS, CHECKED_TAG: "No anomaly: every readout was checked and is right, even if one disagrees with the others."}
 )
-"""Every tag that means something to fieldkit."""
+"""Every tag that has a meaning in fieldkit."""
 
 
 def read_tags(text: str) -> tuple[str, ...]:
-    """Tags separated by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelled."""
+    """Parse tags separated by `;`, `|` or `,`, each once; `Weak launch` becomes `weak_launch`, others are unchanged."""
     tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
     known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
     return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))

@@ -1,7 +1,7 @@
 """The ledger: flights, logs, model versions and predictions, and a journal with which every change can be undone.
 
-SQLAlchemy Core rather than its ORM: records are frozen dataclasses with no identity to track, and Core alone saves
-every command about a tenth of a second of imports.
+It uses SQLAlchemy Core instead of the ORM: records are frozen dataclasses without identity to track, and importing only
+Core saves about 0.1 s per command.
 """
 
 from fieldkit.importing.incoming import Arrival

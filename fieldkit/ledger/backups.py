@@ -1,8 +1,8 @@
-"""Copies of a ledger's file, saved in a folder next to it: the last ten, in rotation.
+"""Backups of a ledger's file, saved in a folder next to it: the last ten, in rotation.
 
-A copy is made by SQLite's own backup call, so that it is whole while another process writes, and it counts only
-once SQLite and the checksums of its rows have found it sound: a damaged ledger never pushes a good copy out. Copies
-are numbered, for a clock may go backwards. A ledger on a server is backed up by its administrator.
+A backup is made by SQLite's backup API, so it is complete even if another process writes. It counts only after SQLite
+and the row checksums have verified it: a damaged ledger never replaces a good backup. Backups are numbered because a
+clock may be set back. A ledger on a server is backed up by its administrator.
 """
 
 import os
@@ -23,13 +23,13 @@ from fieldkit.ledger.soundness import damage_in, fault, opened
 MAX_BACKUPS = 10
 """Number of backups retained. [1]"""
 ROOM = 1 << 30
-"""Size of all backups above which those beyond the newest two are deleted. [byte]"""
+"""Total size of the backups above which all but the newest two are deleted. [byte]"""
 CHANGES_PER_BACKUP = 50
 """Changes since the last backup that trigger another one on the same day. [1]"""
 ABANDONED_COPY_AGE = 3600.0
-"""Age above which a half-written backup counts as abandoned. [s]"""
+"""Age above which a partial backup counts as abandoned. [s]"""
 AT_WORK = 60.0
-"""A half-written backup that grew within this time is in progress. [s]"""
+"""A partial backup that grew within this time is in progress. [s]"""
 
 _MAKING = ".new"
 """Suffix of a backup in progress, whose name begins with its reserved number."""
@@ -48,7 +48,7 @@ class Backup:
 
     @property
     def size(self) -> int:
-        """Size of the file, 0 if another process has deleted it. [byte]"""
+        """File size, 0 if another process has deleted it. [byte]"""
         try:
             return self.file.stat().st_size
         except OSError:
@@ -56,7 +56,7 @@ class Backup:
 
     @property
     def flights(self) -> int | None:
-        """Number of flights in it, None if it is damaged itself. [1]"""
+        """Number of flights in it, None if the backup is damaged. [1]"""
         try:
             with opened(self.file) as copy:
                 return int(copy.execute("SELECT count(*) FROM flights").fetchone()[0])
@@ -86,7 +86,7 @@ def _backup(file: Path, match: re.Match[str]) -> Backup:
 
 
 def is_due(file: Path, changes: int) -> bool:
-    """Whether to back up a ledger with a number of changes before the next one: on a new day, or after many."""
+    """Whether a backup of a ledger with this many changes is due: on a new day, or after many changes."""
     newest = next(iter(backups(file)), None)
     if newest is None or not changes:
         return bool(changes)
@@ -94,13 +94,13 @@ def is_due(file: Path, changes: int) -> bool:
 
 
 def being_made(file: Path) -> bool:
-    """Whether another process is backing up a ledger now, which suffices."""
+    """Whether another process is backing up the ledger now, so that no other backup is needed."""
     folder = folder_of(file)
     return any(time.time() - since < AT_WORK for since in map(_touched, folder.glob(f"*{_MAKING}")))
 
 
 def _touched(file: Path) -> float:
-    """When a file was last written to, long ago if it no longer exists. [s since 1970]"""
+    """Time of the last write to a file, 0 if it no longer exists. [s since 1970]"""
     try:
         return file.stat().st_mtime
     except OSError:
@@ -120,7 +120,7 @@ def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
 
 
 def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup | str:
-    """A backup of an open ledger, or what is wrong with the ledger. Raises OSError, sqlite3.Error."""
+    """A backup of an open ledger, or a description of the damage. Raises OSError, sqlite3.Error."""
     folder = folder_of(file)
     folder.mkdir(exist_ok=True)
     last, at = next(iter(backups(file)), None), datetime.now(UTC)
@@ -138,9 +138,9 @@ def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup | str:
 
 @contextmanager
 def _claimed(file: Path) -> Iterator[tuple[int, Path]]:
-    """A number that no other copy of a ledger has or gets, and a file for it in the making, of the ledger's own mode.
+    """Reserve a unique backup number and a partial file with the permissions of the ledger.
 
-    The file is gone at the end unless it was renamed; so are those of killed processes.
+    The file is deleted at the end unless it was renamed; files left by killed processes are deleted too.
     """
     folder = folder_of(file)
     for old in folder.glob(f"*{_MAKING}*"):
@@ -156,7 +156,7 @@ def _claimed(file: Path) -> Iterator[tuple[int, Path]]:
 
 
 def _claim(file: Path) -> tuple[int, Path]:
-    """The next number, reserved by a new file: processes that ask at the same time each get their own."""
+    """Reserve the next number by creating a file: concurrent processes each get their own."""
     folder, number = folder_of(file), 0
     while True:
         number = max(number, _last(file)) + 1
@@ -167,7 +167,7 @@ def _claim(file: Path) -> tuple[int, Path]:
             continue
         if number > _last(file):
             return number, new
-        new.unlink()  # it was claimed, made and named since the look at the folder
+        new.unlink()  # another process claimed, made and named it after we listed the folder
 
 
 def _last(file: Path) -> int:
@@ -175,7 +175,7 @@ def _last(file: Path) -> int:
 
 
 def _copy(ledger: sqlite3.Connection, target: Path) -> None:
-    """Copy a whole database into a file, as one transaction that is on the disk at the end."""
+    """Copy a whole database into a file, in one transaction that is on disk when this returns."""
     with opened(target) as copy:
         copy.execute("PRAGMA synchronous = EXTRA")
         ledger.backup(copy)
@@ -188,7 +188,7 @@ def _rotate(file: Path) -> None:
 
 
 def offer(file: Path) -> str:
-    """What to do about a damaged ledger, for the end of a message."""
+    """How to restore a damaged ledger, for the end of a message."""
     newest = next(iter(backups(file)), None)
     if newest is None:
         return "it has no backup; `sqlite3 FILE .recover` may recover some of it"
@@ -197,13 +197,12 @@ def offer(file: Path) -> str:
 
 
 def restore(file: Path, backup: Backup) -> Path | None:
-    """Put a copy in a ledger's place; where what was there is kept now, None if that was nothing.
+    """Replace a ledger with a backup; returns the path of the saved former content, None if there was none.
 
-    A sound ledger becomes the newest copy, so that another restore takes this one back. A damaged file is put
-    aside, with what SQLite's journal held for it. From before the copy until the ledger is replaced nobody else
-    reads or writes it: what was written before is in the copy, what comes later goes into the restored ledger.
-    A kill leaves the ledger as it was or as it will be. Raises LedgerError if the copy is damaged itself,
-    the disk takes no more, or others do not let go of the ledger.
+    A sound ledger becomes the newest backup, so another restore can undo this one. A damaged file is renamed, with its
+    SQLite journal. From the start of the backup until the ledger is replaced, no other process can read or write it:
+    earlier changes are in the backup, later ones go into the restored ledger. If killed, it leaves the old or the new
+    ledger. Raises LedgerError if the backup is damaged, the disk is full, or other processes do not release the ledger.
     """
     file = file.resolve()
     try:
@@ -224,8 +223,8 @@ def restore(file: Path, backup: Backup) -> Path | None:
 
 
 def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
-    """Copy a backup into a ledger; what is wrong with it, empty for nothing: SQLite copies a page that a disk hands
-    over in part only, without an error, as one of zeros."""
+    """Copy a backup into a ledger; returns what is wrong with the copy, empty if nothing: SQLite copies a page that a
+    disk delivers only in part as zeros, without an error."""
     try:
         with opened(backup.file) as then:
             then.backup(ledger)
@@ -237,7 +236,7 @@ def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
 
 
 def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
-    """Copy what a ledger was back into it; what came of that, for the end of a message."""
+    """Restore a ledger's former content; returns the outcome, for the end of a message."""
     try:
         with opened(kept.file) as before:
             before.backup(ledger)
@@ -247,9 +246,9 @@ def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
 
 
 def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
-    """A copy of a ledger that is held against everybody else from now on, until it is closed; None for a damaged one.
+    """Back up a ledger and lock out all other processes until it is closed; None for a damaged ledger.
 
-    Raises sqlite3.OperationalError if others do not let go of it.
+    Raises sqlite3.OperationalError if other processes do not release it.
     """
     try:
         _hold(ledger)
@@ -262,10 +261,10 @@ def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
 
 
 def _hold(ledger: sqlite3.Connection) -> None:
-    """Keep everybody else out of a database until the connection is closed, beyond the end of a transaction.
+    """Lock out all other processes from a database until the connection is closed, even after a transaction ends.
 
-    SQLite copies into no database that is in a transaction of its own, hence the locking mode. It is set once the lock
-    is had: set before, a try that fails would keep a lock for reading, and with it the writer it waits for from ending.
+    SQLite cannot copy into a database with an open transaction, hence the locking mode. It is set after the lock is
+    acquired: otherwise a failed attempt would keep a read lock and block the writer it waits for.
     """
     ledger.isolation_level = None
     for command in ("PRAGMA synchronous = EXTRA", "BEGIN EXCLUSIVE", "PRAGMA locking_mode = EXCLUSIVE", "COMMIT"):
@@ -273,17 +272,17 @@ def _hold(ledger: sqlite3.Connection) -> None:
 
 
 def _changes(ledger: sqlite3.Connection) -> int | None:
-    """The length of a ledger's journal; None if SQLite finds nothing wrong with a file that has lost it. [1]"""
+    """Length of a ledger's journal; None if SQLite finds no damage but the journal is missing. [1]"""
     if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
         return None
     return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
 
 
 def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
-    """Put a copy in a damaged file's place, which keeps its bytes under another name.
+    """Rename a damaged file and put a backup in its place.
 
-    The damaged file is never opened for that: closing it would let go of a lock that SQLite holds on it. Who waits
-    for that lock learns from SQLite that the file has moved.
+    The damaged file is never opened here, because closing it would release a lock that SQLite holds on it. A process
+    that waits for that lock learns from SQLite that the file has moved.
     """
     with _claimed(file) as (_, new):
         with opened(backup.file) as then:
@@ -294,7 +293,7 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
             new.chmod(stat.S_IMODE(backup.file.stat().st_mode))
         aside = also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}") if keep else None
         journal = file.with_name(f"{file.name}-journal")
-        if journal.exists():  # it would be played back into the copy
+        if journal.exists():  # SQLite would roll it back into the copy
             os.replace(journal, free_name(file, f"{aside.name if aside else file.name + '.damaged'}-journal"))
         os.replace(new, file)
     return aside

@@ -1,4 +1,4 @@
-"""What a ledger holds besides flights: models, predictions, starting configurations, drafts."""
+"""Records of a ledger other than flights: models, predictions, starting configurations, drafts."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,7 +13,7 @@ class BesideFlights(OpenLedger):
     """Saving model versions, forecasts, starting configurations and drafts."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
-        """Save a model of a rocket under the next number, and use it from now on."""
+        """Save a model of a rocket under the next number, and activate it by default."""
         with self._changing() as pen:
             version = models.keep_version(pen, rocket, payload, activate=activate)
             pen.sign("model", f"version {version.number} of {rocket}" + (", in use" if activate else ""))
@@ -25,13 +25,13 @@ class BesideFlights(OpenLedger):
             return models.versions(connection, rocket)
 
     def active_version(self, rocket: str) -> Version | None:
-        """The model in use for a rocket; None for the plain one."""
+        """The active model version of a rocket; None for the plain model."""
         return next((version for version in self.versions(rocket) if version.active), None)
 
     def activate(self, rocket: str, number: int | None) -> None:
-        """Use another saved model version of a rocket, or with None the plain one.
+        """Activate another saved model version of a rocket, or with None the plain model.
 
-        Raises LedgerError for a number that is not among its versions.
+        Raises LedgerError if the number is not among its versions.
         """
         with self._changing() as pen:
             if models.activate(pen, rocket, number):
@@ -48,7 +48,7 @@ class BesideFlights(OpenLedger):
             return models.keep_prediction(connection, payload, digest, rocket, flight_id)
 
     def keep_predictions(self, made: Sequence[NewPrediction]) -> None:
-        """Save several predictions as `keep_prediction` does, all of them or none."""
+        """Save several predictions as in `keep_prediction`, all or none."""
         with opening.writing(self._engine) as connection:
             for one in made:
                 models.keep_prediction(connection, one.payload, one.digest, one.rocket, one.flight_id)
@@ -64,7 +64,7 @@ class BesideFlights(OpenLedger):
         return kept
 
     def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:
-        """The saved predictions, oldest first; of one rocket, or for one flight."""
+        """The saved predictions of all rockets, of one rocket, or for one flight, oldest first."""
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
 
@@ -81,7 +81,7 @@ class BesideFlights(OpenLedger):
             return starts.starts(connection, rocket)
 
     def keep_draft(self, name: str, content: Mapping[str, Any]) -> None:
-        """Save a draft under a name, replacing the earlier one."""
+        """Save a draft under a name, replacing the previous one."""
         with opening.writing(self._engine) as connection:
             drafts.keep(connection, name, content)
 
@@ -93,7 +93,7 @@ class BesideFlights(OpenLedger):
         return changed
 
     def change_drafts(self, contents: Mapping[str, Mapping[str, Any]], command: str, what: str) -> bool:
-        """The same for several names, as one change."""
+        """Save several documents, as in `change_draft`, as one change."""
         with self._changing() as pen:
             changed = [drafts.change(pen, name, content) for name, content in contents.items()]
             if any(changed):

@@ -1,4 +1,4 @@
-"""Flights into and out of the tables: adding, replacing, renewing, removing."""
+"""Add, replace, renew and remove flights in the tables."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ from fieldkit.ledger.tables import flights, tags
 
 
 class Known:
-    """The flights that new ones might be, by rocket and flight_id."""
+    """The flights in the ledger that may match new ones, by rocket and flight_id."""
 
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
         self.now: dict[tuple[str, str], Flight] = {}
@@ -35,8 +35,8 @@ class Known:
         self.now[flight.rocket, flight.flight_id] = flight
 
     def match(self, arrival: Arrival) -> Flight | None:
-        """The same flight, as it is now or as it was imported; for the same bytes, whatever a parser reads from them
-        now."""
+        """The stored flight that equals an incoming one, in its current or its imported state; a match of the bytes
+        suffices, whatever the current parser reads from them."""
         flight = arrival.flight
         identity = flight.rocket, flight.flight_id
         known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
@@ -53,7 +53,7 @@ class Known:
 
 
 def lacks_files(there: Flight, flight: Flight) -> bool:
-    """Whether an arriving flight has more files than the stored one."""
+    """Whether an incoming flight has more files than the stored one."""
     named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (there, flight)]
     return not named[1] <= named[0]
 
@@ -107,9 +107,9 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
 
 
 def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
-    """Put a changed flight in a held one's place; False if nothing changed.
+    """Replace a stored flight with a changed one; False if nothing changed.
 
-    Raises LedgerError when another flight has its name, BadValue for what cannot be kept.
+    Raises LedgerError if another flight has its name, BadValue for values that cannot be stored.
     """
     before, after = row_of(held.flight), row_of(flight)
     if before == after:
@@ -131,7 +131,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
 
 
 def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
-    """Replace a flight, and its imported state, with what its files say now; False if nothing changed."""
+    """Update a flight, and its imported state, from its files; False if nothing changed."""
     for original in others:
         keep_log(pen.connection, original)
     before, after = row_of(held.flight), row_of(flight)
@@ -149,7 +149,7 @@ def _is_there(connection: Connection, identity: Identity) -> bool:
 
 
 def remove(pen: ChangeRecorder, held: Held) -> None:
-    """Remove a flight; the bytes of its log remain."""
+    """Remove a flight; the bytes of its log stay in the ledger."""
     pen.delete(tags, tags.c.entry == held.entry)
     pen.delete(flights, flights.c.entry == held.entry)
 

@@ -1,7 +1,7 @@
-"""A checksum in every row that says something of a flyer's: SQLite keeps none, and a bit that flips goes unseen.
+"""A checksum in every row with user data: SQLite stores none, so a flipped bit would go unnoticed.
 
-It is of all that a row says, and of a flight its tags too. Columns that are empty do not count, so that those a
-newer schema adds leave it as it is. A row is sealed in the transaction that changes it, and checked on its way out.
+It covers all columns of a row, and for a flight also its tags. Empty columns do not count, so columns added by a newer
+schema leave it unchanged. It is updated in the transaction that changes the row, and checked whenever the row is read.
 """
 
 import json
@@ -18,7 +18,7 @@ CHECKSUM = "checksum"
 """Name of the checksum column."""
 _AS_JSON = json.JSONEncoder(sort_keys=True).encode
 SEPARATE_COLUMN = "images"
-"""A long column that is often not read, with its own checksum in `images_checksum`."""
+"""A long column that is usually not read, with its own checksum in `images_checksum`."""
 
 
 def checksum(row: Mapping[str, Any]) -> int:
@@ -29,17 +29,17 @@ def checksum(row: Mapping[str, Any]) -> int:
 
 
 def checksum_of(document: Any) -> int:
-    """CRC-32 of something as JSON. [1]"""
+    """CRC-32 of a document as JSON. [1]"""
     return crc32(_AS_JSON(document).encode())
 
 
 def checked(row: Row) -> Row:
-    """The row itself. Raises DamagedRow if it does not match its checksum."""
+    """Return the row. Raises DamagedRow if it does not match its checksum."""
     try:
         sound = row[CHECKSUM] == checksum(row)
         if sound and row.get(SEPARATE_COLUMN) is not None:
             sound = row[f"{SEPARATE_COLUMN}_checksum"] == checksum_of(row[SEPARATE_COLUMN])
-    except TypeError:  # a text whose type has become that of bytes
+    except TypeError:  # damage has turned a text into bytes
         sound = False
     if not sound:
         name = " of ".join(str(row[key]) for key in ("flight_id", "number", "config", "rocket") if row.get(key))
@@ -48,7 +48,7 @@ def checked(row: Row) -> Row:
 
 
 def seal(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
-    """Update the checksums of the rows at these primary keys, as far as they exist."""
+    """Update the checksums of the existing rows with these primary keys."""
     found = _rows_at(connection, table, keys)
     sums = [{f"at_{one.name}": row[one.name] for one in table.primary_key} | {"sum": checksum(row)} for row in found]
     if sums:
@@ -62,21 +62,21 @@ def check(
     keys: Collection[tuple[Any, ...]],
     columns: Sequence[Column[Any]] | None = None,
 ) -> None:
-    """Raises DamagedRow if one of the rows at these primary keys does not match its checksum.
+    """Check the rows with these primary keys. Raises DamagedRow if one does not match its checksum.
 
-    `columns` are those that the table has; with an older schema not all.
+    `columns` are the columns that the table has, which are fewer in an older schema.
     """
     for row in _rows_at(connection, table, keys, columns):
         checked(row)
 
 
 def sound_rows(connection: Connection, query: Select[Any]) -> list[Row]:
-    """The rows of one table that a query finds. Raises DamagedRow."""
+    """The rows of one table that a query selects. Raises DamagedRow."""
     return [checked(row) for row in _rows(connection, query)]
 
 
 def sound_flights(connection: Connection, query: Select[Any]) -> list[Row]:
-    """The rows of flights that a query finds, each with its `tags` in order. Raises DamagedRow."""
+    """The flight rows that a query selects, each with its `tags` in order. Raises DamagedRow."""
     return [checked(row) for row in _with_tags(connection, query)]
 
 
@@ -114,6 +114,6 @@ def _with_tags(connection: Connection, query: Select[Any]) -> list[Row]:
 
 
 def _labels(entries: Collection[int]) -> Select[Any]:
-    """The tags of these flights, and of others if there are many."""
+    """A query for the tags of these flights, or of more flights if there are many."""
     query = select(tags).order_by(tags.c.entry, tags.c.position)
     return query.where(tags.c.entry.in_(entries)) if len(entries) <= MAX_ROWS_BY_NAME else query

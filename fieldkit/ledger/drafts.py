@@ -1,5 +1,4 @@
-"""What is saved under a name besides the flights: unfinished flights, so that a killed prompt can continue, sites,
-plans."""
+"""Documents saved under a name: unfinished flights, which let a killed prompt resume, sites and plans."""
 
 import json
 from collections.abc import Mapping
@@ -13,7 +12,7 @@ from fieldkit.ledger.tables import drafts
 
 
 def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
-    """Save a draft under a name, replacing the earlier one."""
+    """Save a draft under a name, replacing the previous one."""
     drop(connection, name)
     connection.execute(insert(drafts).values(name=name, content=dict(content)))
     seal(connection, drafts, [(name,)])
@@ -21,7 +20,7 @@ def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
 
 def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
     """Save a draft under a name as a change that can be undone; False if it is unchanged."""
-    kept = json.loads(json.dumps(dict(content)))  # as it will be read
+    kept = json.loads(json.dumps(dict(content)))  # as it will be after a round trip through JSON
     if draft(pen.connection, name) == kept:
         return False
     pen.delete(drafts, drafts.c.name == name)
@@ -30,7 +29,7 @@ def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
 
 
 def put_away(pen: ChangeRecorder, name: str) -> bool:
-    """Delete a draft as a change that can be undone, unless it was typed into since; False if there is none."""
+    """Delete a draft as an undoable change, unless it was edited since; False if there is none."""
     if draft(pen.connection, name) is None:
         return False
     pen.delete(drafts, drafts.c.name == name)

@@ -1,4 +1,4 @@
-"""Reading flights from the tables, and the names in them."""
+"""Read flights, and the names in them, from the tables."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from fieldkit.ledger.rows import Row, flight_of
 from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
 
 Identity = tuple[str, str]
-"""A rocket and a flight_id, which together name a flight."""
+"""A rocket and a flight_id, which together identify a flight."""
 
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A flight and its entry; `entered` is its imported state, if it was edited since."""
+    """A stored flight and its entry number; `entered` is its imported state, if it was edited since."""
 
     entry: int
     flight: Flight
@@ -29,16 +29,16 @@ _EARLIER_DATE = func.max(flights.c.date_time).over(
     partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0)
 )
 _FLIGHT_DATE = func.coalesce(flights.c.date_time, _EARLIER_DATE)
-"""The order of a flight: by its date, and without one after the flights of its rocket that were entered before it."""
+"""Sort key of a flight: its date, or else the latest date among flights of its rocket entered earlier."""
 
 
 PAGE = 100
-"""Flights of the first page of a list; every later one is larger, up to `MAX_ROWS_BY_NAME`. [1]"""
+"""Number of flights on the first page of a list; later pages grow, up to `MAX_ROWS_BY_NAME`. [1]"""
 
 
 def row_pages(connection: Connection, *, rocket: str | None = None, tag: str | None = None) -> Iterator[list[Row]]:
-    """The rows of flights in the order flown, some at a time: the order of the first page is read alone, then that of
-    all others. Raises DamagedRow."""
+    """The rows of flights in the order flown, page by page: the order of the first page is queried first, then that of
+    the rest. Raises DamagedRow."""
     order = _chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection))
     first = list(connection.scalars(order.limit(PAGE)))
     if first:
@@ -51,14 +51,14 @@ def row_pages(connection: Connection, *, rocket: str | None = None, tag: str | N
 
 
 def _at(connection: Connection, entries: Sequence[int]) -> list[Row]:
-    """The rows of the flights at these entries, in their order."""
+    """The rows of the flights with these entry numbers, in the given order."""
     query = select(flights).where(flights.c.entry.in_(entries))
     rows = {row["entry"]: row for row in sound_flights(connection, query)}
     return [rows[entry] for entry in entries]
 
 
 def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:
-    """The order flown. If every flight has its date that is by date, which takes half as long."""
+    """The order flown. If every flight has a date, sorting is by date only, which takes half the time."""
     undated = connection.scalar(select(flights.c.entry).where(flights.c.date_time.is_(None)).limit(1))
     return (flights.c.date_time if undated is None else _FLIGHT_DATE.nulls_first(), flights.c.entry)
 
@@ -78,7 +78,7 @@ def load(
     tag: str | None = None,
     entries: Sequence[int] | None = None,
 ) -> list[Held]:
-    """Flights in the order flown; of a rocket, with a tag, at these entries."""
+    """Flights in the order flown: all, of one rocket, with a tag, or with these entry numbers."""
     query = _chosen(select(flights), rocket, tag).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
     if entries is not None and len(entries) <= MAX_ROWS_BY_NAME:
         query = query.where(flights.c.entry.in_(entries))
@@ -90,7 +90,7 @@ def load(
 
 
 def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
-    """The flights that have one of these identities now, or had it when they were imported."""
+    """The flights that have one of these identities now or had it when they were imported."""
     held: list[Held] = []
     for start in range(0, len(identities), MAX_ROWS_BY_NAME):
         some = identities[start : start + MAX_ROWS_BY_NAME]
@@ -112,14 +112,14 @@ def _held(row: Row) -> Held:
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
-    """The values of one text field in the flights, most recent first."""
+    """The distinct values of one text field in the flights, most recent first."""
     column = flights.c[field]
     query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
     return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
 
 
 def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:
-    """The flight entered last."""
+    """The most recently entered flight."""
     wanted = {flights.c.rocket: rocket, flights.c.config: config}
     where = [column == value for column, value in wanted.items() if value is not None]
     entry = connection.scalar(select(func.max(flights.c.entry)).where(*where))

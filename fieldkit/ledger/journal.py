@@ -1,7 +1,7 @@
-"""The journal: what every command changed, as rows before and after, so that it can be taken back.
+"""The journal: what every command changed, as rows before and after, for undo.
 
-Undo and redo are changes too and stand in the journal themselves; which changes are in force follows from
-reading it from the start. Nothing in it is ever altered.
+Undo and redo are journal entries too; which changes are in effect follows from reading the journal from the start.
+Entries are never modified.
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -20,7 +20,7 @@ from fieldkit.ledger.tables import drafts, flights, journal, metadata, predictio
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One entry of the journal; `undone` is whether it is undone now."""
+    """One entry of the journal; `undone` is whether it is currently undone."""
 
     number: int
     at: datetime
@@ -31,19 +31,19 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """One row of one table, or its key and what changed, before and after; None if it did not exist."""
+    """A row of a table before and after a change, or its key and the changed columns; None if it did not exist."""
 
     table: str
     before: Row | None
     after: Row | None
 
     def swapped(self) -> "Image":
-        """The image of undoing this change."""
+        """The image that undoes this change."""
         return Image(self.table, self.after, self.before)
 
 
 class ChangeRecorder:
-    """Changes rows and records their earlier state; `sign` enters all of it in the journal."""
+    """Changes rows and records their previous state; `sign` writes all of it to the journal."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
@@ -69,7 +69,7 @@ class ChangeRecorder:
         self.images += [Image(table.name, _without_checksum(dict(row)), None) for row in gone]
 
     def sign(self, command: str, what: str) -> None:
-        """Seal the rows changed so far, and enter the changes in the journal as one command."""
+        """Update the checksums of the rows changed so far, and enter the changes in the journal as one command."""
         for table, keys in _touched(self.images).items():
             checksums.seal(self.connection, table, keys)
         images = [[image.table, image.before, image.after] for image in self.images]
@@ -77,7 +77,7 @@ class ChangeRecorder:
 
 
 def undo(connection: Connection) -> Change:
-    """Undo the last change that is not undone. Raises LedgerError if there is none."""
+    """Undo the last change in effect. Raises LedgerError if there is none."""
     done, _ = _standing(connection)
     if not done:
         raise LedgerError("nothing left to undo")
@@ -88,7 +88,7 @@ def undo(connection: Connection) -> Change:
 
 
 def redo(connection: Connection) -> Change:
-    """Redo the last change that was undone. Raises LedgerError if there is none, or something changed since."""
+    """Redo the last undone change. Raises LedgerError if there is none, or if something changed since."""
     _, undone = _standing(connection)
     if not undone:
         raise LedgerError("nothing left to redo")
@@ -107,7 +107,7 @@ def history(connection: Connection) -> list[Change]:
 
 
 def length(connection: Connection) -> int:
-    """Number of entries; they are numbered from 1."""
+    """Number of entries; entry numbers start at 1."""
     return connection.scalar(select(func.max(journal.c.number))) or 0
 
 
@@ -117,7 +117,7 @@ def now() -> str:
 
 
 def _standing(connection: Connection) -> tuple[list[int], list[int]]:
-    """Numbers of the changes in effect, and of those that a redo would restore, the next one last."""
+    """Numbers of the changes in effect, and of those that redo would restore, the next one last."""
     done: list[int] = []
     undone: list[int] = []
     for row in _entries(connection):
@@ -143,7 +143,7 @@ def _change(row: Row, *, undone: bool = False) -> Change:
 
 
 def _whole(connection: Connection, number: int) -> tuple[Change, list[Image]]:
-    """A change and what it did. Raises DamagedRow."""
+    """An entry and its images. Raises DamagedRow."""
     (row,) = checksums.sound_rows(connection, select(journal).where(journal.c.number == number))
     return _change(row), [Image(*image) for image in row["images"]]
 
@@ -160,7 +160,7 @@ def _enter(connection: Connection, **values: Any) -> None:
 
 
 def _touched(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
-    """Primary keys of the rows that bear a checksum of what was changed; tags are in that of their flight."""
+    """Primary keys of the changed rows that have a checksum; tags count as part of their flight's row."""
     keys: dict[Table, set[tuple[Any, ...]]] = {}
     for image in images:
         table = flights if image.table == tags.name else metadata.tables[image.table]
@@ -174,7 +174,7 @@ def _without_checksum(row: Row) -> Row:
 
 
 def _apply(connection: Connection, images: Collection[Image]) -> None:
-    """Make changes to rows that are sound, and seal them. Raises DamagedRow."""
+    """Apply changes after checking the rows, and update their checksums. Raises DamagedRow."""
     touched = _touched(images)
     for table, keys in touched.items():
         checksums.check(connection, table, keys)
@@ -199,7 +199,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
 
 
 def _stands(connection: Connection, table: Table, row: Row) -> bool:
-    """Whether a row is there: keys are saved in a draft, not in the journal, and what was typed last stays."""
+    """Whether a row exists: the journal stores only the keys of drafts, and the last saved text stays."""
     return connection.scalar(select(func.count()).select_from(table).where(_at(table, row))) == 1
 
 

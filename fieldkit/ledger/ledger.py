@@ -1,8 +1,8 @@
-"""`Ledger`: flights go in and come out, and each command can be taken back.
+"""`Ledger`: stores and returns flights; every command can be undone.
 
-Every method that changes something is one transaction: it happens as a whole or not at all, also when the
-power goes. Each raises LedgerError if the ledger cannot be read or written. What is asked of a ledger is in
-`shown.py`, what it holds besides flights in `beside.py`.
+Every method that makes changes is one transaction: it is applied completely or not at all, even in a power failure.
+Each raises LedgerError if the ledger cannot be read or written. Queries for flights are in `shown.py`, other records in
+`beside.py`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,7 +21,7 @@ from fieldkit.ledger.shown import FlightsOut
 
 
 class Ledger(FlightsOut, BesideFlights):
-    """An open ledger; use it in a `with`. Get one from `Ledger.open`."""
+    """An open ledger; use it in a `with` statement. Get one from `Ledger.open`."""
 
     def add(
         self,
@@ -34,13 +34,13 @@ class Ledger(FlightsOut, BesideFlights):
         renewals: Sequence[Renewal] = (),
         dry_run: bool = False,
     ) -> Added:
-        """Take flights in; `log` and `source` are those of each that does not arrive with its own.
+        """Add flights; `log` and `source` apply to those that do not come with their own.
 
-        A flight that is in the ledger, as it is now or as it was first imported, is a duplicate and changes
-        nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
-        other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
-        `draft` is one that these flights finish: it goes as they come, and comes back if they are taken back.
-        A dry run says what would happen.
+        A flight that is in the ledger, in its current or its imported state, is a duplicate and changes nothing; so is
+        a flight from the same bytes, whatever a newer parser reads from them. A flight that exists with other content,
+        or that cannot be stored, is a conflict. `renewals` are stored flights updated from additional files. `draft` is
+        the draft that these flights complete: it is deleted with the import, and restored if the import is undone. A
+        dry run reports what would happen.
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
@@ -64,8 +64,8 @@ class Ledger(FlightsOut, BesideFlights):
     def edit_all(
         self, ids: Sequence[str], what: str, beside: Mapping[str, Mapping[str, Any]] | None = None, /, **changes: object
     ) -> int:
-        """Change fields of several flights, and drafts `beside` them, as one change named `what`; the number of flights
-        changed."""
+        """Change fields of several flights, and the drafts `beside`, as one change named `what`; returns the number of
+        flights changed."""
         with self._changing() as pen:
             held = naming.resolve_all(pen.connection, ids) if changes else []
             done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
@@ -75,7 +75,7 @@ class Ledger(FlightsOut, BesideFlights):
         return done
 
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
-        """Update flights from their files, as one change; the number of flights changed."""
+        """Update flights from their files as one change; returns the number of flights changed."""
         with self._changing(keep=not dry_run) as pen:
             done = [one.id for one in renewals if _renew(pen, one)]
             if done:
@@ -91,7 +91,7 @@ class Ledger(FlightsOut, BesideFlights):
         return self._alter(id, "tag", f"{id} {' '.join(tags)}", tagged)
 
     def untag(self, id: str, *tags: str) -> Flight:
-        """Remove tags from a flight. Raises LedgerError for one that it does not have."""
+        """Remove tags from a flight. Raises LedgerError for a tag that it does not have."""
 
         def untagged(flight: Flight) -> Flight:
             for tag in tags:
@@ -125,17 +125,17 @@ class Ledger(FlightsOut, BesideFlights):
             return replace(journal.undo(connection), undone=True)
 
     def redo(self) -> Change:
-        """Redo the last change that was undone. Raises LedgerError if there is none, or a change came between."""
+        """Redo the last undone change. Raises LedgerError if there is none, or if another change came in between."""
         with self._writing() as connection:
             return journal.redo(connection)
 
     def length(self) -> int:
-        """Number of changes: if it differs from before, somebody has changed the ledger."""
+        """Number of changes: a different number means that another process has changed the ledger."""
         with self._reading() as connection:
             return journal.length(connection)
 
     def history(self) -> list[Change]:
-        """Every change, undo and redo, oldest first."""
+        """Every change, including undo and redo, oldest first."""
         with self._reading() as connection:
             return journal.history(connection)
 
@@ -145,7 +145,7 @@ def _renew(pen: ChangeRecorder, one: Renewal) -> bool:
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:
-    """A flight with some fields changed; a typed readout loses the uncertainty of its measurement."""
+    """A flight with some fields changed; an edited readout loses its measurement uncertainty."""
     edited = flight.with_changes(**changes)
     typed = [name for name, value in edited.readouts().items() if value != flight.number(name)]
     return edited.with_source(typed, "typed")

@@ -1,4 +1,4 @@
-"""The original bytes of logs, stored once each under their digest."""
+"""The original bytes of logs, each stored once under its digest."""
 
 import zlib
 from collections.abc import Iterable
@@ -28,13 +28,13 @@ def log_of(connection: Connection, held: Held) -> bytes | None:
 
 
 def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
-    """The original bytes of the further files of a held flight."""
+    """The original bytes of a stored flight's additional files."""
     contents = [_content(connection, digest) for digest in held.flight.extra.get(OTHER_LOGS, "").split()]
     return [content for content in contents if content is not None]
 
 
 def check_logs(connection: Connection, digests: Iterable[str]) -> None:
-    """Raises DamagedRow if the bytes under one of these digests do not match it; zlib.error."""
+    """Check stored bytes against their digests. Raises DamagedRow on a mismatch; zlib.error."""
     for digest in digests:
         _content(connection, digest)
 
@@ -45,7 +45,7 @@ def _content(connection: Connection, digest: str | None) -> bytes | None:
 
 
 def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
-    """The bytes of a log, never more than its row says. Raises DamagedRow if they are others; zlib.error."""
+    """Decompress the bytes of a log, at most as many as its row states. Raises DamagedRow on a mismatch; zlib.error."""
     if not 0 <= size <= MAX_FILE_SIZE:
         raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)

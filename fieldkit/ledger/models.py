@@ -1,4 +1,4 @@
-"""Model versions by rocket, the one in use, and the saved predictions."""
+"""Model versions by rocket, the active one, and the saved predictions."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -40,7 +40,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
 
 
 def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
-    """Use a saved model version, or none; False if it is in use. Raises LedgerError."""
+    """Activate a saved model version, or none; False if it is already active. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
         known = ", ".join(map(str, there)) or "none"
@@ -71,7 +71,7 @@ def keep_prediction(
 def keep_plan(
     pen: ChangeRecorder, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> StoredPrediction:
-    """As `keep_prediction`, for a planned flight: a change."""
+    """Like `keep_prediction`, for a planned flight, as an undoable change."""
     new, row = _numbered(pen.connection, payload, digest, rocket, flight_id)
     pen.insert(made, [row] if row else [])
     return new

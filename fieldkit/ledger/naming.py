@@ -1,4 +1,4 @@
-"""What a flight is called: its flight_id if that says enough, else rocket/flight_id."""
+"""The id of a flight: its flight_id if unique, else rocket/flight_id."""
 
 from collections.abc import Collection, Mapping, Sequence
 from difflib import get_close_matches
@@ -12,9 +12,9 @@ from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
-    """The id of each of these flights: its flight_id if that says enough, else `rocket/flight_id`.
+    """The id of each of these flights: its flight_id if unique, else `rocket/flight_id`.
 
-    One that another program has removed in the meantime has the id that it would have alone.
+    A flight that another program has removed in the meantime gets the id it would have by itself.
     """
     meant: dict[str, int] = {}
     for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
@@ -24,7 +24,7 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
 
 
 def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
-    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all.
+    """The flights that these texts may refer to, as `flight_id` or `rocket/flight_id`; for many texts, all flights.
 
     Raises DamagedRow.
     """
@@ -40,12 +40,12 @@ def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
 
 
 def resolve(connection: Connection, id: str) -> Held:
-    """The flight that an id means. Raises LedgerError that suggests near ones, or lists several."""
+    """The flight that an id refers to. Raises LedgerError that suggests similar ids, or lists the matches."""
     return resolve_all(connection, [id])[0]
 
 
 def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
-    """The flights that ids mean, in their order. Raises LedgerError that suggests near ones, or lists several."""
+    """The flights that ids refer to, in order. Raises LedgerError that suggests similar ids, or lists the matches."""
     known = ids(connection, _meant(connection, set(texts)))
     meant: dict[str, list[Identity]] = {}
     for identity in known:
@@ -57,8 +57,8 @@ def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
 
 
 def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: Mapping[Identity, str]) -> Identity:
-    """The identity that an id means, among those it may mean. Raises LedgerError."""
-    if len(found) > 1:  # one of them may bear the id in full
+    """The identity that an id refers to, among the candidates. Raises LedgerError."""
+    if len(found) > 1:  # one of them may match the full id
         found = [identity for identity in found if known[identity] == id] or found
     if len(found) > 1:
         raise LedgerError(f"{id} is ambiguous: {' or '.join(sorted(known[one] for one in found))}")

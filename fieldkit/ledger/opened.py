@@ -1,4 +1,4 @@
-"""An open ledger: reading one state of it, and changing it completely or not at all."""
+"""An open ledger: read one consistent state, or change it completely or not at all."""
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -15,21 +15,21 @@ Kind = TypeVar("Kind", bound="OpenLedger")
 
 
 class OpenLedger:
-    """Base class of the parts of a ledger; use it in a `with`."""
+    """Base class of the parts of a ledger; use it in a `with` statement."""
 
     def __init__(self, engine: Engine, name: str) -> None:
         self._engine = engine
         self.name = name
         self.trouble = ""
-        """Why no backup could be made before a change, empty if one was; the change was made anyway."""
+        """Why the backup before a change failed, empty if it did not; the change was made anyway."""
         self.remarks: list[str] = []
-        """Remarks on the ledger's flights for its user, a line each, in the order found."""
+        """Remarks on the ledger's flights for the user, one line each, in the order found."""
 
     @classmethod
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
-        """The ledger at a path or URL, made or upgraded if needed.
+        """Open the ledger at a path or URL; create or upgrade it if needed.
 
-        None stands for FIELDKIT_LEDGER, or the file in the user's data folder.
+        None means FIELDKIT_LEDGER, or the file in the user's data folder.
         """
         url = whereabouts.location(where)
         engine = opening.connect(url)

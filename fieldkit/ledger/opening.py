@@ -1,7 +1,7 @@
-"""Opening and upgrading a ledger, on SQLite or PostgreSQL.
+"""Open and upgrade a ledger, on SQLite or PostgreSQL.
 
-SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
-ledger stays one file that can be copied at any time, which a separate write-ahead log would not allow.
+SQLite uses its rollback journal and `synchronous=EXTRA`: a finished command survives a power failure, and the ledger is
+a single file that can be copied at any time, which a separate write-ahead log would not allow.
 """
 
 import sqlite3
@@ -23,13 +23,13 @@ from fieldkit.ledger.trouble import explained
 from fieldkit.ledger.whereabouts import file_of, name_of
 
 MIN_DATABASE_SIZE = 512
-"""No SQLite database with content is smaller; SQLite takes a smaller file for an empty one. [byte]"""
+"""Minimum size of a SQLite database with content; SQLite treats a smaller file as empty. [byte]"""
 
-_LOCK = 0x666B  # any number that nobody else on the server is likely to use
+_LOCK = 0x666B  # any number that no other program on the server is likely to use
 
 
 def connect(url: URL) -> Engine:
-    """An engine whose connections write durably; touches no file yet. Raises LedgerError."""
+    """An engine whose connections write durably; does not open the file yet. Raises LedgerError."""
     sqlite = url.get_backend_name() == "sqlite"
     try:
         engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {})
@@ -63,14 +63,14 @@ def _begin_server(connection: Connection) -> None:
 
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
-    """A connection that reads one state of the ledger."""
+    """A connection that reads one consistent state of the ledger."""
     with explained(engine), engine.connect() as connection:
         yield connection
 
 
 @contextmanager
 def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
-    """A connection whose changes are committed together, or not at all; one writer at a time."""
+    """A connection whose changes are committed together or not at all; only one writer at a time."""
     with explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
         if keep:
@@ -78,7 +78,7 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
-    """Back up a ledger before it is changed, if that is due; the reason if it failed, otherwise empty.
+    """Back up a ledger before a change, if a backup is due. Returns the reason if it failed, otherwise empty.
 
     Raises LedgerError if the ledger turns out to be damaged.
     """
@@ -98,10 +98,11 @@ def keep_backup(engine: Engine, *, always: bool = False) -> str:
 
 
 def bring_up_to_date(engine: Engine) -> None:
-    """Make a new ledger's tables, or upgrade an older one's, in one transaction; a current one costs a look.
+    """Create the tables of a new ledger, or upgrade those of an older one, in one transaction; for a current one this
+    is a quick check.
 
-    An older one is copied before. Raises LedgerError for a database that is not a ledger, one made by a newer
-    fieldkit, or a file that is gone or empty while copies of it are kept.
+    An older ledger is backed up first. Raises LedgerError for a database that is not a ledger, a ledger made by a newer
+    fieldkit, or a missing or empty file that has backups.
     """
     _refuse_remains(file_of(engine.url))
     with reading(engine) as connection:
@@ -111,12 +112,12 @@ def bring_up_to_date(engine: Engine) -> None:
     if step:
         keep_backup(engine, always=True)
     with writing(engine) as connection:
-        if version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
+        if version(connection) != STEPS[-1]:  # another process may have upgraded it while we waited
             upgrade(connection)
 
 
 def never_recreate(engine: Engine) -> None:
-    """Report a missing file from now on, for which SQLite would create an empty one."""
+    """Report a missing file from now on, instead of letting SQLite create an empty one."""
     file = file_of(engine.url)
     if file is None:
         return

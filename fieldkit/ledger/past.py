@@ -1,4 +1,4 @@
-"""The state of the ledger before a flight was added: the journal read backward in memory, nothing is changed."""
+"""The state of the ledger before a flight was added: reads the journal backward in memory and changes nothing."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -17,8 +17,7 @@ Rows = dict[str, dict[tuple[Any, ...], Row]]
 
 
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
-    """The state of each flight's rocket just before the flight was added; the current state for a flight that never
-    was."""
+    """The state of each flight's rocket just before the flight was added; the current state if it never was."""
     changes = list(_changes(connection))
     came = _arrivals(changes)
     rows = _rows(connection)
@@ -38,7 +37,7 @@ def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
 
 
 def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
-    """What each entry of the journal did to the tables, oldest first; an undo did its target backwards."""
+    """The images of every journal entry, oldest first; an undo has those of its target, reversed."""
     known: dict[int, list[Image]] = {}
     for row in sound_rows(connection, select(journal).order_by(journal.c.number)):
         number, target = row["number"], row["target"]
@@ -52,7 +51,7 @@ def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
 
 
 def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
-    """The change by which each flight, named by its entry, was last added."""
+    """The change that last added each flight, by entry number."""
     return {
         image.after["entry"]: number
         for number, images in changes

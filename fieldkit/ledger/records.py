@@ -1,4 +1,4 @@
-"""What a ledger hands out besides flights."""
+"""Records that a ledger returns besides flights."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from fieldkit.importing.incoming import Arrival, Original
 
 @dataclass(frozen=True, slots=True)
 class FlightSummary:
-    """What a list shows of a flight: the id that names it, its day, its apogee. [m]"""
+    """A flight in a list: its id, its date, its apogee. [m]"""
 
     id: str
     day: date | None
@@ -41,8 +41,8 @@ class Added:
 
 @dataclass(frozen=True, slots=True)
 class Renewal:
-    """A flight whose files are read again: its new content, its content as imported if it was edited since, more
-    files."""
+    """An update of a flight whose files were read again: its new content, its content as imported if it was edited
+    since, and additional files."""
 
     id: str
     flight: Flight
@@ -52,7 +52,7 @@ class Renewal:
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """A saved model version of one rocket; `payload` belongs to the caller that made it."""
+    """A saved model version of one rocket; the format of `payload` is up to the caller."""
 
     rocket: str
     number: int
@@ -73,7 +73,7 @@ class NewPrediction:
 
 @dataclass(frozen=True, slots=True)
 class StoredPrediction:
-    """A prediction as it was made; `digest` is of everything it was made from."""
+    """A saved prediction; `digest` covers all of its inputs."""
 
     number: int
     at: datetime
@@ -85,7 +85,7 @@ class StoredPrediction:
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """A rocket's flights, in order, and the number of the model in use at a time, 0 for the plain one."""
+    """A rocket's flights, in order, and the active model's number at that time, 0 for the plain model."""
 
     flights: tuple[Flight, ...]
     version: int

@@ -1,4 +1,4 @@
-"""Flights as rows and rows as flights; no other package sees a row."""
+"""Convert flights to rows and back; no other package sees a row."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,14 +15,14 @@ Row = dict[str, Any]
 
 
 class DamagedRow(ValueError):
-    """A row that fieldkit did not write: the file has changed."""
+    """A row that fieldkit did not write: the file was changed or damaged."""
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
 READOUT_COLUMNS: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
 """The fields that accompany each readout, and their columns; the row's own `source` is a file."""
 DIRECT_FIELDS = tuple(name for name in FIELDS if name not in (*READOUT_COLUMNS, "tags"))
-"""Fields of a flight that a row holds under the same name."""
+"""Fields of a flight that a row stores under the same name."""
 
 
 def row_of(flight: Flight) -> Row:
@@ -42,7 +42,7 @@ def row_of(flight: Flight) -> Row:
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
-    """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded."""
+    """The flight in a row of `flights` and its tags; columns newer than the row count as not recorded."""
     values = {name: row[name] for name in DIRECT_FIELDS if name in row}
     moment = values.pop("date_time")
     for part, column in READOUT_COLUMNS.items():
@@ -52,13 +52,13 @@ def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
 
 
 def summary_of(name: str, row: Mapping[str, Any]) -> FlightSummary:
-    """What a list shows of the flight that a row of `flights` and its tags hold, named so."""
+    """The list entry of the flight in a row of `flights` and its tags, with this id."""
     day = date.fromisoformat(row["date_time"][:10]) if row["date_time"] else None
     return FlightSummary(name, day, row["rocket"], row["config"], row["motor"], row["apogee"], tuple(row["tags"]))
 
 
 def same(one: Flight, other: Flight) -> bool:
-    """Whether two records are of the same flight, up to rounding in unit conversions."""
+    """Whether two records are equal up to rounding in unit conversions."""
     return all(_alike(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
 
@@ -68,7 +68,7 @@ def differences(one: Flight, other: Flight) -> list[str]:
 
 
 def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
-    """Whether a record holds what is given, by field; of extra columns, and beside readouts, it may hold more."""
+    """Whether a record has the given values, by field; it may have more extra columns and readout accompaniments."""
     return all(_holds(getattr(flight, name), value) for name, value in given.items())
 
 

@@ -1,4 +1,4 @@
-"""The version of a ledger's schema, tables or columns it has lost, and upgrading it.
+"""The version of a ledger's schema, missing tables or columns, and upgrades.
 
 Alembic is imported only if a ledger is new or older than this program.
 """
@@ -20,10 +20,10 @@ STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9
 
 
 def version(connection: Connection) -> str | None:
-    """The step a ledger is at; None for an empty database.
+    """The schema version of a ledger; None for an empty database.
 
-    Raises LedgerError for another program's tables and those of a newer fieldkit, DamagedRow for a step that there
-    never was.
+    Raises LedgerError for another program's tables and those of a newer fieldkit, DamagedRow for a version that never
+    existed.
     """
     name = name_of(connection.engine.url)
     tables = inspect(connection)
@@ -41,8 +41,7 @@ def version(connection: Connection) -> str | None:
 
 
 def missing(connection: Connection) -> str:
-    """A table or a column that a ledger of the newest version has lost, or why that cannot be determined; else
-    empty."""
+    """A table or column missing from a ledger of the newest version, or why that is unknown; otherwise empty."""
     try:
         there = inspect(connection)
         for name, table in metadata.tables.items():
@@ -50,7 +49,7 @@ def missing(connection: Connection) -> str:
                 return f"table {name} is missing"
             if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
                 return f"column {min(lost)} of {name} is missing"
-    except DBAPIError as error:  # of names that are no text any more
+    except DBAPIError as error:  # names that are no longer valid text
         return " ".join(str(error.orig).split())
     return ""
 

@@ -1,4 +1,4 @@
-"""Flights read from a ledger: listed, named, with their logs, and in earlier states."""
+"""Queries for flights: lists, ids, logs, and earlier states."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,27 +10,27 @@ from fieldkit.ledger.rows import Row, flight_of, summary_of
 
 
 class FlightsOut(OpenLedger):
-    """Reading a ledger."""
+    """The queries of a ledger."""
 
     def flights(
         self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
     ) -> list[Flight]:
-        """Flights in the order flown; of one rocket, named by id, with a tag.
+        """Flights in the order flown; of one rocket, with these ids, with a tag.
 
-        That is by date and then by entry; one without a date comes after those of its rocket that were entered
-        before it.
+        They are sorted by date and then by entry; a flight without a date comes after the flights of its rocket that
+        were entered earlier.
         """
         with self._reading() as connection:
             entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
             return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
 
     def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:
-        """The same flights some at a time, each with the id that names it; all of one state of the ledger."""
+        """The same flights page by page, each with its id; all from one state of the ledger."""
         for page in self._named_pages(rocket, tag):
             yield [(name, flight_of(row, row["tags"])) for name, row in page]
 
     def summaries(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[FlightSummary]]:
-        """What a list shows of the same flights, some at a time: a third less work than whole flights."""
+        """List entries of the same flights, page by page: a third less work than whole flights."""
         for page in self._named_pages(rocket, tag):
             yield [summary_of(name, row) for name, row in page]
 
@@ -41,9 +41,9 @@ class FlightsOut(OpenLedger):
                 yield [(names[row["rocket"], row["flight_id"]], row) for row in rows]
 
     def flight(self, id: str) -> Flight:
-        """The flight with this id: its flight_id if that is unique, else `rocket/flight_id`.
+        """The flight with this id: its flight_id if unique, else `rocket/flight_id`.
 
-        Raises LedgerError that suggests near ones, or lists those that it may mean.
+        Raises LedgerError that suggests similar ids, or lists the matches.
         """
         with self._reading() as connection:
             return naming.resolve(connection, id).flight
@@ -54,7 +54,7 @@ class FlightsOut(OpenLedger):
             return naming.resolve(connection, id).entered
 
     def ids(self, flights: Sequence[Flight]) -> list[str]:
-        """The id that names each of these flights of the ledger."""
+        """The id of each of these flights of the ledger."""
         identities = [(flight.rocket, flight.flight_id) for flight in flights]
         with self._reading() as connection:
             names = naming.ids(connection, identities)
@@ -66,17 +66,17 @@ class FlightsOut(OpenLedger):
             return logs.log_of(connection, naming.resolve(connection, id))
 
     def other_logs(self, id: str) -> list[bytes]:
-        """The original bytes of the other files that a flight's logger wrote of it."""
+        """The original bytes of a flight's additional files."""
         with self._reading() as connection:
             return logs.other_logs_of(connection, naming.resolve(connection, id))
 
     def names(self, field: str, rocket: str | None = None) -> list[str]:
-        """Every `rocket`, `config`, `motor` or `site` named in the flights, most recent first."""
+        """Every `rocket`, `config`, `motor` or `site` in the flights, most recent first."""
         with self._reading() as connection:
             return finding.names(connection, field, rocket)
 
     def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
-        """The flight entered last, whose setup the next one is likely to share."""
+        """The most recently entered flight, whose setup the next one probably shares."""
         with self._reading() as connection:
             return finding.latest(connection, rocket, config)
 

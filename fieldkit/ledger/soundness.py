@@ -1,7 +1,7 @@
-"""Whether a ledger's file still says what was written: SQLite's own look at it, then the checksum of every row.
+"""Check that a ledger's file has not changed since it was written: SQLite's own check, then every row's checksum.
 
-SQLite finds a page out of shape, and not a letter or a figure that has become another one. The checksums do, but take
-their time; rows that are the same in a copy of the ledger, which was checked when it was made, are skipped.
+SQLite detects a malformed page, but not a changed letter or digit. The checksums do, but take longer; rows that are
+identical in a backup of the ledger, which was checked when it was made, are skipped.
 """
 
 import sqlite3
@@ -24,7 +24,7 @@ from fieldkit.ledger.schema import STEPS, missing, version
 from fieldkit.ledger.tables import flights, logs, metadata, tags
 
 PATIENCE = 15.0
-"""How long a command or a backup waits for a process that is writing. [s]"""
+"""How long a command or a backup waits for a writing process. [s]"""
 Keys = Collection[tuple[Any, ...]]
 """Primary keys of rows."""
 
@@ -33,22 +33,22 @@ _PAST_TABLE = "past"
 
 
 def opened(file: Path) -> closing[sqlite3.Connection]:
-    """A database for a `with`."""
+    """Open a database for a `with` statement."""
     return closing(sqlite3.connect(file, timeout=PATIENCE))
 
 
 def fault(file: Path, *, since: Path | None = None) -> str:
     """What is wrong with a ledger's file, in one line; empty if nothing. Raises sqlite3.Error.
 
-    `since` is a sound copy of it.
+    `since` is a sound backup of it.
     """
     return file_fault(file) or row_fault(file, since=since)
 
 
 def file_fault(file: Path, *, thorough: bool = False) -> str:
-    """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
+    """What SQLite finds wrong with a database, in one line; empty if nothing. Raises sqlite3.Error.
 
-    A `thorough` look also compares every index with its table, which takes longer.
+    A `thorough` check also compares every index with its table, which takes longer.
     """
     check = "integrity_check" if thorough else "quick_check"
     try:
@@ -60,9 +60,10 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
 
 
 def row_fault(file: Path, *, since: Path | None = None) -> str:
-    """The first row of a ledger that does not say what was written; empty for none. Raises sqlite3.Error.
+    """The first damaged row of a ledger, empty if there is none. Raises sqlite3.Error.
 
-    Rows that are the same in `since`, a sound copy, are skipped. So are all of a newer fieldkit with unknown columns.
+    Rows that are identical in `since`, a sound backup, are skipped. So are all rows of a newer fieldkit with unknown
+    columns.
     """
     try:
         with _connected(file) as connection:
@@ -71,14 +72,14 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
         return ""
     except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
         return str(error)
-    except DBAPIError as error:  # also one that comes when the connection is opened or closed
+    except DBAPIError as error:  # also raised when the connection is opened or closed
         if not isinstance(error.orig, sqlite3.DatabaseError):
             raise
         return damage_in(error.orig)
 
 
 def damage_in(error: sqlite3.DatabaseError) -> str:
-    """SQLite's report of damage, in one line; any other error is raised again."""
+    """SQLite's report of damage, in one line; other errors are raised again."""
     said = " ".join(str(error).split())
     if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or said.startswith("Could not decode"):
         return said
@@ -96,7 +97,7 @@ def _connected(file: Path) -> Iterator[Connection]:
 
 
 def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
-    """Rows that a copy has otherwise or not at all, by table; empty for a copy that is damaged or has other tables."""
+    """Rows that a backup lacks or has with other content, by table; empty if it is damaged or has other tables."""
     try:
         connection.execute(text(f"ATTACH :copy AS {_PAST_TABLE}"), {"copy": str(copy)})
         step = f"SELECT :newest IN (SELECT version_num FROM {_PAST_TABLE}.alembic_version)"
@@ -107,7 +108,7 @@ def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
 
 
 def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
-    """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of those named or of all."""
+    """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of the given ones or all."""
     if version(connection) == STEPS[-1] and (lost := missing(connection)):
         return lost
     if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():
@@ -128,7 +129,7 @@ def _all(connection: Connection, table: Table) -> Keys:
 
 
 def _changed(connection: Connection, table: Table) -> Keys:
-    """Rows that the copy has otherwise or not at all; flights too that have other tags, which count to them."""
+    """Rows that differ from the backup or are missing from it, including flights whose tags differ."""
     past = _past(table)
     at = and_(*(column == past.c[column.name] for column in table.primary_key))
     other = or_(*(column.is_distinct_from(past.c[column.name]) for column in table.columns))
@@ -137,7 +138,7 @@ def _changed(connection: Connection, table: Table) -> Keys:
 
 
 def _past(table: Table) -> FromClause:
-    """A table as it is in the copy; by a name of its own, for both have the same."""
+    """A table of the backup, aliased because both databases use the same names."""
     return table.to_metadata(MetaData(), schema=_PAST_TABLE).alias(f"{_PAST_TABLE}_{table.name}")
 
 

@@ -1,4 +1,4 @@
-"""Starting configurations: one for each rocket and configuration, the last one saved."""
+"""Starting configurations: the last one saved for each rocket and configuration."""
 
 from dataclasses import asdict, fields
 

@@ -1,8 +1,8 @@
-"""The tables of a ledger, as SQLAlchemy Core sees them; the migrations are what makes them.
+"""The tables of a ledger, as SQLAlchemy Core sees them; the migrations create them.
 
-A rocket, a configuration, a motor or a site is what the flights say it is: their lists are read off the
-flights, so none can be left behind or contradict a flight. Numbers are SI, one column for each of
-`fieldkit.flight.COLUMNS`; times are ISO 8601 text, because a flight's own clock may or may not know its zone.
+Rockets, configurations, motors and sites have no tables: their lists are read from the flights, so they cannot be left
+over or contradict a flight. Numbers are SI, one column for each of `fieldkit.flight.COLUMNS`; times are ISO 8601 text,
+because a flight's clock may not know its time zone.
 """
 
 from sqlalchemy import (
@@ -27,9 +27,9 @@ from fieldkit.flight import COLUMNS, LOGGED
 metadata = MetaData()
 document = JSON(none_as_null=True)
 moment = Text().with_variant(Text(collation="C"), "postgresql")
-"""ISO 8601 text that sorts as time on every server."""
+"""ISO 8601 text that sorts chronologically on every server."""
 MAX_ROWS_BY_NAME = 500
-"""Number of rows up to which they are selected by name; for more, all are read. [1]"""
+"""Number of rows up to which they are selected by key; above it, all are read. [1]"""
 
 
 def _checksum() -> Column[int]:
@@ -58,21 +58,19 @@ flights = Table(
     Column("date_time", moment),
     Column("site", Text, nullable=False),
     Column("notes", Text, nullable=False),
-    Column("log", Text, nullable=False),  # as the flight table names it
+    Column("log", Text, nullable=False),  # as written in the flight table
     Column("log_digest", Text, ForeignKey("logs.digest")),
     Column("source", Text, nullable=False),  # the file it came from
     *(Column(column.name, Double) for column in COLUMNS + LOGGED),
     Column("extra", document, nullable=False),
     Column("readout_sd", document),  # standard deviations of readouts by name, SI; empty if none is recorded
-    Column("readout_source", document),  # what readouts were measured by, by name
-    Column("entered", document),  # the flight as it came in, once it has been edited
-    _checksum(),  # its tags are in it
+    Column("readout_source", document),  # sources of readouts by name
+    Column("entered", document),  # the flight as imported, if it was edited since
+    _checksum(),  # includes its tags
     UniqueConstraint("rocket", "flight_id"),
     Index("flights_by_id", "flight_id"),
     Index("flights_by_date", "date_time", "entry"),
-    Index(
-        "flights_edited", "entry", sqlite_where=IS_EDITED
-    ),  # on PostgreSQL, too: naming it here would wake its dialect
+    Index("flights_edited", "entry", sqlite_where=IS_EDITED),  # PostgreSQL too: naming it here would import its dialect
 )
 
 tags = Table(
@@ -109,8 +107,8 @@ predictions = Table(
     Column("number", Integer, primary_key=True, autoincrement=False),
     Column("at", moment, nullable=False),
     Column("rocket", Text, nullable=False),
-    Column("flight_id", Text, nullable=False),  # of the planned flight, empty when it has no name yet
-    Column("digest", Text, nullable=False),  # of everything the prediction was made from
+    Column("flight_id", Text, nullable=False),  # of the planned flight, empty if it has no name yet
+    Column("digest", Text, nullable=False),  # covers all inputs of the prediction
     Column("payload", document, nullable=False),
     _checksum(),
     Index("predictions_by_flight", "rocket", "flight_id"),
@@ -136,7 +134,7 @@ journal = Table(
     Column("at", moment, nullable=False),
     Column("command", Text, nullable=False),
     Column("what", Text, nullable=False),
-    Column("target", Integer, ForeignKey("journal.number")),  # the change that an undo or a redo is about
+    Column("target", Integer, ForeignKey("journal.number")),  # the change that an undo or redo applies to
     Column("images", document),  # rows before and after, without checksums; empty if `target` has them
     Column("images_checksum", BigInteger),
     _checksum(),

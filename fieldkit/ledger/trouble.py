@@ -1,4 +1,4 @@
-"""What went wrong with a ledger, in a line a flyer can act on, and the backup offered if its file is damaged."""
+"""Explain ledger errors in one line that a flyer can act on, and offer a backup if the file is damaged."""
 
 import zlib
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 
 @contextmanager
 def explained(engine: Engine) -> Iterator[None]:
-    """Raise LedgerError for what the flyer can fix; a fault of the program passes as it is."""
+    """Raise LedgerError for errors that the flyer can fix; bugs pass through unchanged."""
     try:
         yield
     except DBAPIError as error:
@@ -47,14 +47,14 @@ def explained(engine: Engine) -> Iterator[None]:
         raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
     except UnicodeEncodeError as error:
         raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
-    except (TypeError, ValueError, LookupError) as error:  # of a row that reads as no row of ours can
+    except (TypeError, ValueError, LookupError) as error:  # from a damaged row
         if why := _damage(engine):
             raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
         raise
 
 
 def _reason(error: DBAPIError) -> str | None:
-    """An error that the user can fix, or None if it is a bug or damage of the file."""
+    """An error that the user can fix, or None if it is a bug or file damage."""
     code = getattr(error.orig, "sqlite_errorname", "")
     for start, why in _SQLITE.items():
         if code.startswith(start):
@@ -70,7 +70,7 @@ def _reason(error: DBAPIError) -> str | None:
 
 
 def _damage(engine: Engine) -> str | None:
-    """What is wrong with a ledger's file, after a failure that no sound file causes."""
+    """What is wrong with a ledger's file, after an error that a sound file cannot cause."""
     file = file_of(engine.url)
     fault = (soundness.file_fault(file, thorough=True) or _missing(engine)) if file else ""
     return f"the file is damaged ({fault})" if fault else None

@@ -1,4 +1,4 @@
-"""Where a ledger is: a file of SQLite, or a database on a PostgreSQL server."""
+"""The location of a ledger: a SQLite file or a database on a PostgreSQL server."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ from fieldkit.paths import data_file
 _DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
 
 FILE_MODES = ("ro", "rw", "rwc")
-"""How SQLite may open a file, in a URL of its own."""
+"""Modes in which SQLite may open a file, in its URL syntax."""
 
 
 def location(where: str | Path | None) -> URL:
@@ -36,9 +36,9 @@ def location(where: str | Path | None) -> URL:
 
 
 def _keeping(url: URL, where: str) -> URL:
-    """A URL of SQLite itself. Raises LedgerError for one that keeps nothing, or asks for what a ledger does not need.
+    """A SQLite URL. Raises LedgerError for one that stores nothing, or that has options a ledger does not need.
 
-    Of what SQLite takes in a URL of its own there is the mode: a ledger may be opened to be read alone.
+    The only option supported is the mode: a ledger may be opened read-only.
     """
     uri = url.query.get("uri") == "true"
     file = str(url.database or "").removeprefix("file:" if uri else "")
@@ -51,14 +51,14 @@ def _keeping(url: URL, where: str) -> URL:
 
 
 def name_of(url: URL) -> str:
-    """A ledger's name for messages: its path, or its URL without the password."""
+    """The name of a ledger for messages: its path, or its URL without the password."""
     return str(url.database) if url.drivername == "sqlite" and url.database else url.render_as_string()
 
 
 def file_of(url: URL) -> Path | None:
-    """The file of a ledger, None for one in memory, on a server, or opened by a URL of SQLite's own.
+    """The file of a ledger, None for one in memory, on a server, or opened by a SQLite URL.
 
-    Of a link it is the file that the link names: there SQLite keeps its journal, and backups are kept.
+    For a link, it is the file that the link points to: SQLite's journal and the backups are next to that file.
     """
     if url.get_backend_name() != "sqlite" or not url.database or "uri" in url.query:
         return None

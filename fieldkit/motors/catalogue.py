@@ -1,4 +1,4 @@
-"""The motors fieldkit knows: those of ThrustCurve.org, shipped with it, and the flyer's own files."""
+"""The motors fieldkit knows: those of ThrustCurve.org, shipped with it, and the user's own files."""
 
 import gzip
 import json
@@ -23,40 +23,40 @@ from fieldkit.motors.several import Booster, names_several, resolve_several
 from fieldkit.safe_text import printable
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
-"""What `tools/motors.py` makes of the data of ThrustCurve.org."""
+"""The catalog that `tools/motors.py` generates from the data of ThrustCurve.org."""
 
 
 @dataclass(frozen=True, slots=True)
 class Catalogue:
-    """Motors by name. `about` says where they are from, and how many were left out and why."""
+    """Motors by name. `about` describes their origin, and how many were left out and why."""
 
     listings: Listings
     about: Mapping[str, Any]
     lots: Mapping[tuple[str, str, str], Motor] = field(default_factory=dict)
-    """Motors of single lots by maker, designation and lot."""
+    """Motors of single lots, by maker, designation and lot."""
     _several: dict[tuple[str, tuple[Booster, ...]], Found] = field(default_factory=dict, repr=False, compare=False)
-    """Clusters and stages that were asked for, so that each is one object."""
+    """Cache of clusters and stages, so each is a single object."""
 
     def __len__(self) -> int:
         return sum(map(len, self.listings.values()))
 
     @property
     def motors(self) -> list[Motor]:
-        """Every motor, each curve built when first asked for."""
+        """Every motor; each curve is built on first use."""
         return [listing.motor() for listings in self.listings.values() for listing in listings]
 
     def find(self, text: str, maker: str = "") -> Found:
-        """The one motor that a text means; see `fieldkit.motors.search.find`."""
+        """The only motor that matches a text; see `fieldkit.motors.search.find`."""
         return search.find(self.listings, split_lot(text)[0], maker)
 
     def resolve(self, text: str, maker: str = "") -> Found:
-        """The motor that a text most likely means; see `fieldkit.motors.search.resolve`."""
+        """The motor that a text most probably means; see `fieldkit.motors.search.resolve`."""
         plain, lot = split_lot(text)
         found = search.resolve(self.listings, plain, maker)
         return self._of_lot(found, lot) if lot else found
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
-        """The motor of a text, or the cluster or the stages that it names, flown as one motor; see
+        """The motor named by a text, or the cluster or stages it names combined into one motor; see
         `fieldkit.motors.several`. Raises UnknownMotor."""
         if not names_several(text):
             return self.resolve(text)
@@ -66,7 +66,7 @@ class Catalogue:
         return self._several[key]
 
     def _of_lot(self, found: Found, lot: str) -> Found:
-        """The motor of a lot if its figures are known, else a note that it is flown as any of its type."""
+        """The motor of a lot if its data is known, else the motor type, with a note."""
         own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
         if own is None:
             note = f"no figures for lot {printable(lot)} in your corrections: treated as any of its type"
@@ -74,7 +74,7 @@ class Catalogue:
         return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
     def complaint(self, text: str) -> str | None:
-        """What is wrong with a motor's name in one line, or None if there is such a motor, or several."""
+        """What is wrong with a motor's name, in one line; None if one or more motors match."""
         try:
             self.resolve(text)
         except UnknownMotor as error:
@@ -82,7 +82,7 @@ class Catalogue:
         return None
 
     def complaint_of_several(self, text: str) -> str | None:
-        """As `complaint`, but also None for a cluster that can be flown."""
+        """Like `complaint`, but also None for a cluster that can be simulated."""
         try:
             self.resolve_several(text)
         except UnknownMotor as error:
@@ -94,14 +94,14 @@ class Catalogue:
         return search.search(self.listings, text)
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
-        """The same catalog with the flyer's own motors, which win over any other of their name."""
+        """The same catalog with the user's own motors, which override others of the same name."""
         listings = dict(self.listings)
         for motor in motors:
             listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
         return Catalogue(MappingProxyType(listings), self.about, self.lots)
 
     def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
-        """The same catalog with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
+        """The same catalog with the user's own corrections. Raises BadValue for a motor that is not in it."""
         own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
         for row in rows:
             motor = self.find(f"{row.maker} {row.designation}").motor
@@ -119,13 +119,13 @@ _LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 
 def split_lot(text: str) -> tuple[str, str]:
-    """A motor's name and the lot behind it, empty if none is named: `F24-4W lot 0412`."""
+    """Split a motor's name from its lot, empty if none is given: `F24-4W lot 0412`."""
     found = _LOT.search(text)
     return (text[: found.start()], found[1]) if found else (text, "")
 
 
 def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
-    """A listing of a motor with a flyer's corrections; as it is without any."""
+    """A listing with the user's corrections to its motor; unchanged if there are none."""
     if not rows:
         return listing
     motor = corrected(listing.motor(), rows)
@@ -134,7 +134,7 @@ def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
 
 @cache
 def catalogue() -> Catalogue:
-    """The catalog that is shipped, read once; a curve is read when its motor is first asked for."""
+    """The shipped catalog, read once; each curve is read when its motor is first used."""
     data = json.loads(gzip.decompress(DATA.read_bytes()))
     entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
     build = cache(lambda number: _motor(entries[number], data["source"]))

@@ -1,7 +1,7 @@
-"""The catalog held against a table of tests: certification letters, stated figures, curves.
+"""Compare the catalog with a table of tests: certification letters, stated values, curves.
 
-A table has a row a test, with the columns `manufacturer`, `designation`, `common_name` and the figures of `FIGURES`;
-its `note` may begin with `basis=letter`, `basis=stated` or `basis=curve`, the best of which counts.
+The table has one row per test, with the columns `manufacturer`, `designation`, `common_name` and those of `FIGURES`;
+its `note` may start with `basis=letter`, `basis=stated` or `basis=curve`, of which the best is used.
 """
 
 import csv
@@ -22,17 +22,17 @@ FIGURES: Mapping[str, tuple[str, str]] = {
     "propellant_g": ("propellant_g", "g"),
     "loaded_g": ("loaded_g", "g"),
 }
-"""Columns of a table of tests: the field of a correction that each is, and its unit."""
+"""Columns of a table of tests: the corresponding field of a correction, and its unit."""
 BASES = ("letter", "stated", "curve")
-"""What the figures of a row rest on, the best first."""
+"""What the values of a row are based on, best first."""
 DIFFERENCE = 0.05
-"""From which on a difference is reported: the measured scatter of a motor type. [1]"""
+"""Relative difference from which it is reported: the measured scatter of a motor type. [1]"""
 NAMES = ("manufacturer", "designation", "common_name")
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A figure of a motor that a test has otherwise: in the catalog and in the test, in the unit of the field."""
+    """A value of a motor that differs between the catalog and a test, in the unit of the field."""
 
     motor: Motor
     field: str
@@ -44,7 +44,7 @@ class Difference:
 
     @property
     def ratio(self) -> float:
-        """Tested over listed, less one. [1]"""
+        """Relative difference of the tested value from the listed one. [1]"""
         return self.tested / self.listed - 1
 
     def json(self) -> dict[str, object]:
@@ -64,7 +64,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class CatalogueComparison:
-    """What a table of tests comes to: rows, motors found, names that no motor has, and figures that differ."""
+    """Result for a table of tests: rows, motors found, unknown names, and values that differ."""
 
     rows: int
     motors: int
@@ -75,10 +75,10 @@ class CatalogueComparison:
 def compare_tests(
     catalogue: Catalogue, content: bytes, name: str, tolerance: float = DIFFERENCE
 ) -> CatalogueComparison:
-    """The figures of a catalog that a table of tests has otherwise by more than a ratio, the furthest off first.
+    """Catalog values that differ from a table of tests by more than `tolerance`, largest difference first.
 
-    Of several tests of a motor those on the best basis count, by their mean. Raises BadValue that names the row and the
-    column at fault.
+    If a motor has several tests, the mean of those with the best basis counts. Raises BadValue that names the row and
+    the column.
     """
     table = csv.DictReader(content.decode("utf-8-sig", "replace").splitlines())
     if not set(NAMES[:2]) <= set(table.fieldnames or ()):
@@ -102,7 +102,7 @@ def compare_tests(
 
 
 def listed_figures(motor: Motor) -> dict[str, float]:
-    """The figures of a motor by the columns of a table of tests."""
+    """The values of a motor by the columns of a table of tests."""
     return {
         "tested_impulse_ns": motor.total_impulse,
         "tested_average_n": motor.rated_thrust,
@@ -130,11 +130,11 @@ def _differences(
 
 
 _SOLD_DELAYS = re.compile(r"-\d+(?:,\d+)+([A-Z]*)$")
-"""The delays on sale behind a designation: `B6W-4,6`, `D22-4,7,10W`."""
+"""The delays for sale at the end of a designation: `B6W-4,6`, `D22-4,7,10W`."""
 
 
 def _motor(catalogue: Catalogue, row: Mapping[str, str | None]) -> Motor | None:
-    """The one motor that a row names, by its designation or else its common name, of one of its makers."""
+    """The motor that a row names, by designation or else common name, if exactly one matches its maker."""
     designation = row.get("designation") or ""
     for name in (designation, _SOLD_DELAYS.sub(r"\1", designation), row.get("common_name")):
         for maker in (row.get("manufacturer") or "").split("/"):

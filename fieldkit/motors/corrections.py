@@ -1,4 +1,4 @@
-"""Corrections of the catalog: figures of certifications, makers and tests that replace a nominal or mistaken one."""
+"""Corrections to the catalog: values from certifications, makers and tests that replace nominal or wrong ones."""
 
 import csv
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 
 DATA = Path(__file__).parents[1] / "data" / "motor_corrections.csv"
-"""Which figures of ThrustCurve.org are corrected, each with its source and how sure it is."""
+"""Corrections to the data of ThrustCurve.org, each with its source and confidence."""
 
 QUANTITIES = {
     "total_impulse_ns": ("total impulse", "N s"),
@@ -21,18 +21,18 @@ QUANTITIES = {
     "loaded_g": ("loaded mass", "g"),
     "length_mm": ("length", "mm"),
 }
-"""Fields that are numbers: what each is called, and its unit."""
+"""Numeric fields: the name and unit of each."""
 TEXTS = ("designation", "name", "class", "delays")
 """Fields that are text; delays are written as `4,6,8,P`."""
 CONFIDENCES = ("sure", "likely", "open")
-"""Two independent documents, or one and arithmetic; one document; documents that disagree: never applied."""
+"""Two independent documents, or one and arithmetic; one document; conflicting documents, which are never applied."""
 
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """A figure of a motor: as the catalog has it, as it should be, how sure that is, and by which document.
+    """A value of a motor: as in the catalog, as corrected, the confidence, and the source document.
 
-    An `open` correction is not applied; its `value` is what the other document says, empty if none says.
+    An `open` correction is not applied; its `value` is the other document's, empty if it has none.
     """
 
     field: str
@@ -43,12 +43,12 @@ class Correction:
 
     @property
     def applied(self) -> bool:
-        """Whether the catalog carries `value` instead of `was`."""
+        """Whether the catalog uses `value` instead of `was`."""
         return self.confidence != "open"
 
     def text(self, *, before: bool = True) -> str:
-        """The correction in a line: `total impulse 4.29 N s instead of 5 (sure: NAR test figures)`; what it was only if
-        `before` is wanted."""
+        """The correction in a line: `total impulse 4.29 N s instead of 5 (sure: NAR test figures)`; the previous value
+        only with `before`."""
         what, unit = QUANTITIES.get(self.field, (self.field, ""))
         now, was = f"{self.value} {unit}".strip(), self.was or "none"
         if self.applied:
@@ -69,7 +69,7 @@ class Correction:
 
 
 def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction]]:
-    """The corrections of a table by maker and designation. Raises BadValue that names the row."""
+    """The corrections in a table by maker and designation. Raises BadValue that names the row."""
     found: dict[tuple[str, str], list[Correction]] = {}
     for number, row in enumerate(csv.DictReader(StringIO(read_own(path), newline="")), start=2):
         one = Correction(row["field"], row["was"], row["value"], row["confidence"], row["source"])
@@ -82,5 +82,5 @@ def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction
 
 
 def as_rows(corrections: Iterable[Correction]) -> list[list[str]]:
-    """The corrections as lists of texts, as the shipped catalog keeps them."""
+    """The corrections as lists of texts, as stored in the shipped catalog."""
     return [list(astuple(one)) for one in corrections]

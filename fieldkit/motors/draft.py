@@ -1,4 +1,4 @@
-"""A motor as a file gives it, checked and turned into a `Motor`: what `.eng` and `.rse` have in common."""
+"""A motor as read from a file, validated and converted to a `Motor`: shared by `.eng` and `.rse`."""
 
 import math
 import re
@@ -9,18 +9,18 @@ from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor, im
 from fieldkit.motors.names import maker_of, parse
 
 _EXHAUST = (20.0, 200_000.0)
-"""Impulse per propellant mass outside of which a mass must be in another unit. [m/s]"""
+"""Range of impulse per propellant mass; outside it, the mass must be in another unit. [m/s]"""
 _MAX_VALUE = 1e7
-"""No length, mass, time or thrust in a motor file is beyond it, whatever its unit."""
+"""Upper limit of any length, mass, time or thrust in a motor file, in any unit."""
 MAX_MOTORS = 10_000
-"""Motors in one file: all that were ever certified are a few thousand. [1]"""
+"""Maximum number of motors in one file: only a few thousand have ever been certified. [1]"""
 _ROCKSIM_PLUGGED = 1000.0
-"""The delay by which RockSim marks a motor without an ejection charge. [s]"""
+"""The delay with which RockSim marks a motor without an ejection charge. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class FileLine:
-    """A line of a file: where a draft's values were found."""
+    """A line of a file, which is the origin of a draft's values."""
 
     source: str
     row: int
@@ -30,7 +30,7 @@ class FileLine:
         return DamagedLog(found, row=self.row, column=column, source=self.source)
 
     def number(self, text: str, column: str, unit: str) -> float:
-        """A finite number of plausible size, in the unit of the file. Raises DamagedLog for any other text."""
+        """Parse a finite number of plausible size, in the unit of the file. Raises DamagedLog for other texts."""
         try:
             value = float(text)
         except ValueError:
@@ -40,7 +40,7 @@ class FileLine:
         return value
 
     def above(self, text: str, column: str, unit: str, least: float) -> float:
-        """A number above a bound, in the unit of the file. Raises DamagedLog for any other text."""
+        """Parse a number above a bound, in the unit of the file. Raises DamagedLog for other texts."""
         value = self.number(text, column, unit)
         if value <= least:
             raise self.damaged(f"found {text!r}, expected more than {least:g} {unit}", column)
@@ -49,7 +49,7 @@ class FileLine:
 
 @dataclass(slots=True)
 class MotorDraft:
-    """The header of a motor in SI units, and the samples read so far; each knows its place in the file."""
+    """The header of a motor in SI units, and the samples read so far, each with its line in the file."""
 
     place: FileLine
     maker: str
@@ -63,7 +63,7 @@ class MotorDraft:
     samples: list[tuple[FileLine, float, float]] = field(default_factory=list)
 
     def add(self, place: FileLine, time: float, thrust: float) -> None:
-        """One sample [s, N]. Raises DamagedLog for a step back in time or a negative value."""
+        """Add a sample [s, N]. Raises DamagedLog if time goes backward or a value is negative."""
         if self.samples and time < self.samples[-1][1]:
             raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
         if time < 0 or thrust < 0:
@@ -71,7 +71,7 @@ class MotorDraft:
         self.samples.append((place, time, thrust))
 
     def motor(self) -> Motor:
-        """The motor. Raises DamagedLog for a curve that is cut short, or masses that cannot be."""
+        """The motor. Raises DamagedLog for a truncated curve or impossible masses."""
         if not self.samples:
             raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below its header")
         last, _, end = self.samples[-1]
@@ -119,7 +119,7 @@ class MotorDraft:
 
 
 def delays(text: str, place: FileLine) -> tuple[float, ...]:
-    """Delays as files write them: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L say nothing. [s]"""
+    """Parse delays as written in files: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L are ignored. [s]"""
     found = []
     for word in re.split(r"[-,;/\s]+", text.strip().upper()):
         number = re.fullmatch(r"(\d+(?:\.\d+)?)[A-Z]?", word)
@@ -133,14 +133,14 @@ def delays(text: str, place: FileLine) -> tuple[float, ...]:
 
 
 def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
-    """Put a motor to those of a file. Raises DamagedLog if there are too many."""
+    """Add a motor to those of a file. Raises DamagedLog if there are too many."""
     if len(drafts) >= MAX_MOTORS:
         raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")
     drafts.append(draft)
 
 
 def decoded(data: bytes) -> str:
-    """Bytes of a text file as text: UTF-8 with or without its mark, else the old Windows alphabet."""
+    """Decode a text file: UTF-8 with or without byte order mark, else Windows-1252."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -1,4 +1,4 @@
-"""A motor: what burns, what stays, when the ejection charge may fire, and the thrust in between."""
+"""A motor: its masses, its delays, and its thrust curve."""
 
 import math
 from collections.abc import Sequence
@@ -11,29 +11,28 @@ from fieldkit.motors.corrections import Correction
 from fieldkit.shapes import Array, Float
 
 PLUGGED_DELAY = math.inf
-"""The delay of a motor without an ejection charge, which never fires. [s]"""
+"""The delay of a motor without an ejection charge. [s]"""
 
 BURN_THRUST_FRACTION = 0.05
-"""Fraction of the peak thrust above which a motor counts as burning, after NFPA 1125. [1]"""
+"""Fraction of peak thrust above which a motor counts as burning, according to NFPA 1125. [1]"""
 
 _RAMP = 1e-4
-"""Longest time given to a jump of a recorded curve. [s]"""
+"""Longest duration of a jump in a recorded curve. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motor:
     """One motor in SI units. Its thrust is linear between the knots `time`, `thrust`.
 
-    The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
-    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them if the
-    motor is sold so; empty if they are not recorded. `estimated` names the fields that the
-    source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
-    the certification [N], None if unknown or only the number in the name; `corrections` are the
-    figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
-    of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
-    is gone at each knot [1], None if it goes with the impulse, and `drag` that of the rocket from each knot on over
-    that of its uppermost stage [1], None if it is the same throughout. Two motors are equal when
-    they are the same object.
+    The first knot is (0, 0), the last thrust is 0, time strictly increases, and the integral of the thrust is
+    `total_impulse`. `delays` are those for sale, in seconds, including `PLUGGED_DELAY` if it is sold plugged; empty if
+    not recorded. `estimated` names the fields that the source lacks and that were estimated. `certified_average` and
+    `certified_peak` are the thrusts stated by the certification [N], None if unknown or only the number in the name;
+    `corrections` are the values that differ from the source, and those on which documents disagree. `parts` are the
+    motors of the cluster or stages that this motor combines, empty for a single motor. For these, `spent` is the
+    fraction of `propellant_mass` burned at each knot [1], None if it is proportional to the impulse, and `drag` is the
+    ratio of the rocket's drag from each knot on to that of its uppermost stage [1], None if it is constant. Two motors
+    are equal only if they are the same object.
     """
 
     maker: str
@@ -64,7 +63,7 @@ class Motor:
 
     @property
     def burning(self) -> tuple[float, float]:
-        """When the thrust first reaches and last leaves 5 % of its peak. [s]"""
+        """Times at which the thrust first reaches and last leaves 5 % of its peak. [s]"""
         threshold = BURN_THRUST_FRACTION * self.peak_thrust
         first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
         up, down = slice(first - 1, first + 1), slice(last, last + 2)
@@ -75,18 +74,18 @@ class Motor:
 
     @property
     def burn_time(self) -> float:
-        """How long the thrust is above 5 % of its peak. [s]"""
+        """Duration for which the thrust is above 5 % of its peak. [s]"""
         start, end = self.burning
         return end - start
 
     @property
     def burnout(self) -> float:
-        """When the thrust last leaves 5 % of its peak, from ignition: the delay counts from there. [s]"""
+        """Time from ignition at which the thrust last leaves 5 % of its peak; the delay starts there. [s]"""
         return self.burning[1]
 
     @property
     def thrust_end(self) -> float:
-        """When the curve ends, from ignition. [s]"""
+        """Time from ignition at which the curve ends. [s]"""
         return float(self.time[-1])
 
     @property
@@ -96,12 +95,12 @@ class Motor:
 
     @property
     def average_thrust(self) -> float:
-        """Total impulse over burn time. [N]"""
+        """Total impulse divided by burn time. [N]"""
         return self.total_impulse / self.burn_time
 
     @property
     def rated_thrust(self) -> float:
-        """The average thrust that rules go by: the certified one, else that of the curve; never the name's. [N]"""
+        """The average thrust that rules refer to: the certified one, else that of the curve; never the name's. [N]"""
         return self.average_thrust if self.certified_average is None else self.certified_average
 
     @property
@@ -111,7 +110,7 @@ class Motor:
 
     @property
     def moments(self) -> tuple[float, float]:
-        """Mean [s] and variance [s^2] of time, weighted by the thrust: how late and how spread it is."""
+        """Mean [s] and variance [s^2] of time, weighted by the thrust."""
         mean = _integral(self.time, self.thrust, self.time) / self.total_impulse
         return mean, _integral(self.time, self.thrust, (self.time - mean) ** 2, mean) / self.total_impulse
 
@@ -122,7 +121,7 @@ def _integral(
     weight: Float[Array, "knot"],
     centre: float | None = None,
 ) -> float:
-    """Integral of thrust times a weight, t or (t - center)^2, by Simpson: exact, the product is a cubic."""
+    """Integral of thrust times a weight, t or (t - center)^2, by Simpson's rule, which is exact for this cubic."""
     middle = (time[1:] + time[:-1]) / 2
     weight_there = middle if centre is None else (middle - centre) ** 2
     thrust_there = (thrust[1:] + thrust[:-1]) / 2
@@ -131,16 +130,16 @@ def _integral(
 
 
 def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
-    """Integral of a piecewise linear thrust. [N s]"""
+    """Integral of a piecewise linear thrust curve. [N s]"""
     return float(np.sum(np.diff(time) * (thrust[1:] + thrust[:-1])) / 2)
 
 
 def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
-    """A recorded thrust curve as knots that begin at (0, 0), end at zero thrust and always increase in time.
+    """Convert a recorded thrust curve to knots that start at (0, 0), end at zero thrust and strictly increase in time.
 
-    A jump (a time given twice) becomes a ramp of at most 0.1 ms, and so does a curve that starts with
-    thrust. A curve that stops short of zero falls there within one more of its own last intervals.
-    Raises BadValue for a clock that runs backwards, a negative or endless number, or no thrust at all.
+    A jump (a repeated time) becomes a ramp of at most 0.1 ms; so does a curve that starts with thrust. A curve that
+    ends above zero falls to zero within one more interval of the same length as its last. Raises BadValue for
+    decreasing times, a negative or infinite number, or no thrust at all.
     """
     t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
     if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):
@@ -159,7 +158,7 @@ def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, 
 
 
 def _spread(time: Float[Array, "knot"]) -> Float[Array, "knot"]:
-    """The same times, each repeated one moved on by a little, never past the next."""
+    """The same times, with each repeated one moved later by a small amount, never past the next."""
     distinct, place, count = np.unique(time, return_inverse=True, return_counts=True)
     room = np.append(np.minimum(np.diff(distinct) / 2, _RAMP), _RAMP)
     turn = np.arange(time.size) - (np.cumsum(count) - count)[place]
@@ -168,12 +167,12 @@ def _spread(time: Float[Array, "knot"]) -> Float[Array, "knot"]:
 
 
 def normalised(time: Float[Array, "knot"], thrust: Float[Array, "knot"], total_impulse: float) -> Float[Array, "knot"]:
-    """The thrust in the same shape, with the total impulse that the motor is certified for. [N]"""
+    """The thrust scaled to the certified total impulse. [N]"""
     return thrust * (total_impulse / impulse(time, thrust))
 
 
 def impulse_class(total_impulse: float) -> str:
-    """The letter that total impulse [N s] earns: A up to 2.5, B up to 5, each class twice the one before.
+    """The impulse class for a total impulse [N s]: A up to 2.5, B up to 5, each class twice the previous one.
 
     Source: NFPA 1125; below A the classes are written 1/2A, 1/4A and 1/8A.
     """
@@ -188,7 +187,7 @@ def delays_text(delays: Sequence[float]) -> str:
 
 
 def describe(motor: Motor) -> dict[str, object]:
-    """What a flyer asks of a motor, with the unit in the key: ready for JSON."""
+    """A summary of a motor, with the unit in the key: ready for JSON."""
     start, end = motor.burning
     return {
         "maker": motor.maker,

@@ -1,4 +1,4 @@
-"""How motors are written on casings, in ledgers and in a hurry: `F24-4W`, `aerotech f24`, `H128W-14A`."""
+"""Motor names as written on casings, in ledgers and in short: `F24-4W`, `aerotech f24`, `H128W-14A`."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -35,7 +35,7 @@ MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "WCH": ("WEST COAST HYBRIDS", "WCH"),
     }
 )
-"""Makers as the catalog names them, and how else flyers write them."""
+"""Makers as the catalog names them, and other names that flyers use."""
 
 _MAKER_OF = {alias: maker for maker, aliases in MAKERS.items() for alias in (*aliases, maker.upper())}
 _MAKER = re.compile(
@@ -65,12 +65,11 @@ _NEW_PROPELLANTS = ("NT", "NW")
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """What a written name says: `F24`, letters of the propellant, delay, maker, diameter [m].
+    """A parsed motor name: `F24`, propellant letters, delay, maker, diameter [m].
 
-    `prefix` is what stands before the class: `216` of `216H118-12A`, `HP` of `HP-I205W`. `core` is
-    empty when the text is not a class and a thrust, such as `MICRO_MAXX_II`; `squeezed` is the whole
-    of it in letters and digits. `adjustable` marks a delay with an A behind it, the longest of those that
-    can be drilled.
+    `prefix` is the text before the class: `216` of `216H118-12A`, `HP` of `HP-I205W`. `core` is empty if the text is
+    not a class and a thrust, such as `MICRO_MAXX_II`; `squeezed` is the whole text reduced to letters and digits.
+    `adjustable` marks a delay followed by an A, the longest of those that can be drilled.
     """
 
     core: str
@@ -94,7 +93,7 @@ def squeeze(text: str) -> str:
 
 
 def maker_of(text: str) -> str:
-    """The maker that a text means, as the catalog names it; another name as it is."""
+    """The maker that a text names, in the catalog's spelling; an unknown name is returned unchanged."""
     return _MAKER_OF.get(tidy(text), text.strip())
 
 
@@ -105,7 +104,7 @@ def is_cluster(text: str) -> bool:
 
 
 def parse(text: str, makers: Collection[str] = ()) -> Name:
-    """What a written name says; see `Name`. `makers` are those of the flyer's own motors, beside the known ones."""
+    """Parse a motor name; see `Name`. `makers` are those of the user's own motors, in addition to the known ones."""
     rest = tidy(text)
     maker, rest = _own_maker(rest, makers)
     diameter = None
@@ -135,7 +134,7 @@ def parse(text: str, makers: Collection[str] = ()) -> Name:
 
 
 def _own_maker(rest: str, makers: Collection[str]) -> tuple[str, str]:
-    """The flyer's own maker that a tidy text begins or ends with, in full or by its first word, and the rest."""
+    """The user's own maker at the start or end of a tidy text, in full or by its first word, and the rest."""
     for maker in sorted((one for one in makers if tidy(one) not in _MAKER_OF), key=len, reverse=True):
         words = [word for word in re.split(r"[\s-]+", tidy(maker)) if word]
         short = [word for word in words[:1] if word not in _MAKER_OF]
@@ -148,9 +147,9 @@ def _own_maker(rest: str, makers: Collection[str]) -> tuple[str, str]:
 
 
 def _tail(rest: str) -> tuple[str, float | None, bool]:
-    """Propellant letters and delay from what follows class and thrust: `W-4`, `-4W`, `T-14A`, `-PT`.
+    """Propellant letters and delay from the text after class and thrust: `W-4`, `-4W`, `T-14A`, `-PT`.
 
-    The A of a delay that may be drilled shorter, the s of seconds and the S of `PS`, plugged, are not propellants.
+    The A of an adjustable delay, the s of seconds and the S of `PS`, plugged, are not propellants.
     """
     letters, delay, adjustable = "", None, False
     for position, part in enumerate(re.split(r"[-/\s()]+", rest)):
@@ -165,10 +164,10 @@ def _tail(rest: str) -> tuple[str, float | None, bool]:
 
 
 def compatible(wanted: str, has: str) -> bool:
-    """Whether propellant letters may mean the same: equal, one not given, or one short for the other.
+    """Whether propellant letters may mean the same: equal, one missing, or one short for the other.
 
-    The N of `NT` and `NW` means new, so that T and W are short for them. A digit among the letters wanted is a slip
-    of the pen (`F24-W4`), and is short for nothing.
+    The N of `NT` and `NW` means new, so T and W are short for them. Letters with a digit are a typing error (`F24-W4`)
+    and not short for anything.
     """
     if any(letter.isdigit() for letter in wanted) and not has.startswith(wanted):
         return False

@@ -1,4 +1,4 @@
-"""The flyer's own motors: `.eng` and `.rse` files in a folder of the user's data."""
+"""The user's own motors: `.eng` and `.rse` files in a folder of the user's data."""
 
 from pathlib import Path
 
@@ -10,11 +10,11 @@ from fieldkit.motors.own_corrections import read_own_corrections
 
 SUFFIXES = (".eng", ".rse")
 MAX_MOTOR_FILE_SIZE = 16 << 20
-"""Size limit of a motor file; all motors of the catalog take less. [byte]"""
+"""Size limit of a motor file; all motors of the catalog together are smaller. [byte]"""
 
 
 def read(data: bytes, source: str) -> list[Motor]:
-    """The motors of a file, RockSim or RASP by what is in it. Raises DamagedLog."""
+    """The motors in a file; RockSim or RASP is recognized by content. Raises DamagedLog."""
     from fieldkit.motors import rasp, rocksim
 
     markup = data.lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n\0").startswith(b"<")
@@ -22,9 +22,9 @@ def read(data: bytes, source: str) -> list[Motor]:
 
 
 def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
-    """The motors of every `.eng` and `.rse` in a folder, and the errors of those that cannot be read.
+    """The motors of every `.eng` and `.rse` file in a folder, and the errors of those that cannot be read.
 
-    A folder that is not there holds none; a damaged file does not ground the others.
+    A missing folder has no motors; a damaged file does not affect the others.
     """
     motors: list[Motor] = []
     errors: list[FieldkitError] = []
@@ -38,7 +38,7 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
 
 
 def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
-    """The shipped motors with the flyer's own, and the errors of those of their files that cannot be read."""
+    """The shipped motors plus the user's own, and the errors of the user's files that cannot be read."""
     motors, errors = own_motors(folder)
     known = catalogue()
     try:
@@ -50,9 +50,9 @@ def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
 
 
 def import_file(path: Path, folder: Path) -> list[Motor]:
-    """Reads a motor file and keeps a copy in the folder; the motors of it. Raises DamagedLog, FieldkitError.
+    """Read a motor file and save a copy in the folder; returns its motors. Raises DamagedLog, FieldkitError.
 
-    A file of the same name is replaced: it is how a flyer corrects one.
+    A file of the same name is replaced, which allows users to correct it.
     """
     content = _content(path)
     motors = read(content, path.name)

@@ -1,8 +1,8 @@
-"""The flyer's own corrections of motors, and figures of single lots: `motor_corrections.csv` in their folder.
+"""The user's own corrections of motors, and data of single lots: `motor_corrections.csv` in their folder.
 
-Its columns are those of the shipped table (maker, designation, field, was, value, confidence, source), and two more
-that may be empty: `lot`, as printed on the motor, and `date` of its making. A row with a lot holds for that lot alone,
-which is named with the motor: `F24-4W lot 0412`.
+Its columns are those of the shipped table (maker, designation, field, was, value, confidence, source), plus two that
+may be empty: `lot`, as printed on the motor, and `date`, its date of manufacture. A row with a lot applies only to that
+lot, which is given with the motor's name: `F24-4W lot 0412`.
 """
 
 import csv
@@ -20,12 +20,12 @@ from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 HEADER = "maker,designation,field,was,value,confidence,source,lot,date\n"
 FILE_NAME = "motor_corrections.csv"
 OWN_FIELDS = (*QUANTITIES, "delays")
-"""Fields that a flyer can correct."""
+"""Fields that a user can correct."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnCorrection:
-    """One row: the motor and, if it holds for one lot alone, that lot and when it was made."""
+    """One row: the motor and, if it applies only to one lot, that lot and its date of manufacture."""
 
     maker: str
     designation: str
@@ -34,12 +34,12 @@ class OwnCorrection:
     correction: Correction
 
     def text(self) -> str:
-        """The correction in a line; what it was only if its row has that."""
+        """The correction in a line; the previous value only if its row has one."""
         return self.correction.text(before=bool(self.correction.was))
 
 
 def read_own_corrections(folder: Path) -> list[OwnCorrection]:
-    """The rows of the flyer's table, none if there is none. Raises BadValue that names the row and the column."""
+    """The rows of the user's table, empty if there is no table. Raises BadValue that names the row and the column."""
     file = folder / FILE_NAME
     if not file.exists():
         return []
@@ -90,7 +90,7 @@ def _delays(value: str, where: str) -> tuple[float, ...]:
 
 
 def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
-    """The motor with the figures of some rows that are not open, and the corrections beside those that it has."""
+    """The motor with the values of all rows that are not open, and with the corrections added to its own."""
     reported = []
     for one in rows:
         was = one.correction.was or _listed(motor, one.correction.field)
@@ -101,7 +101,7 @@ def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
 
 
 def _listed(motor: Motor, field: str) -> str:
-    """A figure of a motor as a table has it, empty if it is not known."""
+    """A value of a motor as a table has it, empty if unknown."""
     if field == "delays":
         return ",".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays)
     value = {

@@ -15,9 +15,9 @@ _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg m
 
 
 def read(data: bytes, source: str) -> list[Motor]:
-    """The motors of a RASP file. Raises DamagedLog that names the line.
+    """The motors in a RASP file. Raises DamagedLog that names the line.
 
-    Comments start with a semicolon, at the start of a line or later; a motor ends at the next header.
+    Comments start with a semicolon anywhere in a line; a motor ends at the next header.
     """
     drafts: list[MotorDraft] = []
     row = 0
@@ -53,7 +53,7 @@ def _header(words: list[str], place: FileLine) -> MotorDraft:
 
 
 def write(motor: Motor) -> bytes:
-    """A motor as a RASP file, every digit kept. Delays that are not recorded are a dash."""
+    """A motor as a RASP file, with full precision. Delays that are not recorded become a dash."""
     delay = "-".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays) or "-"
     numbers = (motor.diameter * 1e3, motor.length * 1e3, delay, motor.propellant_mass, motor.loaded_mass)
     words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]

@@ -1,7 +1,8 @@
 """RockSim files (`.rse`): XML, an `engine` with `eng-data` samples for each motor, masses in grams.
 
-Read as a stream, so that every error knows its line; a document type declaration is refused before
-anything in it is read, for only there can entities be defined that swell or reach elsewhere.
+They are read as a stream, which gives every error a line number. A document type declaration is rejected before its
+content is read, because only there can entities be defined that expand without limit or refer to other files.
+
 Source: the format as ThrustCurve.org offers it for download, https://www.thrustcurve.org.
 """
 
@@ -15,7 +16,7 @@ _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
 
 
 def read(data: bytes, source: str) -> list[Motor]:
-    """The motors of a RockSim file. Raises DamagedLog that names the line."""
+    """The motors in a RockSim file. Raises DamagedLog that names the line."""
     reader = _Reader(source)
     try:
         reader.parser.Parse(data, True)
@@ -29,7 +30,7 @@ def read(data: bytes, source: str) -> list[Motor]:
 
 
 class _Reader:
-    """Collects drafts while the parser walks the file."""
+    """Collects drafts while the XML parser runs."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -57,7 +58,7 @@ class _Reader:
 
 
 class _Fields:
-    """The attributes of an element; one that is missing is a damaged file."""
+    """The attributes of an element; a missing one means a damaged file."""
 
     def __init__(self, place: FileLine, element: str, attributes: dict[str, str]) -> None:
         self.place = place

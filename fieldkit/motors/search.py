@@ -1,4 +1,4 @@
-"""From a written name to a motor: the text narrows the choice, and any ambiguity is reported."""
+"""Find a motor by its written name: the text narrows the choice, and any ambiguity is reported."""
 
 import difflib
 import re
@@ -12,24 +12,24 @@ from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, 
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
 _UNKNOWN_CLASS = re.compile(r"[P-T]\d{3,}")
-"""Motors that no maker sells: `P4935`."""
+"""Motor classes that nobody sells: `P4935`."""
 _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
 _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
-"""Letters and delay in the wrong order, as the letters of `F24-W4`."""
+"""Propellant letters and delay in the wrong order, as in `F24-W4`."""
 _WORD = 3
-"""From so many letters on they may be a maker and not a propellant."""
+"""Minimum number of letters for a word to be a maker and not a propellant."""
 _SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
-"""Makers by how widely they are flown: up to class E, and above it."""
+"""Makers by popularity: up to class E, and above it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """What a search looks at; `motor()` is the motor itself, curve and all.
+    """An entry for searches; `motor()` is the motor itself with its curve.
 
-    `words` are its case and its propellant; `former` is the designation that it had before; `own` marks a motor
-    of the flyer's files.
+    `words` are its case and its propellant; `former` is its previous designation; `own` marks a motor from the user's
+    files.
     """
 
     maker: str
@@ -50,14 +50,14 @@ class Listing:
 
     @property
     def letters(self) -> str:
-        """The letters of its designation, of AMW's `GG-54-2550` the first two, the T of Estes' 13 mm motors."""
+        """The letters of its designation: for AMW's `GG-54-2550` the first two, for Estes' 13 mm motors the T."""
         if case := _BY_CASE.fullmatch(self.designation):
             return case[1]
         letters = parse(self.designation).letters
         return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
 
     def mentions(self, word: str) -> bool:
-        """Whether a word in capitals is part of what is known of it; F or F2 only start its name."""
+        """Whether a word in capitals is part of its data; F or F2 match only the start of its name."""
         if _NAME.fullmatch(word):
             return self.name.startswith(word)
         return word in f"{self.label} {self.diameter * 1e3:g}mm {self.words}".upper()
@@ -65,9 +65,9 @@ class Listing:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
+    """A motor, the delay in its name [s], and notes for the user about the choice.
 
-    `delay` is None if the name gives none, and `PLUGGED_DELAY` if it ends in P.
+    `delay` is None if the name has none, and `PLUGGED_DELAY` if it ends in P.
     """
 
     motor: Motor
@@ -76,13 +76,13 @@ class Found:
 
 
 Listings = Mapping[str, Sequence[Listing]]
-"""Listings by their plain name: `F24`."""
+"""Listings by common name: `F24`."""
 
 
 def find(listings: Listings, text: str, maker: str = "") -> Found:
-    """The one motor that a text means.
+    """The only motor that matches a text.
 
-    Raises UnknownMotor with the nearest names, and AmbiguousMotor with a line for each that it could be.
+    Raises UnknownMotor with the nearest names, and AmbiguousMotor with one line for each match.
     """
     name, candidates = _candidates(listings, text, maker)
     if len(candidates) > 1:
@@ -91,10 +91,10 @@ def find(listings: Listings, text: str, maker: str = "") -> Found:
 
 
 def resolve(listings: Listings, text: str, maker: str = "") -> Found:
-    """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
+    """The motor that a text most probably means, with a note on the others. Raises UnknownMotor.
 
-    Of several, one in production comes first, then the maker most widely flown in that class, then the
-    one that has been in the catalog for longest.
+    If several match, one in production is preferred, then the most popular maker in that class, then the oldest entry
+    in the catalog.
     """
     name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
@@ -105,7 +105,7 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
 def search(listings: Listings, text: str) -> list[Motor]:
     """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
 
-    The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
+    An empty text returns all motors; a text without matches returns the motors with the nearest names.
     """
     name = _parsed(listings, text)
     meant = _fitting(listings, name, name.maker)
@@ -117,7 +117,7 @@ def search(listings: Listings, text: str) -> list[Motor]:
 
 
 def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
-    """The listings with the names most like a name: the next thrusts of its class, or similar letters."""
+    """The listings whose names are closest to a name: the nearest thrusts of its class, or similar letters."""
     same = [key for key in listings if name.core and _class(key) == _class(name.core)]
     keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
     if not keys:
@@ -143,7 +143,7 @@ def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[L
 
 
 def _fitting(listings: Listings, name: Name, maker: str) -> list[Listing]:
-    """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
+    """The listings that match everything a name specifies, narrowed by optional parts if some match them."""
     fitting = [listing for listing in listings.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
         ways = (name.squeezed, name.squeezed.removesuffix("P"))
@@ -171,7 +171,7 @@ def _fits(listing: Listing, name: Name) -> bool:
 
 
 def _formerly(listing: Listing, name: Name) -> bool:
-    """Whether a name fits the designation that a motor had before."""
+    """Whether a name matches the previous designation of a motor."""
     former = parse(listing.former)
     return (
         former.core == name.core
@@ -207,12 +207,12 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
 
 @cache
 def _bag(motor: Motor, longest: float) -> Motor:
-    """The motor as a bag is printed, with its longest delay alone; one object for each."""
+    """The motor as printed on its bag, with only its longest delay; cached, so each is a single object."""
     return replace(motor, delays=(longest,))
 
 
 def _as_printed(motor: Motor, name: Name) -> Motor:
-    """A motor whose longest delay is typed, as `H128W-14A`, has that one to drill from, whatever the record says."""
+    """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that one, whatever the catalog has."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
     return _bag(motor, name.delay)
@@ -238,7 +238,7 @@ def _thrust(name: str) -> float:
 
 
 def _parsed(listings: Listings, text: str) -> Name:
-    """What a text says, the makers of own motors among it; they are looked for if words are left over."""
+    """Parse a text, including the makers of own motors; these are searched only if words are left over."""
     name = parse(text)
     if name.core and len(name.letters) < _WORD:
         return name

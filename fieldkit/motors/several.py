@@ -1,7 +1,8 @@
-"""Several motors as one: a cluster, whose thrusts add, some of it lit later, or stages, all but the last of which drop.
+"""Combine several motors into one: a cluster, whose thrusts add up and which may include air starts, or stages, all but
+the last of which drop.
 
-What comes out is a motor like any other, so that the same physics flies it. Written as `3 x C6-5`,
-`K550W + 2 x I211W@1.5` (lit 1.5 s after the first), or, lower stage first, `D12-0/C6-7`.
+The result is an ordinary motor, so the same physics simulates it. Written as `3 x C6-5`, `K550W + 2 x I211W@1.5` (lit
+1.5 s after the first), or, lower stage first, `D12-0/C6-7`.
 """
 
 import re
@@ -25,22 +26,22 @@ STAGES_NOTE = (
     "without --booster-cd, of the whole rocket; the descent of boosters is not modeled"
 )
 DROP_TIME = 1e-3
-"""In which a booster is gone. [s]"""
+"""Time within which a booster drops. [s]"""
 _COUNT = r"(?:(\d{1,2})\s*[x×*]?\s+|(\d{1,2})\s*[x×*]\s*)?"
 _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGNORECASE)
 _FRACTION = "\N{FRACTION SLASH}"
-"""Replaces the slash of a class such as 1/2A while stages are separated."""
+"""Replaces the slash of a class such as 1/2A while stages are split."""
 MAX_MOTORS = 20
-"""In a cluster. [1]"""
+"""Maximum number of motors in a cluster. [1]"""
 MAX_STAGES = 3
-"""Largest number that was checked against other programs. [1]"""
+"""Maximum number of stages, the largest number checked against other programs. [1]"""
 
 
 _SEVERAL_MARKS = re.compile(r"^\s*\d{1,2}\s*[x×*]\s*\w|\s\+\s|@\s*\d", re.IGNORECASE)
 
 
 def names_several(text: str) -> bool:
-    """Whether a text names several motors, makers and air-starts included."""
+    """Whether a text names several motors, including makers and air starts."""
     return is_cluster(text) or _SEVERAL_MARKS.search(text) is not None
 
 
@@ -50,23 +51,25 @@ def names_stages(text: str) -> bool:
 
 
 def _stages(text: str) -> list[str]:
-    """The stages that a text names, lowest first, each as its motors; the slash of 1/2A separates none."""
+    """The stages in a text, lowest first, each as its motors; the slash of 1/2A does not split stages."""
     halves = re.sub(r"\b1/(?=[248]A)", f"1{_FRACTION}", text.strip())
     return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
 
 
 @dataclass(frozen=True, slots=True)
 class Booster:
-    """A lower stage without its motor [kg], and the drag of the rocket on it over that of the uppermost stage. [1]"""
+    """A lower stage without its motor: its mass [kg], and the ratio of the rocket's drag with it to that of the
+    uppermost stage [1].
+    """
 
     mass: float
     drag: float = 1.0
 
 
 def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequence[Booster] = ()) -> Found:
-    """The motors that a text names, as one; `boosters` are the lower stages, the lowest first.
+    """Combine the motors in a text into one; `boosters` are the lower stages, lowest first.
 
-    Raises UnknownMotor for what cannot be flown as one: more than three stages, or boosters that are not known.
+    Raises UnknownMotor for unsupported combinations: more than three stages, or unknown boosters.
     """
     stages = _stages(text)
     if len(stages) == 1:
@@ -88,7 +91,7 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
 
 
 def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
-    """One motor, or several that burn together. Raises UnknownMotor."""
+    """One motor, or a cluster. Raises UnknownMotor."""
     parts: list[tuple[Motor, float]] = []
     delay: float | None = None
     notes: list[str] = []
@@ -109,7 +112,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
 
 
 def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
-    """Motors that burn together, each lit so long after the first [s]. Raises BadValue if none is lit at first."""
+    """Combine motors, each with its ignition time after the first [s]. Raises BadValue if none is lit at first."""
     if min(start for _, start in parts) > 0:
         raise BadValue("found no motor lit at the start, expected one without @")
     time, thrust = _added([(motor.time + start, motor.thrust) for motor, start in parts])
@@ -135,10 +138,10 @@ def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
 
 
 def two_stages(lower: Motor, upper: Motor, booster: Booster) -> Motor:
-    """A booster below an upper motor, itself perhaps of stages, that lights when the booster's airframe and casing are
-    dropped at its burnout. What counts as propellant is all that is gone at the end.
+    """Combine a booster and an upper motor, which may itself have stages and lights when the booster's airframe and
+    casing drop at its burnout. Everything dropped or burned by the end counts as propellant.
 
-    Raises BadValue for an upper motor too weak for its end to be distinguished from that of the lower.
+    Raises BadValue for an upper motor too weak for its burnout to be distinguished from the booster's.
     """
     end = lower.thrust_end
     if upper.peak_thrust < 2 * BURN_THRUST_FRACTION * lower.peak_thrust:
@@ -168,8 +171,8 @@ def two_stages(lower: Motor, upper: Motor, booster: Booster) -> Motor:
 
 
 def _drag(time: Array, start: float, below: float, upper: Motor) -> Array | None:
-    """Drag from each knot on over that of the uppermost stage [1], `below` until the upper motor lights [s]; None if
-    it is the same throughout."""
+    """Ratio of the drag from each knot on to that of the uppermost stage [1], `below` until the upper motor lights [s];
+    None if it is constant."""
     if below == 1 and upper.drag is None:
         return None
     later = np.ones(len(time))
@@ -179,14 +182,14 @@ def _drag(time: Array, start: float, below: float, upper: Motor) -> Array | None
 
 
 def _added(curves: Sequence[tuple[Array, Array]], more: Sequence[float] = ()) -> tuple[Array, Array]:
-    """Curves of thrust as one, its knots those of all, beginning at (0, 0)."""
+    """Sum of thrust curves, on all their knots, starting at (0, 0)."""
     knots = np.unique(np.round(np.concatenate([[0.0], *(time for time, _ in curves), np.array(more)]), 9))
     thrust = sum(np.interp(knots, time, push, left=0.0, right=0.0) for time, push in curves)
     return knots, np.asarray(thrust)
 
 
 def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
-    """The fraction of a motor's propellant that is gone, against time from the first ignition."""
+    """Fraction of a motor's propellant burned, against time from the first ignition."""
     if motor.spent is not None:
         return motor.time + start, motor.spent
     fine = np.unique(np.concatenate([motor.time, np.linspace(0.0, motor.thrust_end, 200)]))
@@ -196,7 +199,7 @@ def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
 
 
 def _spent(parts: Sequence[tuple[Motor, float]], time: Array) -> Array:
-    """The fraction of all propellant that is burned at some times."""
+    """Fraction of all propellant burned at given times."""
     total = sum(motor.propellant_mass for motor, _ in parts)
     return np.asarray(
         sum(np.interp(time, *_burnt(motor, start)) * motor.propellant_mass for motor, start in parts) / total

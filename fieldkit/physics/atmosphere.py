@@ -1,7 +1,7 @@
-"""The air a rocket flies in and the air an altimeter reads.
+"""The air a rocket flies in, and how it biases a barometric altimeter.
 
-Source: U.S. Standard Atmosphere 1976, troposphere, with its ground values replaced by the pad's;
-saturation pressure of water after Buck (1981).
+Source: U.S. Standard Atmosphere 1976, troposphere, with the pad's values in place of those at sea level; saturation
+pressure of water after Buck (1981).
 """
 
 from dataclasses import dataclass
@@ -23,15 +23,15 @@ WIND_EXPONENT = 1 / 7
 WIND_HEIGHT = 2.0
 """Height at which a flyer holds an anemometer. [m]"""
 VAPOUR_RATIO = 0.62198
-"""Molar mass of water over that of dry air. [1]"""
+"""Ratio of the molar masses of water and dry air. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Air:
-    """Air at the pad, one entry a draw, and how it thins with height.
+    """Air at the pad, one entry per draw, and its density profile with height.
 
-    `density` [kg/m^3] and `temperature` [K] are the pad's. With `scale_height` [m] the air thins
-    exponentially, as in the reference paper; without, as in the troposphere.
+    `density` [kg/m^3] and `temperature` [K] are those at the pad. With `scale_height` [m] the density falls
+    exponentially, as in the reference paper; without it, as in the troposphere.
     """
 
     density: Float[Array, "*#draw"]
@@ -39,7 +39,7 @@ class Air:
     scale_height: float | None = None
 
     def density_ratio(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-        """Density at a height above the pad over density at the pad. [1]"""
+        """Ratio of the density at a height above the pad [m] to the density at the pad. [1]"""
         if self.scale_height is not None:
             share = np.asarray(height * (-1 / self.scale_height))
             return np.asarray(np.exp(share, out=share))
@@ -49,9 +49,10 @@ class Air:
         return np.asarray(np.exp(warmth, out=warmth))
 
     def sinking_path(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-        """Integral of the root of the density ratio from the pad up to a height. [m]
+        """Integral of the square root of the density ratio from the pad up to a height [m]. [m]
 
-        Over a descent speed near the ground it is the time of the descent, for that speed grows as the air thins.
+        Divided by the descent speed near the ground, it gives the descent time, because the speed grows as the air
+        thins.
         """
         if self.scale_height is not None:
             scale = 2 * self.scale_height
@@ -74,10 +75,10 @@ def standard_temperature(elevation: Float[Array, "*#draw"]) -> Float[Array, "*dr
 
 
 def station_pressure(pressure: Float[Array, "*#draw"], elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Pressure at the pad from the pressure a flyer wrote down. [Pa]
+    """Pressure at the pad from the pressure a flyer wrote down [Pa]. [Pa]
 
-    Weather reports give it reduced to sea level (QNH), a barometer at the pad as it is; the figure is
-    taken for whichever of the two it lies nearer to at this elevation [m].
+    Weather reports reduce it to sea level (QNH); a barometer at the pad reads it directly. The value is interpreted as
+    whichever of the two it is closer to at this elevation [m].
     """
     standard = (1 - LAPSE * elevation / STANDARD_TEMPERATURE) ** HYDROSTATIC
     reduced = np.abs(pressure - STANDARD_PRESSURE) <= np.abs(pressure - STANDARD_PRESSURE * standard)
@@ -91,10 +92,10 @@ def pad_air(
     pressure: Float[Array, "*#draw"],
     humidity: Float[Array, "*#draw"],
 ) -> Air:
-    """Air at the pad from what was recorded there; nan is "not recorded" and becomes the standard.
+    """Air at the pad from the recorded conditions; nan means "not recorded" and is replaced by the standard value.
 
-    Elevation above sea level [m], temperature [K], pressure [Pa], relative humidity [1]. Without a
-    pressure it is the standard one of the elevation; without a humidity the air is dry.
+    Elevation above sea level [m], temperature [K], pressure [Pa], relative humidity [1]. The default pressure is the
+    standard one at that elevation; the default humidity is 0.
     """
     elevation = np.nan_to_num(np.asarray(elevation, float), nan=0.0)
     warmth = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
@@ -106,9 +107,9 @@ def pad_air(
 
 
 def density_altitude(density: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-    """Height above sea level at which the standard troposphere is as thin as this [kg/m^3]. [m]
+    """Height above sea level at which the standard troposphere has this density [kg/m^3]. [m]
 
-    There density falls with the temperature to the power g/(R L) - 1.
+    Density there is proportional to temperature to the power g/(R L) - 1.
     """
     sea_level = STANDARD_PRESSURE / (GAS_CONSTANT * STANDARD_TEMPERATURE)
     return np.asarray(STANDARD_TEMPERATURE / LAPSE * (1 - (density / sea_level) ** (1 / (HYDROSTATIC - 1))))
@@ -117,12 +118,12 @@ def density_altitude(density: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
 def altimeter_gain(
     elevation: Float[Array, "*#draw"], temperature: Float[Array, "*#draw"], pressure: Float[Array, "*#draw"]
 ) -> Float[Array, "*draw"]:
-    """Height shown by a barometric altimeter over true height above the pad. [1]
+    """Ratio of the height a barometric altimeter reads to the true height above the pad. [1]
 
-    In a troposphere with this lapse, pressure to the power R L/g falls linearly with height, by L/T of
-    its pad value a meter; an altimeter that believes in the standard atmosphere divides by the standard's
-    L/T at the same pressure. So the gain is the standard temperature at the pad's pressure over the true
-    one: low on a hot day.
+    In a troposphere with this lapse rate, pressure to the power R L/g falls linearly with height, by L/T of its value
+    at the pad per meter. An altimeter assumes the standard atmosphere and divides by the standard L/T at the same
+    pressure. The gain is therefore the standard temperature at the pad's pressure divided by the true temperature: it
+    is below 1 on a hot day.
     """
     elevation = np.nan_to_num(np.asarray(elevation, float), nan=0.0)
     warmth = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
@@ -136,9 +137,9 @@ def wind_at(
     power: Float[Array, "*#draw"] | float = WIND_EXPONENT,
     top: Float[Array, "*#draw"] | float = np.inf,
 ) -> Float[Array, "*draw"]:
-    """Horizontal wind at a height above the pad from the wind measured there, even above a height `top` [m]. [m/s]
+    """Horizontal wind at a height above the pad [m], from the wind at the pad; constant above a height `top` [m]. [m/s]
 
-    Source: the power law, one seventh over open ground (e.g. Panofsky and Dutton, 1984).
+    Source: the power law with exponent 1/7 over open ground (e.g. Panofsky and Dutton, 1984).
     """
     below = np.minimum(np.maximum(height, 0.0), top)
     result: Float[Array, "*draw"] = wind * (1 + below / WIND_HEIGHT) ** power

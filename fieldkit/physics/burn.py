@@ -1,4 +1,4 @@
-"""The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
+"""The burn: from liftoff to burnout by Runge-Kutta in time, in steps along the thrust curve."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,31 +10,31 @@ from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
 MAX_DRAG_FRACTION = 0.5
-"""Largest fraction by which drag alone may change the speed in a step. [1]"""
+"""Largest fraction by which drag may change the speed in a step. [1]"""
 
 SHORT_PATH = 1.0
-"""Longest path of a step by which a rocket turns into the wind. [m]"""
+"""Longest path of a step while a rocket turns into the wind. [m]"""
 BIGGEST_GAIN = 0.4
-"""Largest fraction by which thrust may change the speed of a free planar flight in a step. [1]"""
+"""Largest fraction by which thrust may change the speed of a planar flight off the rail in a step. [1]"""
 MOST_PARTS = 64
-"""Largest number of parts of a step. [1]"""
+"""Largest number of substeps per step. [1]"""
 
 PARALLEL_DRAWS = 0.75
-"""Fraction of the draws that must need another part of a step for all draws to be computed in it. [1]"""
+"""Minimum fraction of the draws that need another substep for it to be computed for all draws. [1]"""
 
 NEWTON = 8
-"""Rounds of Newton's method for the moment at which the rail ends. [1]"""
+"""Iterations of Newton's method for the time at which the rail ends. [1]"""
 
 Stages = list[Array]
-"""A figure at start, middle and end of a step."""
+"""A quantity at the start, middle and end of a step."""
 
 
 @dataclass(slots=True)
 class AscentState:
-    """The state of all draws at one moment of the ascent, and the highlights so far. SI units.
+    """State of all draws at one time of the ascent, with the extremes so far. SI units.
 
-    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from ignition,
-    `flying` from lift-off.
+    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is counted from
+    ignition, `flying` from liftoff.
     """
 
     time: Array
@@ -50,7 +50,7 @@ class AscentState:
 
 
 def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
-    """When thrust first exceeds weight; inf if it never does. [s]"""
+    """Time at which thrust first exceeds weight; inf if it never does. [s]"""
     burns, motor = setup.burns, setup.motor
     weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
     needed = weight * setup.burn_stretch / setup.thrust_factor
@@ -68,7 +68,7 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
 
 
 def _highlight(track: AscentState, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
-    """Update top speed and its time, from the cubic through speed and its slope at both ends of a step."""
+    """Update top speed and its time from the cubic through the speed and its slope at both ends of a step."""
     (speed0, slope0), (speed1, slope1) = before, after
     turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
     ends_higher = speed1 > track.top_speed
@@ -98,9 +98,9 @@ def _along(velocity: Array, pull: Array) -> Array:
 
 
 def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
-    """The ascent from lift-off to burnout; all entries of the set-up are flat, [draw] or [1].
+    """The ascent from liftoff to burnout; all entries of the setup are flat, [draw] or [1].
 
-    Without `highlights` top speed, peak acceleration and rail speed are not looked for.
+    Without `highlights`, top speed, peak acceleration and rail exit speed are not computed.
     """
     pull = EquationsOfMotion(setup, burning=True)
     zero = np.zeros(setup.draws)
@@ -126,20 +126,20 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
             slope, first_pull = (
                 _along(track.velocity, ended),
                 None if waits else ended,
-            )  # the next step begins as this ends
+            )  # the next step starts where this one ends
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
             _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
     return track
 
 
 def _with_stages(setup: Setup, step: int) -> Setup:
-    """The set-up with the drag of the stages that are still there in a step."""
+    """The setup with the drag of the stages still attached in a step."""
     drag = setup.burns.drag
     return setup if drag is None else setup.with_changes(drag_area=setup.drag_area * drag[step][setup.motor])
 
 
 def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
-    """Beginning and length of every step [s], thrust [N] and mass [kg] in it; a step begins as the last one ends."""
+    """Start and length of every step [s], with its thrust [N] and mass [kg]; a step starts where the last one ended."""
     burns, motor = setup.burns, setup.motor
     empty, propellant = setup.dry_mass + burns.casing_mass[motor], burns.propellant_mass[motor]
     factor = setup.thrust_factor / setup.burn_stretch
@@ -161,7 +161,7 @@ def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
 
 
 def _between(values: Stages, start: Array, end: Array) -> Stages:
-    """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
+    """Start, middle and end values of a substep, for a quantity that is quadratic over the step; times in [0, 1]."""
     if len(start) == 1 and start[0] == 0 and end[0] == 1:
         return values
     at_start, at_middle, at_end = values
@@ -171,10 +171,10 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
 
 
 def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
-    """Into how many parts a step must be cut if drag is stiff (light, wide and fast); [1] if none is. [1]
+    """Number of substeps that a step needs if drag is stiff (light, wide and fast rockets); [1] if none do. [1]
 
-    Drag pulls speed toward its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
-    planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
+    Drag pulls the speed toward equilibrium at the rate rho Cd A v / m; a substep may cover `MAX_DRAG_FRACTION` of that.
+    A planar flight also gets substeps where it leaves the rail and while thrust still changes its speed considerably.
     """
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
     fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
@@ -192,7 +192,7 @@ def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: St
 
 
 def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
-    """Into how many parts a step must be cut if a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
+    """Number of substeps if a planar path curves, given the acceleration by thrust [m/s^2]. [1]"""
     path, speed = _speed(track.position), _speed(track.velocity)
     ahead = (speed + 0.5 * push * dt) * dt
     turning = (path < setup.rail_length + setup.turn_length) & (path + ahead > setup.rail_length)
@@ -209,9 +209,9 @@ def _advance(
     mass: Stages,
     first_pull: Array | None,
 ) -> None:
-    """A step in as many parts as each draw needs; if most need no more, the others continue separately.
+    """Advance a step in as many substeps as each draw needs; if few draws need more, those continue separately.
 
-    `first_pull` is the pull at its beginning, if that is known.
+    `first_pull` is the acceleration at the start of the step, if known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))
@@ -232,12 +232,12 @@ def _advance(
 
 
 def _some(values: Array, rows: Integers) -> Array:
-    """The entries of some draws; one for all stays one, [1]."""
+    """The entries of some draws; an entry shared by all draws stays as it is, [1]."""
     return values if len(values) == 1 else values[rows]
 
 
 def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
-    """Draws that continued separately, merged with the others."""
+    """Merge draws that continued separately back into the others."""
     if moving is track:
         return
     for name in ("position", "velocity", "time", "flying", "highest", "highest_time"):
@@ -271,7 +271,7 @@ def _step(
 
 
 def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> None:
-    """Update the apogee of a flight that turns over under power, upward speed taken as linear in a step."""
+    """Update the apogee of a flight that turns over under power; upward speed is assumed linear within a step."""
     turns = (upward > 0) & (track.velocity[0] <= 0)
     left = upward * dt / np.where(turns, upward - track.velocity[0], 1.0)
     top = height + 0.5 * upward * left

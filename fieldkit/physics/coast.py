@@ -1,8 +1,8 @@
-"""The coast: from burnout to apogee, by upward speed.
+"""The coast: from burnout to apogee, integrated over upward speed.
 
-There is no event to search for: upward speed only ever falls, so it is the independent variable and the
-last step ends exactly at apogee. A straight-up coast in which drag is the only force has a closed form in
-a layer of even density; otherwise Runge-Kutta steps are taken.
+Upward speed only decreases, so it serves as the independent variable and the last step ends exactly at apogee; no event
+search is needed. A vertical coast with drag as the only effect has a closed form in a layer of constant density;
+otherwise Runge-Kutta steps are taken.
 """
 
 from collections.abc import Iterator
@@ -18,18 +18,18 @@ from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 LAYER = 50.0
-"""Thickest layer of even density in the closed form. [m]"""
+"""Thickest layer of constant density in the closed form. [m]"""
 LEAST_DRAG = 1e-12
-"""Drag per mass and speed squared that counts as zero drag, so that one formula serves. [1/m]"""
+"""Drag per mass and speed squared below which drag counts as zero, so that one formula covers all cases. [1/m]"""
 SPEED_STEP = 12.0
-"""Longest step of upward speed otherwise. [m/s]"""
+"""Longest step of upward speed in the Runge-Kutta integration. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Apogee:
-    """The highest point, one entry a draw: when, how high, how far and how fast downwind and across. SI units.
+    """Apogee, one entry per draw: time, height, and distance and speed downwind and crosswind. SI units.
 
-    `eject_height` is where the ejection charge fired if that was before apogee, else nan.
+    `eject_height` is the height at which the ejection charge fired if it fired before apogee, else nan.
     """
 
     time: Float[Array, "draw"]
@@ -44,8 +44,8 @@ class Apogee:
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """Time, height, upward speed and upward acceleration of all draws, drift, drift across it, and
-    sideways speeds of both."""
+    """Time, height, upward speed and acceleration of all draws, downwind and crosswind drift, and the horizontal speed
+    in both directions."""
 
     time: Array
     height: Array
@@ -58,9 +58,9 @@ class _Point:
 
 
 def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
-    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]
+    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never) [s].
 
-    Without `timed` the time of apogee may be left out (nan), which is quicker.
+    Without `timed`, the time of apogee may be omitted (nan), which is faster.
     """
     fires = np.maximum(eject_time, track.time)
     ever = bool(np.isfinite(fires).any())
@@ -93,7 +93,8 @@ def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *,
 def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point]:
     """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
 
-    `thin` is 1/u^2, of the density half way up the layer.
+    `thin` is 1/u^2 at the density halfway up the layer.
+
     Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     burns, motor, g = setup.burns, setup.motor, setup.gravity
@@ -122,13 +123,12 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
 
 
 def _count(wanted: Array) -> Array:
-    """Between two and four hundred layers or steps, for each draw separately, so that draws do not influence each
-    other."""
+    """Between 2 and 400 layers or steps, chosen separately for each draw so that draws do not influence each other."""
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 
 def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
-    """Classical Runge-Kutta in upward speed of time, position and sideways speed."""
+    """Classical Runge-Kutta in upward speed for time, position and horizontal speed."""
     burns, motor = setup.burns, setup.motor
     pull = EquationsOfMotion(setup, burning=False)
     mass = setup.dry_mass + burns.casing_mass[motor]
@@ -138,12 +138,12 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     share = upward / count
 
     def look(y: Array, at: Array) -> tuple[Array, Array]:
-        """Velocity and acceleration."""
+        """Velocity and acceleration at a point."""
         velocity = np.concatenate([at[None], y[sideways]])
         return velocity, pull(y[:axes], velocity, 0.0, mass)
 
     def rates(velocity: Array, pulled: Array) -> Array:
-        """Derivatives of (position, sideways velocity, time) by upward speed."""
+        """Derivatives of (position, horizontal velocity, time) with respect to upward speed."""
         return np.asarray(np.concatenate([velocity, pulled[1:], ones]) / pulled[0])
 
     y = np.concatenate([track.position, track.velocity[1:], track.time[None]])
@@ -173,7 +173,7 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
 
 
 def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:
-    """Height and upward speed at a moment, from the cubic of speed in time between two points."""
+    """Height and upward speed at a given time, from the cubic of speed in time between two points."""
     inside = (moment >= before.time) & (moment < after.time)
     if not inside.any():
         return marks
@@ -187,7 +187,7 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> l
 
 
 def parachute(setup: Setup) -> Devices:
-    """What opens at the charge of a set-up."""
+    """The recovery device that the charge of a setup deploys."""
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
     return Devices(setup.descent_speed, opening=setup.opening_time, filling=filling(mass, setup.air.density))
 
@@ -195,7 +195,7 @@ def parachute(setup: Setup) -> Devices:
 def _under_parachute(
     setup: Setup, opened: list[Array], opens: Array, height: Array, time: Array
 ) -> tuple[Array, Array]:
-    """Apogee if the parachute opens on the way up: it climbs on against its own terminal speed."""
+    """Apogee if the parachute opens during the climb: the rocket keeps climbing, slowed by the parachute."""
     climbing = np.isfinite(opened[0])
     thin = setup.air.density_ratio(np.where(climbing, opened[0], 0.0))
     g, terminal = setup.gravity, setup.descent_speed / np.sqrt(thin)

@@ -1,7 +1,7 @@
-"""The way down: free fall to the charge, then under a drogue, a main, one parachute or a streamer, carried by the wind.
+"""The descent: free fall to the charge, then under a drogue, a main, a single parachute or a streamer, with wind drift.
 
-Under a device drag carries the weight, so that its speed grows with the root of the falling density (Knacke, Parachute
-Recovery Systems Design Manual, 1991, chapter 5). What sinks moves with the wind at its height.
+Under a device drag balances weight, so the speed is proportional to the inverse square root of the density (Knacke,
+Parachute Recovery Systems Design Manual, 1991, chapter 5). Everything that descends moves with the wind at its height.
 """
 
 from dataclasses import dataclass, field
@@ -15,21 +15,21 @@ from fieldkit.shapes import Array, Bool, Float
 from fieldkit.units import STANDARD_GRAVITY
 
 GRID = 401
-"""Heights at which the wind's part of a descent is tabulated. [1]"""
+"""Number of heights at which the wind drift of a descent is tabulated. [1]"""
 FILL_CONSTANT, PARACHUTE_CD = 8.0, 0.75
-"""Path over which a flat round parachute fills, over its diameter [1], and its drag coefficient on its laid-out area
-[1]. Source: Knacke, 1991, section 5.4 and table 5-1."""
+"""Filling distance of a flat round parachute divided by its diameter [1], and its drag coefficient, referred to its
+laid-out area [1]. Source: Knacke, 1991, section 5.4 and table 5-1."""
 NO_SPEED = np.zeros(1)
-"""No speed sideways. [m/s]"""
+"""Zero horizontal speed. [m/s]"""
 MAX_REACH = 300.0
-"""Gravity times time over terminal speed, beyond which a fall is at terminal speed. [1]"""
+"""Gravity times time over terminal speed, above which a fall is treated as terminal. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Devices:
-    """Descent speeds near the ground [m/s]: under what opens at the charge, and under a main that opens at a height
-    above the pad [m], 0 for none. Each takes `opening` to open [s], and no more path than it takes to fill: `filling`
-    over its descent speed (`filling_path`) [m^2/s]."""
+    """Descent speeds near the ground [m/s]: under the device that opens at the charge, and under a main that opens at a
+    height above the pad [m], 0 for no main. Each takes `opening` to open [s], but no longer than it takes to travel its
+    filling distance: `filling` divided by its descent speed (`filling_path`) [m^2/s]."""
 
     first: Float[Array, "*#draw"]
     main: Float[Array, "*#draw"] = field(default_factory=lambda: np.zeros(1))
@@ -40,9 +40,9 @@ class Devices:
 
 @dataclass(frozen=True, slots=True)
 class Sinking:
-    """The way down without the wind: time from apogee to the ground [s] and the part of it before a device is open [s],
-    height of the charge [m] and speed of the fall at it [m/s], heights where the first device [m] and the main [m] are
-    open, speed of the fall where the first is [m/s] and at landing [m/s], and whether nothing opened."""
+    """The descent without wind: time from apogee to the ground [s] and the part of it before a device is open [s],
+    height [m] and fall speed [m/s] at the charge, heights at which the first device [m] and the main [m] are open, fall
+    speed when the first is open [m/s] and at landing [m/s], and whether nothing opened."""
 
     time: Float[Array, "*draw"]
     free_time: Float[Array, "*draw"]
@@ -57,8 +57,8 @@ class Sinking:
 
 @dataclass(frozen=True, slots=True)
 class DescentResult:
-    """From apogee to the ground: time [s], path downwind and to the right of it [m], height of the charge [m], height
-    where the first device is open [m], speed at landing [m/s], and whether nothing opened."""
+    """From apogee to the ground: time [s], distance downwind and to the right of it [m], height of the charge [m],
+    height at which the first device is open [m], landing speed [m/s], and whether nothing opened."""
 
     time: Float[Array, "*draw"]
     along: Float[Array, "*draw"]
@@ -70,9 +70,9 @@ class DescentResult:
 
 
 def filling(mass: Float[Array, "*#draw"], density: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Path over which a parachute fills times the speed at which it lets a mass [kg] down in air [kg/m^3]. [m^2/s]
+    """Filling distance of a parachute times its descent speed, for a mass [kg] in air of a density [kg/m^3]. [m^2/s]
 
-    The path is in proportion to the diameter of the parachute, which its descent speed gives.
+    The filling distance is proportional to the diameter of the parachute, which follows from its descent speed.
     """
     return np.asarray(FILL_CONSTANT * np.sqrt(8 * mass * STANDARD_GRAVITY / (np.pi * PARACHUTE_CD * density)))
 
@@ -80,9 +80,9 @@ def filling(mass: Float[Array, "*#draw"], density: Float[Array, "*#draw"]) -> Fl
 def opening_time(
     devices: Devices, descent_speed: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]
 ) -> Float[Array, "*draw"]:
-    """From the charge to an open device of a descent speed [m/s] at a speed through the air [m/s]. [s]
+    """Time from the charge to an open device, by its descent speed [m/s] and the airspeed at the charge [m/s]. [s]
 
-    A parachute fills over a path, not in a time: the faster, the sooner.
+    A parachute fills over a fixed distance, not in a fixed time: the higher the speed, the sooner it is open.
     """
     path = devices.filling / np.maximum(descent_speed, 1e-9)
     return np.asarray(np.minimum(devices.opening, path / np.maximum(np.abs(speed), 1e-9)))
@@ -91,7 +91,7 @@ def opening_time(
 def fall_by(
     time: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
 ) -> Float[Array, "*draw"]:
-    """How far a body falls from rest against a drag that holds it at a terminal speed [m/s], in a time [s]. [m]"""
+    """Distance a body falls from rest in a time [s] against drag with a terminal speed [m/s]. [m]"""
     reach = gravity * np.maximum(time, 0.0) / terminal
     bent = np.minimum(reach, MAX_REACH)
     log_cosh = np.log1p(2 * np.sinh(0.5 * bent) ** 2)
@@ -101,14 +101,14 @@ def fall_by(
 def fall_speed(
     time: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
 ) -> Float[Array, "*draw"]:
-    """How fast a body is after falling from rest for a time [s], as in `fall_by`. [m/s]"""
+    """Speed of a body after falling from rest for a time [s], as in `fall_by`. [m/s]"""
     return np.asarray(terminal * np.tanh(gravity * np.maximum(time, 0.0) / terminal))
 
 
 def fall_time(
     height: Float[Array, "*#draw"], terminal: Float[Array, "*#draw"], gravity: float = STANDARD_GRAVITY
 ) -> Float[Array, "*draw"]:
-    """How long a body falls from rest from a height [m], as in `fall_by`. [s]"""
+    """Time a body takes to fall from rest through a height [m], as in `fall_by`. [s]"""
     deep = np.maximum(height, 0.0) * gravity / terminal**2
     steep = np.minimum(deep, MAX_REACH)
     grown = np.expm1(steep)
@@ -121,20 +121,20 @@ def lag(
     after: Float[Array, "*#draw"],
     gravity: float = STANDARD_GRAVITY,
 ) -> Float[Array, "*draw"]:
-    """By how much longer a device takes that has to come from one speed to another than it takes at its own. [s]
+    """Extra time a device takes to slow from one speed to another, compared with its own descent speed. [s]
 
-    All speeds are of the fall [m/s]. Exact where the air is even: of v' = g (1 - v^2/u^2) the time is the path over u
-    and u/g ln((u + after) / (u + before)).
+    All speeds are fall speeds [m/s]. Exact at constant density: integrating v' = g (1 - v^2/u^2) gives the path over u
+    plus u/g ln((u + after) / (u + before)).
     """
     return np.asarray(device / gravity * np.log((device + after) / (device + before)))
 
 
 def settling(device: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Path sideways of what hangs under a device of a speed [m/s] over its speed through the air sideways as it opens,
-    while that becomes none; it opens at a speed through the air [m/s]. [s]
+    """Ratio of the horizontal distance covered while the horizontal airspeed decays to zero under a device to that
+    airspeed at opening. `device` is its descent speed [m/s], `speed` the airspeed at opening [m/s]. [s]
 
-    Drag takes speed sideways in proportion to the path through the air, u' = -g/U^2 |v| u, which for one that falls
-    from v0 to U sums up to U/g arccos(r) / sqrt(1 - r^2) with r = v0/U; at U itself that is U/g.
+    Drag reduces the horizontal speed in proportion to the path through the air, u' = -g/U^2 |v| u. For a fall that
+    starts at v0 and ends at U this integrates to U/g arccos(r) / sqrt(1 - r^2) with r = v0/U; for v0 = U it is U/g.
     """
     share = speed / device
     slow = np.arccos(np.minimum(share, 1.0)) / np.sqrt(np.maximum(1 - share**2, 1e-12))
@@ -144,8 +144,8 @@ def settling(device: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]) -> F
 
 
 def _under(device: Array, stage: tuple[Array, Array], before: Array, air: Air, gravity: float) -> tuple[Array, Array]:
-    """Time under a device of a speed near the ground [m/s] from a height to another [m], entered at a speed of the fall
-    [m/s], and the speed at the end of it. [s], [m/s]"""
+    """Time under a device with a descent speed near the ground [m/s] from one height to another [m], entered at a fall
+    speed [m/s], and the final speed. [s], [m/s]"""
     high, low = stage
     there = device / np.sqrt(air.density_ratio(high))
     deep = np.exp(-2 * gravity * (high - low) / there**2)
@@ -163,11 +163,11 @@ def sink(
     sideways: Float[Array, "*#draw"] = NO_SPEED,
     gravity: float = STANDARD_GRAVITY,
 ) -> Sinking:
-    """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it where negative [s].
+    """Descend from an apogee above the pad [m]; the charge fires `wait` after apogee [s], before it if negative.
 
-    The airframe alone falls nose first, at `terminal` in the end [m/s], with what speed it has `sideways` [m/s]. A
-    charge before apogee finds it as fast as it would be as long after; its device is open at apogee if there was time
-    for it. With `wait` nan nothing ever opens.
+    The airframe by itself falls nose first and approaches `terminal` [m/s]; `sideways` is its horizontal speed [m/s]. A
+    charge before apogee fires at the same speed as one equally long after it; the device is open at apogee if there was
+    time for it. If `wait` is nan, nothing ever opens.
     """
     apogee, after = np.maximum(np.asarray(apogee, float), 0.0), np.asarray(wait, float)
     charge = apogee - fall_by(after, terminal, gravity)
@@ -208,10 +208,10 @@ def descend(
     wind: WindProfile,
     sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED),
 ) -> DescentResult:
-    """Come down as in `sink`, carried by a wind; `air` is one for all draws.
+    """Descend as in `sink`, drifting with the wind; `air` is the same for all draws.
 
-    An airframe that falls nose first keeps the speed downwind and across it that it has at apogee (`sideways`) [m/s];
-    once something is open that speed becomes the wind's, over `settling` of the device.
+    An airframe that falls nose first keeps its horizontal velocity at apogee, downwind and crosswind (`sideways`)
+    [m/s]; once a device is open, that velocity approaches the wind's within `settling` of the device.
     """
     fell = sink(apogee, wait, terminal, devices, air, np.hypot(*sideways))
     opened = np.nan_to_num(fell.open_height)
@@ -246,8 +246,8 @@ def descend(
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Integrals from the ground up of the root of the density ratio times the wind along and across [m^2/s]; and the
-    wind itself along and across [m/s]."""
+    """Integrals from the ground up of the square root of the density ratio times the wind components [m^2/s], and the
+    wind components [m/s]."""
 
     height: Array
     along: Array
@@ -266,7 +266,7 @@ class _Table:
         return cls(height, summed(thin * along), summed(thin * across), (along, across))
 
     def between(self, high: Array, low: Array) -> tuple[Array, Array]:
-        """What is passed through between two heights, to be divided by a speed near the ground."""
+        """The integral between two heights, to be divided by a speed near the ground."""
 
         def part(values: Array) -> Array:
             return np.asarray(np.interp(high, self.height, values) - np.interp(low, self.height, values))

@@ -1,7 +1,7 @@
-"""An effect: one thing the plain flight model lacks, with a strength that is zero when it is not there.
+"""An effect: one physical process that the plain flight model lacks, with a strength that is zero if it is absent.
 
-It bends the set-up before the flight, the acceleration in it, or the reading after. Effects are files in
-`models/effects/`, each binding `EFFECT`; nothing else needs to know of them.
+An effect changes the setup before the flight, the acceleration during it, or the readings after it. Effects are files
+in `models/effects/`, each of which defines `EFFECT`; no other code needs to know about them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,8 +16,8 @@ from fieldkit.plugins import plugins
 from fieldkit.shapes import Array, Flags, Float
 
 Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "aging", "device"]
-"""What an effect is about: the path through wind, leaving the rail, the delay and parachute, the air, the mass, the
-motor, the law of drag, change with use, or the instrument. Prior probability is shared equally between families."""
+"""The category of an effect: the path through the wind, leaving the rail, the delay and parachute, the air, the mass,
+the motor, the drag law, change with use, or the instrument. Prior probability is split equally between families."""
 Strength = Float[Array, "*#draw"]
 BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
 Readings = Mapping[str, Float[Array, "*#draw"]]
@@ -26,7 +26,7 @@ BendReading = Callable[[Readings, Strength], Readings]
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """What is believed of a strength before any flight: a normal distribution cut off at its bounds."""
+    """Prior of a strength: a normal distribution truncated at its bounds."""
 
     mean: float
     sd: float
@@ -36,10 +36,10 @@ class Prior:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClimbForces:
-    """A climb as a log shows it, sample by sample, beside the model's forces per mass there. SI.
+    """A logged climb sample by sample, together with the model's forces per mass at each sample. SI.
 
-    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3], `drag` deceleration by drag
-    [m/s^2], `coasting` whether the motor is out.
+    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3], `drag` the deceleration by
+    drag [m/s^2], `coasting` whether the motor has burned out.
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -53,10 +53,11 @@ class ClimbForces:
 
 @dataclass(frozen=True, slots=True)
 class LoggedForce:
-    """What an effect that bends the set-up adds to the force along a logged climb.
+    """The force that an effect on the setup adds along a logged climb.
 
-    `name` is that of the term, `per_mass` the force at a strength of one [m/s^2]. `scatter` says what of the set-up
-    single flights differ in anyway (`SCATTER` of the model, by what it bends) that looks the same; empty for nothing.
+    `name` is the name of the term, `per_mass` the force per mass at a strength of 1 [m/s^2]. `scatter` names the
+    flight-to-flight scatter that has the same signature (`SCATTER` of the model, by setup entry); empty if there is
+    none.
     """
 
     name: str
@@ -66,23 +67,22 @@ class LoggedForce:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """One bend of the flight model.
+    """One change to the flight model.
 
-    `family` is what it is about. `prior` and the strength are in `unit`; if what the effect does grows with the
-    square of its strength (`squared`), the square is fitted, and the prior is of the square. `per` says what kind of
-    group of flights may have a strength of its own, `everywhere` whether it may also act on all flights equally, `each`
-    whether every group has its own at once. `needs` is the column without which the effect cannot act; if it is
-    `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one
-    that a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
-    may come about: verdicts speak of the other. One that `grows` acts with its strength times the flights flown before;
-    one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter;
-    if it is not there `from_first`, that is the only way. `background` is the prior of what every rocket has of
-    it: a nuisance in every model, not something to be named. `starts` are strengths from which a fit is started,
-    several if the effect is far from linear.
-    `explains` describes it to a flyer, `tell_apart`
-    what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
-    ground gives the fitted value, 0 if it cannot. One that `needs_delay` acts on motors that have a delay alone.
-    `logged` is how an effect on the set-up shows in the force that a log measures, None if it does not.
+    `family` is its category. `prior` and the strength are in `unit`; if the effect is proportional to the square of its
+    strength (`squared`), the square is fitted, and the prior is of the square. `per` is the kind of group of flights
+    that may have its own strength, `everywhere` whether it may also act equally on all flights, `each` whether all
+    groups get their own strengths together. `needs` is the column required for the effect to act; if `declared`, it
+    acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` is a column that a
+    flight must not have for it to act. An effect that is a `form_of` another is one more mechanism for it: verdicts
+    report the other. If it `grows`, its strength is multiplied by the number of earlier flights. If it
+    `starts_anywhere`, it may act only from some flight on, as with a new lot of motors or a new altimeter; if it is not
+    there `from_first`, that is the only way. `background` is the prior of the amount that every rocket has: a nuisance
+    parameter in every model, not an effect to report. `starts` are the initial strengths of a fit, several if the
+    effect is strongly nonlinear. `explains` describes it to a flyer; `tell_apart` says what to fly or record to confirm
+    it. `measured` is the standard deviation of the fitted value from a measurement on the ground, 0 if there is none.
+    An effect with `needs_delay` acts only on motors with a delay. `logged` is the signature of an effect on the setup
+    in the force that a log measures, None if it has none.
     """
 
     title: str
@@ -113,11 +113,11 @@ class Effect:
     logged: LoggedForce | None = None
 
     def strength(self, fitted: Strength) -> Strength:
-        """The strength that belongs to a fitted value."""
+        """The strength that corresponds to a fitted value."""
         return np.sqrt(np.maximum(fitted, 0.0)) if self.squared else fitted
 
     def bend_setup(self, setup: Setup, strength: Strength, flights: Sequence[Flight]) -> Setup:
-        """The set-up, and the forces in it, as this effect has them at a strength."""
+        """The setup, and the forces in it, as changed by this effect at a strength."""
         if self.setup is not None:
             setup = self.setup(setup, strength, flights)
         if self.acceleration is not None:
@@ -125,7 +125,7 @@ class Effect:
         return setup
 
     def bend_reading(self, readings: Readings, strength: Strength) -> Readings:
-        """The readings as this effect shows them at a strength."""
+        """The readings as changed by this effect at a strength."""
         return readings if self.reading is None else self.reading(readings, strength)
 
 
@@ -135,5 +135,5 @@ def effects() -> Mapping[str, Effect]:
 
 
 def spoken(name: str) -> str:
-    """The name by which verdicts speak of an effect: its own, or that of the one it is a form of."""
+    """The name under which verdicts report an effect: its own, or that of the effect it is a form of."""
     return effects()[name].form_of or name if name in effects() else name

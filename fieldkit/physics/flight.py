@@ -1,4 +1,4 @@
-"""One call flies a batch: arrays in, arrays out, the same code for one flight and a million."""
+"""Simulate a batch in one call: arrays in, arrays out, the same code for one flight and for a million."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -13,13 +13,13 @@ from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float, Integers
 
 CHUNK = 16384
-"""Draws flown together: few enough that their state stays in the processor's cache."""
+"""Number of draws simulated together: few enough for their state to fit in the processor's cache."""
 
 
 def fly(setup: Setup) -> FlightResult:
-    """Fly every draw of a set-up, from the pad to the ground.
+    """Simulate every draw of a setup, from the pad to the ground.
 
-    A draw whose motor never lifts it has zeros throughout and `lift_off` 0.
+    A draw whose motor never lifts it is all zeros, with `lift_off` 0.
     """
     values = {name: np.empty(int(np.prod(setup.draw_shape))) for name in FlightResult.__dataclass_fields__}
     for rows, part in _chunks(setup):
@@ -30,7 +30,7 @@ def fly(setup: Setup) -> FlightResult:
 
 
 def apogees(setup: Setup) -> Float[Array, "*draw"]:
-    """True height of the apogee of every draw above the pad; as `fly`, and quicker. [m]"""
+    """True apogee height of every draw above the pad; faster than `fly`. [m]"""
     result = np.empty(int(np.prod(setup.draw_shape)))
     for rows, part in _chunks(setup):
         track, top, _ = _ascend(part, highlights=False)
@@ -39,8 +39,8 @@ def apogees(setup: Setup) -> Float[Array, "*draw"]:
 
 
 def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
-    """Rows that fly together, and their part of the setup: separately what flies straight up and what does not, side by
-    side what burns the same. The other rows do not change how a draw flies, only how fast it is computed."""
+    """Rows that are simulated together, and their part of the setup: vertical flights are separated from others, and
+    rows with the same motor are grouped. Grouping affects only the speed of the computation, not the results."""
     flat = setup.flat(setup.draw_shape)
     aslant, rank = planar(flat), flat.burns.lengths.argsort().argsort()
     small = np.min_scalar_type(2 * len(rank))
@@ -54,7 +54,7 @@ def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
 
 
 def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apogee, Array]:
-    """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
+    """The burn, the coast, and the time of the ejection charge after ignition. [s]"""
     track = burn(setup, highlights=highlights)
     fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
     return track, coast(setup.after_burnout(), track, fires, timed=highlights), fires
@@ -94,7 +94,7 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
 
 
 def _fallen(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> Sinking:
-    """The way down; the charge fires `wait` after apogee [s], without one the parachute opens there."""
+    """The descent; the charge fires `wait` after apogee [s]; without a charge the parachute opens at apogee."""
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
     drag = np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG)
     sideways = np.hypot(top.sideways, top.sideways_across)

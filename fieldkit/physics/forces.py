@@ -1,4 +1,4 @@
-"""The forces on a rocket going up: thrust along its axis, drag along the wind, gravity, and the effects'."""
+"""The forces on a climbing rocket: thrust along its axis, drag along the relative wind, gravity, and effects."""
 
 import numpy as np
 
@@ -8,16 +8,16 @@ from fieldkit.shapes import Array, Flags
 
 
 def planar(setup: Setup) -> Flags:
-    """Which draws need more than the vertical: wind, a launch angle or rail friction. One flag if all are the same."""
+    """Which draws need more than vertical motion: wind, launch angle or rail friction. One flag if all are the same."""
     slanted = (setup.rail_angle != 0) | (setup.rail_across != 0)
     return np.asarray((setup.wind != 0) | slanted | (setup.rail_friction != 0))
 
 
 class EquationsOfMotion:
-    """Acceleration of all draws: thrust, drag and whatever the effects add, less gravity. [m/s^2]
+    """Acceleration of all draws: thrust, drag and the effects' forces, less gravity. [m/s^2]
 
-    `thrust` [N] and `mass` [kg] belong to a stage of a step; position and velocity are [axis draw]: upward, in a planar
-    flight downwind, and for a rail across the wind to its right.
+    `thrust` [N] and `mass` [kg] belong to one stage of a step. Position and velocity are [axis draw]: upward, downwind
+    in a planar flight, and to the right of the wind for a rail with a crosswind angle.
     """
 
     def __init__(self, setup: Setup, *, burning: bool) -> None:
@@ -31,7 +31,7 @@ class EquationsOfMotion:
             self.turned = setup.rail_length + setup.turn_length
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
-        """Deceleration along the path through the air. [m/s^2]"""
+        """Deceleration along the path through the air by drag and effects. [m/s^2]"""
         drag = self._drag(height, speed)
         drag /= mass
         if self.setup.forces:
@@ -40,7 +40,7 @@ class EquationsOfMotion:
         return drag
 
     def _drag(self, height: Array, speed: Array) -> Array:
-        """Force of drag. [N]"""
+        """Drag force. [N]"""
         drag = self.setup.air.density_ratio(height)
         drag *= self.half_drag_area
         drag *= np.abs(speed)
@@ -75,7 +75,7 @@ class EquationsOfMotion:
         return np.asarray(free * pull + (1 - free) * self.rail * along)
 
     def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
-        """The same if every draw has long left its rail: thrust and drag along the path through the air."""
+        """Acceleration when every draw has long left its rail: thrust and drag act along the path through the air."""
         if self.axes == 3:
             through_air = velocity.copy()
             through_air[1] -= self._wind(height)
@@ -91,7 +91,7 @@ class EquationsOfMotion:
         return pull
 
     def _wind(self, height: Array) -> Array:
-        """Wind at a height. [m/s]"""
+        """Wind at a height [m]. [m/s]"""
         return wind_at(height, self.setup.wind, self.setup.wind_power, self.setup.wind_top)
 
     def _path(self, position: Array) -> Array:
@@ -100,19 +100,19 @@ class EquationsOfMotion:
 
 
 def rail_axis(setup: Setup) -> Array:
-    """The direction of the rail as a unit vector: upward, downwind and across. [axis draw], [1]"""
+    """Direction of the rail as a unit vector: upward, downwind and crosswind. [axis draw], [1]"""
     angle = np.hypot(setup.rail_angle, setup.rail_across)
-    sideways = np.sinc(angle / np.pi)  # the sine over the angle
+    sideways = np.sinc(angle / np.pi)  # sin(angle) / angle
     return np.stack(np.broadcast_arrays(np.cos(angle), setup.rail_angle * sideways, setup.rail_across * sideways))
 
 
 def length_of(vector: Array) -> Array:
-    """Of a vector of two or three axes."""
+    """Length of a vector with two or three axes."""
     flat = np.hypot(vector[0], vector[1])
     return np.asarray(np.hypot(flat, vector[2]) if len(vector) == 3 else flat)
 
 
 def smooth_step(x: Array) -> Array:
-    """0 below 0, 1 above 1, and smooth between. [1]"""
+    """Smooth step: 0 below 0, 1 above 1, smooth in between. [1]"""
     x = np.clip(x, 0.0, 1.0)
     return np.asarray(x * x * (3 - 2 * x))

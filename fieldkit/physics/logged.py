@@ -1,4 +1,4 @@
-"""What samples of a simulated flight would show of drag and impulse, as in `fieldkit.analysis.drag_and_impulse`."""
+"""Drag and impulse that the samples of a simulated flight would give, as in `fieldkit.analysis.drag_and_impulse`."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float
 
 _PARTS = (0.2, 0.4, 0.6, 0.8)
-"""Of the speed after burnout, at which drag that is not in proportion to v² is looked at. [1]"""
+"""Fractions of the speed after burnout at which drag that is not proportional to v² is evaluated. [1]"""
 
 
 def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
-    """Drag of the coast b = rho Cd A / 2m at the pad's air density, m after burnout. [1/m]
+    """Drag of the coast b = rho Cd A / 2m at the pad's air density, with m the mass after burnout. [1/m]
 
-    With effects that act in flight it is what b s(h) v² has to be to slow as much, by least squares over the coast, at
-    the heights of one that brakes evenly.
+    With effects that act in flight, it is the b for which b s(h) v² fits the deceleration best by least squares over
+    the coast, at the heights of a rocket with constant deceleration.
     """
     setup = setup.after_burnout()
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
@@ -36,7 +36,7 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
 def burn_impulse(setup: Setup) -> Float[Array, "*draw"]:
     """Thrust over mass, integrated over the burn by Simpson's rule on the integrator's steps. [m/s]
 
-    A rocket that waits on the pad for its thrust loses the little that comes before.
+    Includes the small impulse before liftoff, which a rocket waiting on the pad loses.
     """
     burns, motor = setup.burns, setup.motor
     gained = np.zeros(setup.draw_shape)

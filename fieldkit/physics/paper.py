@@ -1,9 +1,9 @@
 """The reference paper's simulator, exactly as published.
 
-Vertical flight, exponential density, g of 9.81, three motors with declared figures, thrust that rises in a
-straight line to its peak over the first 8% of the burn and falls in a straight line to the MEAN thrust at
-burnout, propellant that burns off evenly in time, no casing mass. The profile delivers 41.3, 64.5 and
-61.0 N s where the certificates say 39.4, 47.3 and 49.7; it is kept as published.
+Vertical flight, exponential density, g of 9.81, and three motors with declared figures. Thrust rises linearly to its
+peak over the first 8% of the burn and falls linearly to the MEAN thrust at burnout; propellant burns off linearly in
+time; there is no casing mass. The profile delivers 41.3, 64.5 and 61.0 N s, while the certificates state 39.4, 47.3 and
+49.7; it is reproduced as published.
 """
 
 import re
@@ -30,14 +30,14 @@ SEA_LEVEL_DENSITY = 1.225
 SCALE_HEIGHT = 8500.0
 """The paper's value. [m]"""
 DIAMETER = 0.066
-"""Of the paper's rocket. [m]"""
+"""Diameter of the paper's rocket. [m]"""
 DRY_MASS: Mapping[str, float] = MappingProxyType({"A": 0.322, "B": 0.448})
-"""Of its two configurations. [kg]"""
+"""Dry masses of its two configurations. [kg]"""
 
 
 @dataclass(frozen=True, slots=True)
 class DeclaredMotor:
-    """A motor by the figures the paper declares for it, in SI units."""
+    """A motor with the figures that the paper declares, in SI units."""
 
     name: str
     total_impulse: float
@@ -49,22 +49,22 @@ class DeclaredMotor:
 
     @property
     def burnout(self) -> float:
-        """When the published profile ends. [s]"""
+        """Burnout time of the published profile. [s]"""
         return self.burn_time
 
     @property
     def time(self) -> Array:
-        """Knots of the published profile. [s]"""
+        """Knot times of the published profile. [s]"""
         return np.array([0.0, RISE * self.burn_time, self.burn_time])
 
     @property
     def thrust(self) -> Array:
-        """At the knots. [N]"""
+        """Thrust at the knots. [N]"""
         return np.array([0.0, self.peak_thrust, self.mean_thrust])
 
     @property
     def delivered_impulse(self) -> float:
-        """What the published profile adds up to. [N s]"""
+        """Total impulse of the published profile. [N s]"""
         return impulse(self.time, self.thrust)
 
 
@@ -73,15 +73,15 @@ MOTORS = (
     DeclaredMotor("F24-4W", 47.3, 22.2, 41.0, 2.1, 0.019),
     DeclaredMotor("F39", 49.7, 37.3, 59.5, 1.3, 0.023),
 )
-"""The paper's three motors; their place here is the paper's motor index."""
+"""The paper's three motors; the position is the paper's motor index."""
 
 
 _SPELLING = re.compile(r"(?:aerotech\s+)?(?P<name>[a-z]\d+)[a-z]*(?:\s*-\s*\d*[a-z]*)?", re.IGNORECASE)
-"""Maker or not, letter and number, propellant or not, delay or not."""
+"""Optional manufacturer, letter and number, optional propellant, optional delay."""
 
 
 def motor_index(name: str) -> int:
-    """The paper's index of a motor by its name, as F24-4W, F24W-4 or AeroTech F24. Raises UnknownMotor."""
+    """The paper's index of a motor by name, such as F24-4W, F24W-4 or AeroTech F24. Raises UnknownMotor."""
     spelt = _SPELLING.fullmatch(name.strip())
     for index, motor in enumerate(MOTORS):
         if spelt and spelt["name"].upper() == motor.name.split("-")[0]:
@@ -102,7 +102,7 @@ def paper_setup(
     diameter: Float[Array, "*#draw"] | float = DIAMETER,
     curves: Burns | None = None,
 ) -> Setup:
-    """A set-up in the paper's physics: index of the motor, dry mass [kg], Cd [1], alpha [1], diameter [m]."""
+    """A setup in the paper's physics: motor index, dry mass [kg], Cd [1], alpha [1], diameter [m]."""
     return Setup(
         burns=curves or paper_burns(),
         air=Air(np.asarray(SEA_LEVEL_DENSITY), np.asarray(288.15), SCALE_HEIGHT),

@@ -7,7 +7,7 @@ from fieldkit.shapes import Array, Float
 
 
 def rail_exit_speed(setup: Setup) -> Float[Array, "*draw"]:
-    """Speed at the end of the rail without drag; the speed at burnout if the rail is longer. [m/s]"""
+    """Speed at the end of the rail without drag; the speed at burnout if burnout comes first. [m/s]"""
     burns, motor = setup.burns, setup.motor
     height = speed = np.zeros(setup.draw_shape)
     exit_speed = np.full(setup.draw_shape, np.nan)

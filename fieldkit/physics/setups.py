@@ -1,8 +1,8 @@
-"""From flights and their motors to a set-up in the field physics: certified curves, real air, a rail.
+"""Build a setup for the field physics from flights and their motors: certified thrust curves, real air, a rail.
 
-What was not recorded takes a stated default: standard air at sea level, a one-meter rail that stands
-upright, a parachute that falls at 5 m/s. Declared wind is not in the set-up: it acts through the `wind`
-effect alone, whose strength says how strongly this rocket turns into it.
+What was not recorded gets a stated default: standard air at sea level, a vertical one-meter rail, a parachute that
+descends at 5 m/s. Declared wind is not part of the setup: it acts only through the `wind` effect, whose strength is how
+strongly this rocket weathercocks.
 """
 
 from collections.abc import Sequence
@@ -22,26 +22,26 @@ from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
-"""Length of a rod if none was recorded. [m]"""
+"""Default rail length. [m]"""
 DESCENT_SPEED = 5.0
-"""Descent speed under a parachute if none was recorded. [m/s]"""
+"""Default descent speed under a parachute. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
-"""Of a wind aloft of which only the speed is given. [m]"""
+"""Default height of a wind aloft that was given as a speed only. [m]"""
 USUAL_STABILITY = 2.0
-"""Static margin if none was recorded. [body diameters]"""
+"""Default static margin. [body diameters]"""
 TURN_FACTOR = 1.39
-"""Path over which a rocket of usual stability turns into the wind, over the root of its mass per diameter.
-[m^1.5/kg^0.5]"""
+"""Distance over which a rocket with the default stability turns into the wind, divided by the square root of its mass
+per diameter. [m^1.5/kg^0.5]"""
 
 
 def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
-    """A number of every flight in SI, nan if it was not recorded."""
+    """One number of every flight in SI, nan if it was not recorded."""
     values = [flight.number(name) for flight in flights]
     return np.array([np.nan if value is None else value for value in values], float)
 
 
 def delays(flights: Sequence[Flight], found: Sequence[Found]) -> Float[Array, "flight"]:
-    """From burnout to the ejection charge: as recorded, else as the motor's name says, else nan. [s]"""
+    """Time from burnout to the ejection charge: as recorded, else from the motor's name, else nan. [s]"""
     stated = [
         flight.delay if flight.delay is not None else motor.delay for flight, motor in zip(flights, found, strict=True)
     ]
@@ -57,8 +57,8 @@ def field_setup(
     knots: int | None = None,
     stride: float = 1.0,
 ) -> Setup:
-    """Flights on their motors, one entry a flight along the last axis, in SI units; `steps` and `knots` as in `burns`,
-    `stride` as in `Setup`.
+    """Flights on their motors, one entry per flight along the last axis, in SI units; `steps` and `knots` as in
+    `burns`, `stride` as in `Setup`.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -91,7 +91,7 @@ def field_setup(
 def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
     """Angle of every rail from vertical, away from the wind and across it to the right; 0 if not recorded. [rad]
 
-    A recorded angle is into the wind by default, a negative one away from it.
+    A recorded angle points into the wind by default; a negative one points away from it.
     """
     angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
     turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]
@@ -104,7 +104,7 @@ def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Floa
 
 
 def wind_profile(flight: Flight) -> WindProfile:
-    """The wind of a flight over height; still if none is given. Raises BadValue."""
+    """Wind profile of a flight; calm if none was recorded. Raises BadValue."""
     aloft, height = recovery_figure(flight, "wind_aloft"), recovery_figure(flight, "wind_aloft_height")
     turn = recovery_figure(flight, "wind_aloft_turn") or 0.0
     if aloft is None:
@@ -113,9 +113,9 @@ def wind_profile(flight: Flight) -> WindProfile:
 
 
 def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
-    """Exponent of the wind's power law [1] and the height above which it is even [m], of every flight.
+    """Exponent of the wind's power law [1] and the height above which the wind is constant [m], for every flight.
 
-    Climb and descent follow the wind over height; by how much it turns with height, the descent alone.
+    Climb and descent follow the wind profile; only the descent includes the change of direction with height.
     """
     if not any(flight.extra for flight in flights):
         return np.full(1, WIND_EXPONENT), np.full(1, np.inf)
@@ -126,7 +126,7 @@ def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float
 
 
 def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
-    """From the charge to an open parachute of every flight, half a second if it was not said. [s]"""
+    """Time from the charge to an open parachute for every flight; half a second if not recorded. [s]"""
     said = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
     if said <= {None}:
         return np.full(1, OPENING_TIME)
@@ -135,10 +135,11 @@ def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
 
 
 def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence[Flight]) -> Setup:
-    """The air of pads this much higher than recorded [m]: less pressure, and colder if no temperature is known.
+    """The setup with all pads higher than recorded by `higher` [m]: lower pressure, and lower temperature if none was
+    recorded.
 
-    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; if
-    the temperature was written down it is true, and heights are shown the lower.
+    An altimeter assumes standard air at the pressure it measures, which is colder the higher the pad. If the
+    temperature was recorded, it is the true one, and the altimeter reads lower.
     """
     coolness = standard_temperature(higher) / standard_temperature(np.zeros(()))
     thinness = _standard_density(higher) / _standard_density(np.zeros(()))
@@ -149,35 +150,35 @@ def at_elevation(setup: Setup, higher: Float[Array, "*#draw"], flights: Sequence
 
 
 def _standard_density(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """Density of the standard air at a height above sea level. [kg/m^3]"""
+    """Density of standard air at a height above sea level [m]. [kg/m^3]"""
     unknown = np.full((), np.nan)
     return pad_air(elevation, unknown, unknown, unknown).density
 
 
 def turn_lengths(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """Path off the rail over which each rocket turns into the wind it feels. [m]
+    """Distance off the rail over which each rocket turns into the relative wind. [m]
 
     A quarter of its pitching wavelength, 2 pi sqrt(2 I / (rho A C s)) (Mandell, Caporaso and Bengen, Topics in Advanced
-    Model Rocketry, 1973, dynamic stability), with the moment of inertia I = m L^2 / 12 of a slender body of L = 12
-    diameters, the slope of normal force C = 16 of a nose with fins, and the static margin s. So a heavy rocket turns
-    later, a stable one sooner. A quarter is what brings landings nearest to those of six degrees of freedom, within a
-    tenth (`tests/physics/test_descent.py`).
+    Model Rocketry, 1973, dynamic stability), with the moment of inertia I = m L^2 / 12 of a slender body of length L =
+    12 diameters, the normal force slope C = 16 of a nose with fins, and the static margin s. A heavy rocket therefore
+    turns later, a stable one sooner. With a quarter, landing points agree best with six-degree-of-freedom simulations,
+    to within 10% (`tests/physics/test_descent.py`).
     """
     size = dry_masses(flights) / diameters(flights)
     return np.asarray(TURN_FACTOR * np.sqrt(size * USUAL_STABILITY / np.array([_stability(one) for one in flights])))
 
 
 def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """Body diameter of every flight; if it was not recorded, that of a rocket of its dry mass as they are built. [m]
+    """Body diameter of every flight; if not recorded, the typical diameter for its dry mass. [m]
 
-    The law of thumb is that of `fieldkit.model.rocket_model.reference_area`.
+    The rule of thumb is that of `fieldkit.model.rocket_model.reference_area`.
     """
     known = recorded(flights, "diameter")
     return np.where(np.isnan(known), 0.060 * (dry_masses(flights) / 0.4) ** 0.2, known)
 
 
 def _stability(flight: Flight) -> float:
-    """Static margin in body diameters, the usual one if none is recorded that is positive."""
+    """Static margin in body diameters; the default if no positive one is recorded."""
     try:
         return stability(flight) or USUAL_STABILITY
     except BadValue:
@@ -185,7 +186,7 @@ def _stability(flight: Flight) -> float:
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """Mass of every flight without its motor. Raises ImpossibleFlight for one that has none. [kg]"""
+    """Mass of every flight without its motor. Raises ImpossibleFlight if one is missing. [kg]"""
     found = recorded(flights, "dry_mass")
     if np.isnan(found).any():
         name = flights[int(np.argmax(np.isnan(found)))].flight_id or "the flight"
@@ -195,5 +196,5 @@ def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 
 @lru_cache(maxsize=64)
 def _burns(motors: tuple[Motor, ...], steps: int, knots: int | None) -> Burns:
-    """The same motors fly again and again while a model is fitted."""
+    """Cached `burns`, because a fit simulates the same motors many times."""
     return burns(motors, steps=steps, knots=knots)

@@ -1,4 +1,4 @@
-"""One flight in the units flyers read."""
+"""Simulate one flight, in the units that flyers use."""
 
 from collections.abc import Iterable
 
@@ -14,13 +14,13 @@ from fieldkit.physics.setups import field_setup, recorded
 from fieldkit.physics.state import FlightResult, Setup
 
 ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_to_apogee")
-"""The readouts that the paper's physics reaches: it ends at apogee."""
+"""The readouts that the paper's physics computes; it ends at apogee."""
 
 
 def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
-    """One flight in the paper's physics, its readouts by column; `plan` has motor, dry mass and diameter.
+    """Simulate one flight in the paper's physics. Returns readouts by column; `plan` has motor, dry mass and diameter.
 
-    Raises UnknownMotor, and ImpossibleFlight if the motor does not lift the rocket or figures are lacking.
+    Raises UnknownMotor, and ImpossibleFlight if the motor does not lift the rocket or required values are missing.
     """
     dry_mass, diameter = _body(plan)
     motor = np.array([paper.motor_index(plan.motor)])
@@ -29,11 +29,11 @@ def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
 
 
 def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[str, float]:
-    """One flight in the field's physics: all readouts that it comes to, by column, as an altimeter shows
-    them, and the true height of its apogee above the pad, `true_apogee_m`.
+    """Simulate one flight in the field physics. Returns all defined readouts by column, as an altimeter would read
+    them, and the true apogee above the pad, `true_apogee_m`.
 
-    `plan` has dry mass, diameter and whatever conditions are known. The rocket is taken to turn into a
-    recorded wind fully. Raises ImpossibleFlight if the motor does not lift the rocket or figures are lacking.
+    `plan` has dry mass, diameter and whatever conditions are known. The rocket is assumed to turn fully into a recorded
+    wind. Raises ImpossibleFlight if the motor does not lift the rocket or required values are missing.
     """
     _, diameter = _body(plan)
     setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))
@@ -58,7 +58,7 @@ def _flown(setup: Setup, motor: str) -> FlightResult:
 
 
 def at_the_edge(flown: FlightResult, names: Iterable[str], draw: int = 0) -> dict[str, float]:
-    """Readouts of one draw by column, unit and all (`apogee_m`); those that have no value are left out."""
+    """Readouts of one draw by column name with its unit (`apogee_m`); undefined readouts are omitted."""
     readouts = flown.readouts()
     found = {BY_NAME[name]: float(readouts[name].reshape(-1)[draw]) for name in names}
     return {

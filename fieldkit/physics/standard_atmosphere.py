@@ -1,4 +1,4 @@
-"""The standard atmosphere: what an altimeter makes a height of, and what a pad is given if nothing is known.
+"""The standard atmosphere: what an altimeter converts pressure with, and the default for the pad.
 
 Source: U.S. Standard Atmosphere 1976, troposphere and lower stratosphere.
 """
@@ -11,13 +11,13 @@ from fieldkit.units import STANDARD_GRAVITY
 GAS_CONSTANT = 287.05287
 """Specific gas constant of dry air. [J/(kg K)]"""
 LAPSE = 0.0065
-"""Temperature lost per meter of height. [K/m]"""
+"""Temperature lapse rate. [K/m]"""
 STANDARD_TEMPERATURE = 288.15
 """Temperature at sea level. [K]"""
 STANDARD_PRESSURE = 101325.0
 """Pressure at sea level. [Pa]"""
 GRAVITY = STANDARD_GRAVITY
-"""Acceleration of free fall. [m/s^2]"""
+"""Standard acceleration of gravity. [m/s^2]"""
 HYDROSTATIC = GRAVITY / (GAS_CONSTANT * LAPSE)
 """Exponent of the pressure law of the troposphere. [1]"""
 TROPOPAUSE = 11_000.0
@@ -28,7 +28,7 @@ _SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY
 
 
 def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Height above sea level at which the standard atmosphere has a pressure [Pa]; nan if it is not positive. [m]"""
+    """Height above sea level with this pressure [Pa] in the standard atmosphere; nan if it is not positive. [m]"""
     share = np.asarray(pressure, float) / STANDARD_PRESSURE
     share[~(share > 0)] = np.nan
     height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))

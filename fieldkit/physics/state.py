@@ -1,4 +1,4 @@
-"""What a flight starts from, and the state that forces are computed from."""
+"""The setup of a simulated flight, the state from which forces are computed, and the result."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
@@ -13,11 +13,10 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A moment of the ascent, one entry a draw.
+    """State at one time of the ascent, one entry per draw.
 
-    `height` above the pad [m]; `speed` through the air [m/s]; `drag` deceleration by drag [m/s^2];
-    `burning` whether this is before burnout (one truth for all draws: the integrator ends the burn of
-    all of them together).
+    `height` above the pad [m]; `speed` through the air [m/s]; `drag` deceleration by drag [m/s^2]; `burning` whether
+    this is before burnout (one value for all draws: the integrator ends the burn of all draws together).
     """
 
     height: Float[Array, "*draw"]
@@ -28,27 +27,27 @@ class State:
 
 
 Force = Callable[[State, Float[Array, "*draw"]], Float[Array, "*draw"]]
-"""Acceleration along the path that an effect adds at a strength; negative slows. [m/s^2]"""
+"""Acceleration along the path that an effect adds at a given strength; negative values decelerate. [m/s^2]"""
 
 
 def _for_all(value: float) -> Any:
-    """A default that is one value for all draws."""
+    """A default with one value for all draws."""
     return field(default_factory=lambda: np.asarray(value))
 
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """Everything a flight starts from, one entry a draw (or one for all), in SI units.
+    """All inputs of a simulated flight, one entry per draw (or one for all), in SI units.
 
-    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies
-    thrust [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns the rocket, measured
-    at the pad [m/s], which grows with height to the power `wind_power` [1] up to `wind_top` [m]; `rail_angle` is
-    from vertical, positive away from the wind, and `rail_across` at right angles to it, positive to its right
-    [rad]. `turn_length` is the path off the rail over which the rocket turns into the relative wind [m],
-    `power_off_drag` the drag of the coast over that of the burn [1]. `delay` is from burnout to ejection, nan for
-    none [s]; `opening_time` from the charge to an open parachute (half a second is an assumption) [s];
-    `descent_speed` under it [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in
-    flight. `stride` is how much longer the steps of a slanted path are than they have to be [1].
+    `motor` indexes a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies
+    thrust [1], `burn_stretch` lengthens the burn at the same impulse [1]. `wind` is the wind that turns the rocket,
+    measured at the pad [m/s]; it increases with height to the power `wind_power` [1] up to `wind_top` [m]. `rail_angle`
+    is from vertical, positive away from the wind; `rail_across` is perpendicular to it, positive to the right [rad].
+    `turn_length` is the distance off the rail over which the rocket turns into the relative wind [m], `power_off_drag`
+    the ratio of coast drag to burn drag [1]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from
+    the charge to an open parachute (half a second is an assumption) [s]; `descent_speed` is the speed under it [m/s].
+    `altimeter_gain` is the ratio of displayed to true height [1]. `forces` are the accelerations that effects add in
+    flight. `stride` multiplies the step length of a slanted path [1].
     """
 
     burns: Burns
@@ -84,18 +83,18 @@ class Setup:
         return np.broadcast_shapes(*(np.shape(a) for a in arrays))
 
     def with_changes(self, **changes: Any) -> "Setup":
-        """The same set-up with some entries changed."""
+        """The same setup with some entries changed."""
         return replace(self, **changes)
 
     def after_burnout(self) -> "Setup":
-        """The same with the drag of the coast."""
+        """The same setup with coast drag."""
         if np.all(self.power_off_drag == 1.0):
             return self
         drag = np.asarray(self.drag_area * self.power_off_drag)
         return replace(self, drag_area=drag, power_off_drag=np.ones(1))
 
     def flat(self, shape: tuple[int, ...]) -> "Setup":
-        """Every entry on one axis of draws, in the order of `shape`; one for all stays one, [1]."""
+        """Every entry on one axis of draws, in the order of `shape`; an entry shared by all draws remains [1]."""
 
         def spread(values: Any) -> Any:
             one = np.size(values) == 1
@@ -104,14 +103,14 @@ class Setup:
         return self._mapped(spread)
 
     def part(self, rows: Int[Integers, "row"]) -> "Setup":
-        """Some rows of a flat set-up; draws that share a motor share its entry."""
+        """Some rows of a flat setup; draws that share a motor share its entry."""
         part = self._mapped(lambda values: values if len(values) == 1 else values[rows])
         shared = (part.motor == part.motor[0]).all()
         return replace(part, motor=part.motor[:1]) if shared else part
 
     @property
     def draws(self) -> int:
-        """Number of draws of a flat set-up."""
+        """Number of draws of a flat setup."""
         return int(self.draw_shape[0])
 
     def _mapped(self, change: Callable[[Any], Any]) -> "Setup":
@@ -124,18 +123,18 @@ class Setup:
 PER_DRAW = tuple(
     f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride")
 )
-"""The entries of a set-up that have one value a draw."""
+"""The entries of a setup with one value per draw."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightResult:
-    """What a flight came to, one entry a draw, in SI units; heights above the pad.
+    """Results of a simulated flight, one entry per draw, in SI units; heights above the pad.
 
-    `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a barometric
-    altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it; accelerations are net of
-    gravity. `drift` is how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
-    `across_speed` how fast it still moves there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
-    negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
+    `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` the readings of a
+    barometric altimeter. `burn_time` is from liftoff to top speed, as the altimeter defines it; accelerations are net
+    of gravity. `drift` is the downwind distance of the apogee, `across` its distance to the right of the wind,
+    `drift_speed` and `across_speed` the horizontal speeds there. `rise_time` is from liftoff to apogee, `coast_time`
+    from burnout, negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
@@ -161,7 +160,7 @@ class FlightResult:
     coast_time: Float[Array, "*draw"]
 
     def readouts(self) -> dict[str, Float[Array, "*draw"]]:
-        """The ten readouts by name, heights as the altimeter shows them."""
+        """The ten readouts by name, with heights as the altimeter reads them."""
         shown = {"apogee": self.apogee_shown, "eject_altitude": self.eject_altitude_shown}
         names = (
             "apogee top_speed burn_time peak_accel avg_accel coast_to_apogee apogee_to_eject "

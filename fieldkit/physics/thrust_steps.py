@@ -1,7 +1,7 @@
-"""Thrust curves on the steps of the integrator.
+"""Thrust curves on the integrator's steps.
 
-A curve is piecewise linear. Every knot of it ends a step, so that inside a step the thrust is smooth, and a
-segment longer than a fraction of the burn is split.
+A curve is piecewise linear. Each of its knots ends a step, so thrust is smooth within a step; a segment longer than a
+fraction of the burn is split.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 STEPS = 14
-"""Number by which the burn time is divided for the longest step. [1]"""
+"""The longest step is the burn time divided by this number. [1]"""
 
 
 @runtime_checkable
@@ -23,7 +23,7 @@ class Curve(Protocol):
 
     @property
     def time(self) -> Array:
-        """Times of the knots. [s]"""
+        """Knot times. [s]"""
 
     @property
     def thrust(self) -> Array:
@@ -31,7 +31,7 @@ class Curve(Protocol):
 
     @property
     def burnout(self) -> float:
-        """When the burn ends and the delay begins, from ignition. [s]"""
+        """Time from ignition at which the burn ends and the delay starts. [s]"""
 
     @property
     def propellant_mass(self) -> float:
@@ -44,12 +44,12 @@ class Curve(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Burns:
-    """Several motors on the integrator's steps; shorter burns end in steps of no length.
+    """Several motors on the integrator's steps; shorter burns are padded with steps of zero length.
 
-    `thrust` [N] and `spent` (fraction of the propellant burned, [1]) are those at start, middle and end of each
-    step. `rise_time` and `rise_thrust` are the knots up to the highest, for lift-off. Rows are steps first,
-    so that one step of all motors lies together. `drag` is that of each step over that after the last [1], None if no
-    motor drops a stage of other drag.
+    `thrust` [N] and `spent` (fraction of the propellant burned, [1]) are at the start, middle and end of each step.
+    `rise_time` and `rise_thrust` are the knots up to peak thrust, for liftoff. Steps are the first axis, which keeps
+    one step of all motors contiguous. `drag` is the ratio of the drag in each step to that after the last step [1],
+    None if no motor drops a stage with a different drag.
     """
 
     thrust: Float[Array, "step 3 motor"]
@@ -64,12 +64,12 @@ class Burns:
 
     @property
     def lengths(self) -> Float[Array, "motor"]:
-        """How many steps each motor burns for. [1]"""
+        """Number of steps in the burn of each motor. [1]"""
         return np.asarray((np.diff(self.edge, axis=0) > 0).sum(axis=0), float)
 
 
 def _edges(time: Array, steps: int) -> Array:
-    """Step edges of one curve: every knot, and splits between those that are far from each other."""
+    """Step edges of one curve: every knot, plus splits between distant knots."""
     gap = np.diff(time)
     pieces = np.ceil(gap / ((time[-1] - time[0]) / steps) - 1e-9).astype(int)
     place = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
@@ -78,7 +78,7 @@ def _edges(time: Array, steps: int) -> Array:
 
 
 def _impulse(time: Array, thrust: Array, at: Array) -> Array:
-    """Impulse delivered by some moments. [N s]"""
+    """Impulse delivered up to given times. [N s]"""
     total = np.concatenate([[0], np.cumsum(np.diff(time) * 0.5 * (thrust[1:] + thrust[:-1]))])
     segment = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     since = at - time[segment]
@@ -87,7 +87,7 @@ def _impulse(time: Array, thrust: Array, at: Array) -> Array:
 
 
 def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
-    """The curve with knots at the same moment separated by a microsecond."""
+    """The curve with simultaneous knots separated by a microsecond."""
     time = time.copy()
     for knot in range(1, len(time)):
         time[knot] = max(time[knot], time[knot - 1] + 1e-6)
@@ -95,7 +95,8 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbors is least.
+    """A curve with the same impulse and at most `most` knots: knots whose triangle with their neighbors has the
+    smallest area are dropped first.
 
     Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """
@@ -123,7 +124,7 @@ def _area(at: Sequence[float], push: Sequence[float]) -> float:
 
 
 def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
-    """Rows as the last axis, the shorter ones filled up, with their own last entry if no `fill` is given."""
+    """Stack rows along the last axis; shorter rows are padded with `fill`, or with their last entry if it is None."""
     longest = max(len(row) for row in rows)
     tails = [
         np.broadcast_to(row[-1] if fill is None else np.asarray(fill), (longest - len(row), *row.shape[1:]))
@@ -133,9 +134,9 @@ def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
 
 
 def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False) -> Burns:
-    """The motors on at least `steps` steps each, on curves of at most `knots` knots if given.
+    """The motors on at least `steps` steps each, with curves of at most `knots` knots if given.
 
-    Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
+    Propellant burns off in proportion to the delivered impulse or, with `linear_burn`, to time.
     """
     rows = []
     for motor in motors:
@@ -165,7 +166,7 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = No
 
 
 def _drag(motor: Curve, edge: Array) -> Array:
-    """Drag in each step of a motor, over that of what is left at the end. [1]"""
+    """Ratio of the drag in each step of a motor to the drag at the end. [1]"""
     drag = getattr(motor, "drag", None)
     if drag is None:
         return np.ones(len(edge) - 1)

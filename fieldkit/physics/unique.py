@@ -1,4 +1,4 @@
-"""Identical draws fly once: a step in one unknown leaves most flights of a rocket as they were."""
+"""Simulate identical draws once: a step in one parameter leaves most flights of a rocket unchanged."""
 
 from dataclasses import fields
 
@@ -9,11 +9,11 @@ from fieldkit.physics.state import PER_DRAW, FlightResult, Setup
 from fieldkit.shapes import Array, Integers
 
 MIXERS = np.random.default_rng(0).integers(1, 2**63, 64, dtype=np.uint64) | np.uint64(1)
-"""Odd multipliers, one an entry, that a draw's entries are mixed by. [1]"""
+"""Odd multipliers, one per entry, for hashing the entries of a draw. [1]"""
 
 
 def fly_unique(setup: Setup) -> FlightResult:
-    """As `fly`, each distinct setup once; for batches in which many draws share a setup."""
+    """Like `fly`, but each distinct setup is simulated once; for batches in which many draws share a setup."""
     shape = setup.draw_shape
     flat = setup.flat(shape)
     first, kind = kinds(flat)
@@ -22,10 +22,10 @@ def fly_unique(setup: Setup) -> FlightResult:
 
 
 def kinds(flat: Setup) -> tuple[Integers, Integers]:
-    """The first draw of every kind, and the kind that every draw of a flat set-up is of.
+    """The first draw of every distinct setup, and the index of the distinct setup of every draw.
 
-    Draws are distinguished by a sum of products of the bits of their entries; should two different ones ever share
-    it, every draw is a kind of its own.
+    Draws are compared by a hash, a sum of products of the bits of their entries. If two different draws collide, every
+    draw is treated as distinct.
     """
     entries = np.stack([np.zeros(flat.draws), *(np.broadcast_to(x, flat.draws) for x in _entries(flat))])
     bits = entries.view(np.uint64)
@@ -38,7 +38,7 @@ def kinds(flat: Setup) -> tuple[Integers, Integers]:
 
 
 def _entries(flat: Setup) -> list[Array]:
-    """What may differ from draw to draw."""
+    """The entries that may differ between draws."""
     arrays = [getattr(flat, name) for name in PER_DRAW]
     arrays += [flat.air.density, flat.air.temperature, *(strength for _, strength in flat.forces)]
     return [np.asarray(one, float) for one in arrays if np.size(one) > 1]

@@ -1,4 +1,4 @@
-"""The air a plan flies in, and what a barometric altimeter makes of it: two things that hot days part."""
+"""The air of a planned flight: its density, and how it biases a barometric altimeter, two separate effects of heat."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,13 +11,13 @@ from fieldkit.physics.atmosphere import altimeter_gain, density_altitude, pad_ai
 from fieldkit.quantities import density, written
 
 WEATHER = ("temperature", "pressure", "humidity", "wind")
-"""The conditions that belong to the day. [names of columns]"""
+"""The weather conditions. [names of columns]"""
 
 
 @dataclass(frozen=True, slots=True)
 class PadAir:
-    """Density at the pad [kg/m^3], the height where the standard atmosphere is as thin [m], what the altimeter shows
-    over the true height [1], and the conditions that were not given and are the standard's."""
+    """Density at the pad [kg/m^3], density altitude [m], ratio of the altimeter's reading to the true height [1], and
+    the conditions that were not given and default to the standard atmosphere."""
 
     density: float
     density_altitude: float
@@ -34,7 +34,7 @@ class PadAir:
         }
 
     def words(self, system: str = "SI") -> str:
-        """In a line: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4% low`."""
+        """A one-line summary: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4% low`."""
         higher = written(self.density_altitude, "m", system, 0)
         off = 100 * (self.gain - 1)
         reads = "reads true" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
@@ -44,13 +44,13 @@ class PadAir:
 
 
 def air_of(plan: Flight) -> PadAir:
-    """The air of a plan; what was not given is the standard atmosphere's at its elevation, and still."""
+    """The air of a plan; conditions not given default to the standard atmosphere at its elevation, and to no wind."""
     return _air(plan.site_elevation, plan.temperature, plan.pressure, plan.humidity)
 
 
 @lru_cache(maxsize=64)
 def _air(elevation: float | None, temperature: float | None, pressure: float | None, humidity: float | None) -> PadAir:
-    """Hundreds of plans fly in the same air."""
+    """Cached, because hundreds of plans share the same air."""
     known = [np.array([np.nan if value is None else value]) for value in (elevation, temperature, pressure, humidity)]
     density = pad_air(*known).density
     given = {"elevation": elevation, "temperature": temperature, "pressure": pressure}
@@ -63,7 +63,7 @@ def _air(elevation: float | None, temperature: float | None, pressure: float | N
 
 
 def conditions(plan: Flight) -> dict[str, float]:
-    """The conditions that a plan declares, by column, as written there: `wind_mps`."""
+    """The conditions that a plan declares, by column, in the column's unit: `wind_mps`."""
     return {
         column.header: float(column.render(value))
         for column in CONDITIONS

@@ -1,4 +1,4 @@
-"""The dry mass that best meets a target, solved on the distribution: draws are common to all masses."""
+"""The dry mass that best meets a target, optimized over the forecast with common random numbers for all masses."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -20,27 +20,27 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
 GRID = 16
-"""Masses that are flown. [1]"""
+"""Number of masses simulated. [1]"""
 DRAWS = 500
-"""Flights flown at each mass. [1]"""
+"""Flights simulated at each mass. [1]"""
 MIN_MASS_RATIO, MAX_MASS_RATIO = 0.6, 1.8
-"""Range of the masses tried if the flyer sets no bounds, relative to the current dry mass. [1]"""
+"""Range of masses tried if the user sets no bounds, relative to the current dry mass. [1]"""
 CLEAR_ERRORS, LEAST_GAIN = 2.0, 1.0
-"""Standard errors that a gain in points must be above, and the points that it must be at least. [1]"""
+"""Minimum gain in points, in standard errors and as a number of points. [1]"""
 BAND_SMOOTHING = 0.5
-"""Width over which the edge of the band is rounded, so that the probability is smooth in the mass. [m]"""
+"""Width over which the edge of the band is smoothed, which makes the probability smooth in the mass. [m]"""
 SEARCH_SMOOTHING = 0.15
-"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the random
-scatter of so few draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986,
-section 3.4.2). [1]"""
+"""The same during the search for the best mass, in standard deviations of the apogee; with less, the search would fit
+the random scatter of so few draws. On the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section
+3.4.2). [1]"""
 
 Figures = Float[Array, "draw"]
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What is wanted: an apogee `within` of a `target` [m], as likely as can be ("chance"), as near as can be on
-    average ("error"), or the fewest points of a season ("points")."""
+    """What to optimize: the probability of an apogee `within` of a `target` [m] ("chance"), the mean miss ("error"), or
+    the points of a season ("points", fewer are better)."""
 
     target: float
     within: float
@@ -48,16 +48,16 @@ class Goal:
     rule: Season | None = None
 
     def chance(self, apogee: Figures, soft: float = BAND_SMOOTHING) -> float:
-        """To be within the band, its edges rounded by `soft`. [1]"""
+        """Probability of being within the band, with its edges smoothed by `soft`. [1]"""
         miss = np.abs(apogee - self.target)
         return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / soft, -50, 50)))))
 
     def error(self, apogee: Figures) -> float:
-        """The mean miss. [m]"""
+        """Mean miss. [m]"""
         return float(np.abs(apogee - self.target).mean())
 
     def points(self, apogee: Figures, duration: Figures) -> float | None:
-        """The mean points of a flight, None without a season. [1]"""
+        """Mean points per flight, None without a season. [1]"""
         return None if self.rule is None else float(self.rule.points(apogee, duration).mean())
 
     def cost(self, apogee: Figures, duration: Figures) -> float:
@@ -70,7 +70,7 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a mass brings: chance of the band [1], mean miss [m], mean points if a season counts [1]."""
+    """Result at a mass: probability of the band [1], mean miss [m], mean points if there is a season [1]."""
 
     chance: float
     error: float
@@ -83,13 +83,13 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class Ballast:
-    """The dry mass to fly [kg], what to add to today's [kg], and what it brings.
+    """The dry mass to fly [kg], the mass to add to the current one [kg], and the results.
 
-    `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
-    and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
-    the target is `met` if it lies between. `gain` is by how many points a flight the change is better on average,
-    `gain_error` the standard error of that for as many flights as the forecast rests on; without a season a point is
-    a foot off the target, as in contests for altitude.
+    `forecast` is the flight at that mass, `slope` the change of apogee with mass [m/kg], `there` the result at that
+    mass and `today` the result without a change. `reach` is the lowest and the highest median apogee of the masses
+    tried [m]; the target is `met` if it lies between. `gain` is the mean improvement in points per flight, `gain_error`
+    its standard error, with as many flights as the forecast is based on; without a season a point is a foot off the
+    target, as in altitude contests.
     """
 
     mass: float
@@ -106,13 +106,12 @@ class Ballast:
 
     @property
     def clear(self) -> bool:
-        """Whether the change is worth it: the points that it saves are clear against their uncertainty, or today's mass
-        is more than the season allows."""
+        """Whether the change is worth it: the points saved are significant, or the current mass exceeds the limit."""
         return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property
     def apogee(self) -> Three:
-        """As the altimeter will show it, at 5, 50 and 95 %. [m]"""
+        """Apogee as the altimeter will read it, at 5, 50 and 95 %. [m]"""
         return three(self.forecast.apogee)
 
     def json(self) -> dict[str, Any]:
@@ -142,9 +141,9 @@ def ballast(
     bounds: tuple[float | None, float | None] = (None, None),
     draws: int = DRAWS,
 ) -> Ballast:
-    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent counts as well.
+    """The dry mass within `bounds` [kg] that best meets a goal; with a season the duration counts as well.
 
-    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight if no mass lifts off.
+    The apogee is as the altimeter reads it, including its error. Raises ImpossibleFlight if no mass lifts off.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -158,7 +157,7 @@ def ballast(
     curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
     mass = _best(curve, masses, goal)
     if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
-        # far from the target every chance is nothing: there the mean miss leads the way
+        # far from the target every probability is zero; there the mean miss guides the search
         mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
     forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
     gain, error = _gain(goal, (curve(mass)[0], curve(mass)[1]), (apogee[:, -1], duration[:, -1]), said[0].rests_on)
@@ -180,22 +179,22 @@ def ballast(
 def _gain(
     goal: Goal, there: tuple[Figures, Figures], today: tuple[Figures, Figures], flights: int
 ) -> tuple[float, float]:
-    """By how many points a flight a change is better on average, and how uncertain that is after so many flights.
+    """Mean improvement in points per flight, and its standard error with that many flights.
 
-    Both fly on the same draws; their difference scatters from flight to flight, and its mean is known as well as that
-    many flights determine it.
+    Both masses are simulated with the same draws; their difference scatters from flight to flight, and that number of
+    flights determines its mean.
     """
     saved = _points(goal, *today) - _points(goal, *there)
     return float(saved.mean()), float(saved.std() / np.sqrt(max(flights, 1)))
 
 
 def _points(goal: Goal, apogee: Figures, duration: Figures) -> Figures:
-    """Points of a season; without one, feet off the target."""
+    """Points of a season; without a season, feet off the target."""
     return np.abs(apogee - goal.target) / FOOT if goal.rule is None else goal.rule.points(apogee, duration)
 
 
 def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
-    """Bounds of the dry mass within what a season allows on the pad. [kg]"""
+    """Bounds of the dry mass within the season's limit for the mass on the pad. [kg]"""
     if goal.rule is None or goal.rule.mass is None:
         return bounds
     most = goal.rule.mass - found.motor.loaded_mass
@@ -203,7 +202,7 @@ def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) 
 
 
 def _too_heavy(goal: Goal, plan: Flight, found: Found) -> bool:
-    """Whether a plan weighs more on the pad than its season allows."""
+    """Whether a plan exceeds its season's limit for the mass on the pad."""
     most = None if goal.rule is None else goal.rule.mass
     return most is not None and plan.dry_mass is not None and plan.dry_mass + found.motor.loaded_mass > most + 1e-6
 
@@ -222,8 +221,8 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
 def _named(
     rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
 ) -> tuple[Prediction, float, float]:
-    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown with common random
-    numbers, so that the flight that is named lies within the reach that is."""
+    """The flight at a mass, and the lowest and the highest median apogee of all masses [m], with common random numbers,
+    which ensures that the flight lies within that range."""
     ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
     planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
     said = forecasts(rocket, planned, draws=draws)
@@ -232,8 +231,8 @@ def _named(
 
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
-    """From lift-off to landing of each mass, with common random numbers. [s]"""
-    fall = fall_of(rocket.history, said[-1].plan, said[-1].found)  # at today's mass
+    """Time from liftoff to landing for each mass, with common random numbers. [s]"""
+    fall = fall_of(rocket.history, said[-1].plan, said[-1].found)  # at the current mass
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
@@ -242,7 +241,7 @@ def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw fli
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
-    """The mass of the least cost: the best of the grid, made finer between its neighbors. [kg]"""
+    """The mass with the lowest cost: the best grid point, refined between its neighbors. [kg]"""
     from scipy.optimize import minimize_scalar
 
     costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]

@@ -1,4 +1,4 @@
-"""A check of a planned flight: how it ended, what was found, what would be right, and whose rule that is."""
+"""A check of a planned flight: its verdict, its value, the limit, and the source of the limit."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -9,21 +9,21 @@ from fieldkit.quantities import written
 
 ADVICE_NOTE = "These checks are advice; the range safety officer decides."
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
-"""Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
+"""Probability of missing a limit up to which a check passes, and from which it fails. [1]"""
 
 Verdict = Literal["ok", "caution", "unsafe", "unknown"]
 MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "⊘", "unknown": "?"}
-"""A sign for each verdict, next to its word."""
+"""A symbol for each verdict, printed next to its word."""
 SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
-"""Verdicts from the mildest to the worst."""
+"""Verdicts from mildest to worst."""
 
 
 @dataclass(frozen=True, slots=True)
 class SafetyCheck:
-    """One check: its name, how it ended, what was found and what would be right, and where the limit is from.
+    """One check: its name, its verdict, the value found, the limit, and the source of the limit.
 
-    The figures in `finding` are in SI and are shown in the reader's units (`in_units`). `rule` is the rule's
-    own words if a rule set has the limit, `mark` how sure its text is (`O`, `T`, `U`).
+    Values in `finding` are in SI and are displayed in the reader's units (`in_units`). `rule` is the rule's own wording
+    if a rule set has the limit, `mark` the reliability of its text (`O`, `T`, `U`).
     """
 
     name: str
@@ -35,16 +35,16 @@ class SafetyCheck:
 
     @property
     def failed(self) -> bool:
-        """Whether it is not well, and known."""
+        """Whether the verdict is neither ok nor unknown."""
         return self.verdict in ("caution", "unsafe")
 
     @property
     def text(self) -> str:
-        """What was found and what would be right, in SI."""
+        """The value found and the limit, in SI."""
         return in_units(self.finding, "SI")
 
     def words(self, system: str = "SI", *, source: bool = True) -> str:
-        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and `source` if it is not well."""
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and `source` unless it is ok."""
         rule = f". The rule: {self.rule}" if self.rule and self.failed else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
         doubt = " (unverified)" if self.mark == "U" else ""
@@ -58,17 +58,17 @@ class SafetyCheck:
 
 
 def worst(checks: Sequence[SafetyCheck]) -> SafetyCheck:
-    """The worst of some checks, the first of equally bad ones."""
+    """The worst of several checks; the first of equally bad ones."""
     return max(checks, key=lambda check: SEVERITY.index(check.verdict))
 
 
 def by_chance(chance: float) -> Verdict:
-    """How a check ends that is missed with this chance."""
+    """Verdict of a check whose limit is missed with this probability."""
     return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
 def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
-    """All lines as text, in the units of a system, and who decides."""
+    """All lines as text, in a system of units, followed by who decides."""
     yield from (line.words(system) for line in lines)
     yield ADVICE_NOTE
 
@@ -77,12 +77,12 @@ _FIGURE = re.compile(r"⟨(\S+)\|([^|⟩]+)\|(\d)⟩")
 
 
 def figure(value: float, unit: str, digits: int = 0) -> str:
-    """A figure [SI] within a finding, to be shown in whatever units are read: it has so many digits in `unit`."""
+    """A value [SI] within a finding, displayed in the reader's units; it has `digits` decimals in `unit`."""
     return f"⟨{float(value)!r}|{unit}|{digits}⟩"
 
 
 def in_units(finding: str, system: str) -> str:
-    """A finding with its figures in the units of a system."""
+    """A finding with its values in a system of units."""
     return _FIGURE.sub(lambda one: written(float(one[1]), one[2], system, int(one[3])), finding)
 
 
@@ -92,7 +92,7 @@ def length(metres: float) -> str:
 
 
 def lengths(*metres: float) -> list[str]:
-    """Lengths within one finding that are compared: with a tenth if they look the same without."""
+    """Lengths to be compared within a finding: with one decimal if they look the same without."""
     digits = int(len({round(one) for one in metres}) < len(set(metres)))
     return [figure(one, "m", digits) for one in metres]
 

@@ -1,4 +1,4 @@
-"""What a rocket is by law and by the clubs: model or high power, class and certification level."""
+"""The category of a rocket under laws and club codes: model or high power, class and certification level."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from fieldkit.planning.rules import RuleSet
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """What rules ask of a rocket: motors as installed, mass on the pad [kg] (nan: not known), more than one stage or
-    motor or not, and the total installed impulse [N s]."""
+    """The properties of a rocket that rules refer to: installed motors, mass on the pad [kg] (nan: not known), whether
+    it has more than one stage or motor, and the total installed impulse [N s]."""
 
     motors: tuple[Motor, ...]
     mass: float
@@ -24,12 +24,12 @@ class Build:
 
     @property
     def propellant(self) -> float:
-        """In all motors. [kg]"""
+        """Total propellant mass. [kg]"""
         return sum(motor.propellant_mass for motor in self.motors)
 
     @property
     def rated_thrust(self) -> float:
-        """Average thrust of all motors by their certification. [N]"""
+        """Certified average thrust of all motors together. [N]"""
         return sum(motor.rated_thrust for motor in self.motors)
 
 
@@ -40,7 +40,7 @@ def build_of(motor: Motor, dry_mass: float) -> Build:
 
 
 def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
-    """What makes a rocket a high-power one, an empty text if nothing does.
+    """What makes a rocket high power; an empty text if nothing does.
 
     A motor's certified average thrust counts, not that of its curve, and never the number in its name.
     """
@@ -60,7 +60,7 @@ def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
 
 
 def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
-    """What makes one motor a high-power one."""
+    """What makes a single motor high power."""
     if motor.total_impulse > limit["impulse_of_one_ns"]:
         return f"more than {limit['impulse_of_one_ns']:g} N s"
     if motor.rated_thrust > limit["average_thrust_n"]:
@@ -79,7 +79,7 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
 
 
 def legal_class(build: Build, laws: Mapping[str, Any]) -> int:
-    """Class 1, 2 or 3 of a rocket by the bounds of an air law."""
+    """Class 1, 2 or 3 of a rocket under the bounds of an air law."""
     if build.impulse > laws["class2_impulse_ns"]:
         return 3
     light = not build.mass * 1e3 > laws["class1_mass_g"]

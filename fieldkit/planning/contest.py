@@ -1,4 +1,4 @@
-"""Contest points: seasons are files in `fieldkit/data/seasons`, flights and plans are scored by them."""
+"""Contest points: seasons are files in `fieldkit/data/seasons`, which score flights and plans."""
 
 import math
 import tomllib
@@ -25,18 +25,18 @@ from fieldkit.units import FOOT
 
 FOLDER = Path(__file__).parents[1] / "data" / "seasons"
 DRAWS = 1000
-"""Rockets drawn, each of which flies all flights that may be declared. [1]"""
+"""Number of rockets drawn, each of which flies all flights that may be declared. [1]"""
 AREAS = (0.4, 2.5)
-"""Fractions of the parachute's area that are tried. [1]"""
+"""Range of the tried parachute areas, as a ratio to the current area. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Season:
-    """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
+    """The rules of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` flights count.
 
-    `mass` and `impulse` are the most on the pad, `length` the least; None if the season sets none. `eggs`, `body`,
-    `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m]. `mark` is
-    how sure its text is, `marks` that of a limit which is less sure, by its name.
+    `mass` and `impulse` are upper limits on the pad, `length` a lower limit; None if the season sets none. `eggs`,
+    `body`, `launch` and `finals` are its other rules, `finals_range` the targets that finals may have [m]. `mark` is
+    the reliability of its text, `marks` that of less reliable limits, by name.
     """
 
     year: int
@@ -66,16 +66,16 @@ class Season:
         return np.asarray(self.per_metre * np.abs(apogee - self.target) + self.per_second * np.nan_to_num(late))
 
     def sums(self, points: Float[Array, "draw declared"]) -> Float[Array, "draw"]:
-        """The sum over the best of the declared flights, which is the score. [1]"""
+        """The score: the sum over the best of the declared flights. [1]"""
         return np.asarray(np.sort(points, axis=1)[:, : self.best].sum(axis=1))
 
     def announced(self, target: float | None, window: tuple[float, float] | None) -> "Season":
-        """The same rule with the target [m] and window [s] of the day, if they were announced."""
+        """The same rules with the target [m] and window [s] of the day, if announced."""
         return replace(self, target=target or self.target, window=window or self.window)
 
     @property
     def caveat(self) -> str:
-        """What is to be known before it is believed; empty for a rule that was checked."""
+        """A warning about an unverified rule; empty for a verified one."""
         if self.checked:
             return ""
         how = MARKS.get(self.mark, "unverified")
@@ -86,20 +86,20 @@ class Season:
 
     @property
     def by_hand(self) -> list[tuple[str, str]]:
-        """What it asks of eggs, body and launch, which nothing here can measure, by the name of each."""
+        """Its rules about eggs, body and launch, which the program cannot check, each with its name."""
         return [(name, text) for name in ("eggs", "body", "launch") if (text := getattr(self, name))]
 
 
 def seasons(own: Path | None = None) -> list[int]:
-    """The years there are files of, here and in the flyer's own folder."""
+    """The years with a file, shipped or in the user's own folder."""
     folders = (FOLDER, own) if own is not None else (FOLDER,)
     return sorted({int(file.stem) for folder in folders for file in folder.glob("*.toml") if file.stem.isdecimal()})
 
 
 def copy_season(year: int, own: Path) -> Path:
-    """The file of a year in the flyer's own folder, copied there if it is not yet, to be checked and changed.
+    """The file of a year in the user's own folder; it is copied there if missing, to be checked and changed.
 
-    Raises BadValue for a year that there is no file of, FieldkitError for a folder that cannot be written.
+    Raises BadValue for a year without a file, FieldkitError for a folder that cannot be written.
     """
     file = own / f"{year}.toml"
     if not file.exists():
@@ -109,9 +109,9 @@ def copy_season(year: int, own: Path) -> Path:
 
 
 def season(year: int, own: Path | None = None) -> Season:
-    """The rule of a year, from the flyer's own folder of seasons if it has one.
+    """The rules of a year, from the user's own folder of seasons if it has a file.
 
-    Raises BadValue that names the years there are, or what a file lacks.
+    Raises BadValue that lists the available years, or the missing entries of a file.
     """
     file = FOLDER / f"{year}.toml"
     if own is not None and (own / f"{year}.toml").exists():
@@ -144,7 +144,7 @@ def season(year: int, own: Path | None = None) -> Season:
 
 
 def _finals(feet: Sequence[float] | None) -> tuple[float, float] | None:
-    """The lowest and the highest target of finals. [m]"""
+    """The lowest and the highest target in finals. [m]"""
     if feet is None:
         return None
     low, high = (float(one) * FOOT for one in feet)
@@ -156,9 +156,9 @@ def _scaled(value: float | None, by: float) -> float | None:
 
 
 def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
-    """Flights with an apogee and their points, in the order given; nan for one that has no score.
+    """Flights with an apogee and their points, in the given order; nan for a flight without a score.
 
-    The altitude counts in whole feet, the duration as two timers have it. Raises BadValue for a timer that is not a
+    The altitude counts in whole feet, the duration as timed by two timers. Raises BadValue for a timer that is not a
     number.
     """
     return [(flight, _points(rule, flight)) for flight in flights if flight.apogee is not None]
@@ -175,7 +175,8 @@ def _points(rule: Season, flight: Flight) -> float:
 def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
     """The sum over the best of the declared flights, given by their ids. [1]
 
-    A flight without a score is one of the attempts and never among the best. Raises BadValue for what cannot be.
+    A flight without a score counts as an attempt but never as one of the best. Raises BadValue for an invalid
+    declaration.
     """
     points = {flight.flight_id: own for flight, own in scored}
     if strange := [name for name in names if name not in points]:
@@ -193,10 +194,10 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """What a plan can expect: points of each flight that may be declared, as draws, and what they rest on.
+    """Forecast of a plan's points: draws for each flight that may be declared, and what they are based on.
 
-    `fall` is what the durations [s] rest on. `area` is the fraction of the parachute's area that has the fewest
-    points, and `points_there` what it would bring on average.
+    `fall` is the basis of the durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
+    current area, and `points_there` the mean points with it.
     """
 
     forecast: Prediction
@@ -207,15 +208,15 @@ class Outlook:
     points_there: float
 
     def chance(self, rule: Season, cut: float) -> float:
-        """That the sum of the best declared flights is within a cut. [1]"""
+        """Probability that the sum of the best declared flights is within a cut. [1]"""
         return float((rule.sums(self.points) <= cut).mean())
 
 
 def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
-    """Fly a plan as often as flights may be declared, on a fraction of the area of the parachute that was flown. [1]
+    """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
 
-    The flights of a row share what is not known of the rocket and differ in their random draws, so their sum is as
-    uncertain as it should be.
+    The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
+    the right uncertainty.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
     fall, shape = fall_of(rocket.history, said[0].plan, found), (draws, rule.declared)
@@ -232,8 +233,8 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
-    """The fraction of the area that costs least, and that cost; by its logarithm, so that half and double are equal
-    steps."""
+    """The fraction of the area with the lowest cost, and that cost; searched in its logarithm, where half and double
+    are equal steps."""
     from scipy.optimize import minimize_scalar
 
     bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))

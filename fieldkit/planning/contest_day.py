@@ -1,4 +1,4 @@
-"""The day of a contest: what is announced, declared and wanted, in addition to the rule of its season."""
+"""The day of a contest: announcements, declared flights and goals, in addition to the rules of its season."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,8 @@ from fieldkit.planning.contest import Season
 
 @dataclass(frozen=True, slots=True)
 class Day:
-    """What is known of a contest's day: `target` [m] and `window` [s] as announced, the points that qualify (`cut`),
-    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing if it is not."""
+    """Data of a contest day: `target` [m] and `window` [s] as announced, the points to qualify (`cut`), the flights
+    `declared` so far, and the `length` of the rocket [m]; None or empty if not known."""
 
     target: float | None = None
     window: tuple[float, float] | None = None
@@ -19,12 +19,12 @@ class Day:
     length: float | None = None
 
     def rule(self, season: Season) -> Season:
-        """The rule of a season with what was announced in its place."""
+        """The rules of a season with the announced values."""
         return season.announced(self.target, self.window)
 
 
 def read_window(text: str) -> tuple[float, float]:
-    """The window of durations as announced, typed as `37-40`. Raises BadValue. [s]"""
+    """Parse the announced window of durations, typed as `37-40`. Raises BadValue. [s]"""
     wanted = BadValue(f"found {text!r}, expected seconds, the lower first, such as 37-40")
     try:
         low, high = (float(part.strip(" s")) for part in text.split("-"))
@@ -36,12 +36,12 @@ def read_window(text: str) -> tuple[float, float]:
 
 
 def read_declared(text: str) -> tuple[str, ...]:
-    """The flights that are declared, typed as `4,5,6`."""
+    """Parse the declared flights, typed as `4,5,6`."""
     return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
 def read_points(text: str) -> float:
-    """Typed points. [1] Raises BadValue if the text is not a number."""
+    """Parse points. [1] Raises BadValue if the text is not a number."""
     try:
         points = float(text)
     except ValueError:
@@ -52,7 +52,7 @@ def read_points(text: str) -> float:
 
 
 def read_part(name: str, text: str, unit: str) -> object:
-    """One part of a day as typed, or a length of its site; None if nothing is. Raises BadValue."""
+    """Parse one entry of a day, or a length of its site; None if the text is empty. Raises BadValue."""
     if name == "declared":
         return read_declared(text)
     if not text.strip():

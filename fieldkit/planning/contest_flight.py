@@ -1,7 +1,7 @@
-"""A contest flight as it is judged: two timers, eggs, disqualification, whole feet.
+"""A contest flight as judged: two timers, eggs, disqualification, whole feet.
 
-Timers, eggs and a disqualification are extra columns of a flight table: `timer_1_s`, `timer_2_s`, `eggs`,
-`disqualified`; the tags `cracked_egg`, `damaged` and `disqualified` say the same.
+Timers, eggs and disqualification are extra columns of a flight table: `timer_1_s`, `timer_2_s`, `eggs`, `disqualified`;
+the tags `cracked_egg`, `damaged` and `disqualified` have the same meaning.
 """
 
 import math
@@ -13,15 +13,15 @@ from fieldkit.units import FOOT
 
 TIMERS = ("timer_1_s", "timer_2_s")
 WHOLE_EGGS = ("", "intact", "whole", "ok", "uncracked", "good")
-"""What the column `eggs` may say of eggs that are whole."""
+"""Texts in the column `eggs` that mean intact eggs."""
 NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
-"""Tags of a flight that has no score, and why."""
+"""Tags of a flight without a score, with the reason."""
 NOT_TRUE = ("", "no", "false", "0")
 
 
 def judged_duration(flight: Flight) -> float | None:
-    """The duration that a judge writes down: the mean of two timers to 0.01 s, .005 rounding up, one of them alone if
-    the other failed, else the duration of the flight. Raises BadValue. [s]"""
+    """The official duration: the mean of two timers to 0.01 s, with .005 rounded up; the only timer if the other
+    failed; else the duration of the flight. Raises BadValue. [s]"""
     times = [time for name in TIMERS if (time := _time(flight, name)) is not None]
     if not times:
         return flight.duration
@@ -43,12 +43,12 @@ def _time(flight: Flight, name: str) -> Decimal | None:
 
 
 def whole_feet(apogee: float) -> float:
-    """The reading of an altimeter that shows whole feet [m], halves upward. [ft]"""
+    """The reading of an altimeter that displays whole feet, for an apogee [m]; halves round up. [ft]"""
     return math.floor(apogee / FOOT + 0.5 + 1e-9)
 
 
 def why_no_score(flight: Flight) -> str:
-    """Why a flight has no score, empty if it has one: it counts as one of the attempts all the same."""
+    """Why a flight has no score, empty if it has one; it counts as an attempt in either case."""
     for tag, why in NO_SCORE_TAGS.items():
         if tag in flight.tags:
             return why

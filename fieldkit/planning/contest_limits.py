@@ -1,4 +1,4 @@
-"""What a season allows on the pad, line by line: mass, impulse, length, the motor list, and what only a look shows."""
+"""A season's limits on the pad, line by line: mass, impulse, length, the motor list, and rules to check by eye."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from fieldkit.planning.rules import MARKS
 
 
 def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
-    """The motors on a season's approved list, in the flyer's own file `2027_motors.txt`, a line each; None without."""
+    """The motors on a season's approved list, in the user's file `2027_motors.txt`, one per line; None without it."""
     file = own / f"{year}_motors.txt" if own is not None else None
     if file is None or not file.exists():
         return None
@@ -21,7 +21,7 @@ def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None
 
 
 def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> SafetyCheck:
-    """Whether a motor is on the season's approved list, as the flyer keeps it."""
+    """Whether a motor is on the season's approved list in the user's file."""
     motor = found.motor
     name = f"{motor.maker} {motor.designation}"
     if approved is None:
@@ -40,8 +40,8 @@ def allowed(
     length: float | None = None,
     approved: frozenset[str] | None = None,
 ) -> list[SafetyCheck]:
-    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, what
-    only a look at the rocket shows, and the motor list."""
+    """One line for each limit of a season: mass on the pad, total impulse, minimum length [m] of the rocket, rules to
+    check by eye, and the motor list."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
@@ -66,7 +66,7 @@ def allowed(
 
 
 def _limit_source(rule: Season, name: str) -> str:
-    """Where a limit of a season is from and how sure it is."""
+    """The source of a season's limit, and its reliability."""
     mark = MARKS.get(rule.marks.get(name.removeprefix("contest "), rule.mark), "unverified")
     source = f"season {rule.year}: {rule.source}; {mark}"
     return source if rule.checked else f"{source}, not checked against this season's rules"

@@ -20,17 +20,18 @@ from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
 RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
-"""How far a delay may be from what is printed: this fraction of it [1], no less than this and never more than that [s].
-Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
+"""Largest deviation of a delay from its printed value: this fraction of it [1], within these bounds [s].
+
+Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, because makers comply with it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000
-"""Flights flown for each delay. [1]"""
+"""Flights simulated for each delay. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Drill:
-    """The delay tool of a maker for motors of a diameter: what it can take off the longest delay [s], where that is
-    from, if it was checked against the maker's instructions, and the least delay that must be left [s]."""
+    """A maker's delay tool for motors of a diameter: the times it can remove from the longest delay [s], the source,
+    whether it was checked against the maker's instructions, and the minimum delay that must remain [s]."""
 
     maker: str
     takes_off: tuple[float, ...]
@@ -44,7 +45,7 @@ class Drill:
 
     @property
     def caveat(self) -> str:
-        """What is to be known before it is believed; empty for a tool that was checked."""
+        """A warning about an unverified tool; empty for a verified one."""
         if self.checked:
             return ""
         steps = ", ".join(f"{off:g}" for off in self.takes_off)
@@ -54,9 +55,9 @@ class Drill:
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """One delay: how far from apogee it fires [s], how fast the rocket then is [m/s], its chance to be too fast [1].
+    """One delay: its time from apogee [s], the speed when it fires [m/s], its probability of being too fast [1].
 
-    `lands_first` is the chance that the rocket meets the ground before, which counts as too fast. [1]
+    `lands_first` is the probability that the rocket hits the ground first, which counts as too fast. [1]
     """
 
     delay: float
@@ -80,7 +81,7 @@ class Delay:
 
 @dataclass(frozen=True, slots=True)
 class Delays:
-    """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words.
+    """The coast from burnout to apogee [s], delays from best to worst, and notes in words.
 
     `forecast` is the flight with the best of them, without a charge if there is none.
     """
@@ -92,17 +93,17 @@ class Delays:
 
 
 def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """Standard deviation of a delay from what is printed [s], as a ratio of it; 0 for nan. [1]"""
+    """Standard deviation of a delay from its printed value [s], as a ratio of it; 0 for nan. [1]"""
     delays = np.maximum(delays, 0.1)
     off = np.clip(RELATIVE_DELAY_TOLERANCE * delays, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE)
     return np.asarray(np.nan_to_num(off / delays / 2))
 
 
 def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
-    """The delay tool of a motor's maker for its diameter, which most makers have none of; only for reloads and for
-    single-use motors that are sold to be drilled.
+    """The delay tool of a motor's maker for its diameter, None for most makers; only for reloads and for single-use
+    motors that are sold to be drilled.
 
-    Raises BadValue for an own file that is damaged.
+    Raises BadValue if the user's file is damaged.
     """
     tools = _drills(DRILLS, motor) | (_drills(own, motor) if own is not None and own.exists() else {})
     return tools.get(motor.maker) if motor.kind == "reload" or _is_dms(motor) else None
@@ -114,11 +115,11 @@ def _is_dms(motor: Motor) -> bool:
 
 
 _DRILLABLE = re.compile(r"-\d+A$")
-"""The longest delay of a motor that may be drilled, at the end of its designation: `H283ST-15A`."""
+"""The longest delay of an adjustable motor, at the end of its designation: `H283ST-15A`."""
 
 
 def _drills(file: Path, motor: Motor) -> dict[str, Drill]:
-    """The tools of a file for a motor's diameter."""
+    """The tools in a file for a motor's diameter."""
     try:
         tables = tomllib.loads(read_own(file))
         found = {maker: _drill(maker, table, f"your own {file.name}", motor) for maker, table in tables.items()}
@@ -139,10 +140,10 @@ def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Dril
 
 
 def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0.0) -> dict[float, bool]:
-    """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled, and no
-    less than `least_left` is left. [s]
+    """The delays available for a motor [s], and whether each is for sale; `takes_off` are the times that can be drilled
+    from the longest, with at least `least_left` remaining. [s]
 
-    A delay of zero is that of a booster, which lights the next stage and has no charge for a parachute.
+    A delay of zero belongs to a booster, which lights the next stage and has no charge for a parachute.
     """
     sold = sold_delays(motor)
     drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
@@ -151,7 +152,7 @@ def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0
 
 
 def sold_delays(motor: Motor) -> list[float]:
-    """The delays on sale after which a charge fires, the shortest first. [s]"""
+    """The delays for sale that fire a charge, shortest first. [s]"""
     return [delay for delay in sorted(motor.delays) if 0 < delay < PLUGGED_DELAY]
 
 
@@ -164,12 +165,12 @@ def delays(
     draws: int = DRAWS,
     least_left: float = 0.0,
 ) -> Delays:
-    """Judge the delays on sale, and those drilled from the longest by what a tool `takes_off`, of
-    which at least `least_left` is left. [s]
+    """Rank the delays for sale, and those drilled from the longest with a tool that `takes_off` certain times, with at
+    least `least_left` remaining. [s]
 
-    `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
-    parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
-    Raises ImpossibleFlight if the motor does not lift the rocket.
+    `limit` is the highest safe speed at ejection [m/s]. Each delay is simulated, so fall and drag, wind and early
+    deployment are included in its speed. The best has the lowest probability of being too fast, then the lowest mean
+    square speed. Raises ImpossibleFlight if the motor does not lift the rocket.
     """
     ways = list(offered(found.motor, takes_off, least_left).items())
     planned = [
@@ -193,9 +194,10 @@ def delays(
 
 
 def _judged(said: Prediction, uncharged: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
-    """A delay, and what it is ranked by: the mean square of the speed at the charge. [m^2/s^2]
+    """A delay, and its ranking criterion: the mean square of the speed at the charge. [m^2/s^2]
 
-    A charge on the way up ends the climb, so when it fires is counted from the apogee of the same draw without one.
+    A charge before apogee ends the climb, so the time of firing is relative to the apogee of the same draw without a
+    charge.
     """
     lifted = said.apogee > 0
     after = (said.rise_time + said.eject - uncharged.rise_time)[lifted]
@@ -207,7 +209,7 @@ def _judged(said: Prediction, uncharged: Prediction, delay: float, limit: float,
 
 
 def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -> list[str]:
-    """What cannot be, said in words."""
+    """Notes about delays that are not possible or not suitable."""
     name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
     if middle < 0:
         text = f"{name}: the rocket passes apogee {-middle:.1f} s before burnout, so a delay would have to"
@@ -222,7 +224,7 @@ def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -
 
 
 def _old_list(motor: Motor, ranked: Sequence[Delay]) -> list[str]:
-    """What is to be known of a list of delays that documents disagree on, unless the flyer gave the longest."""
+    """A note about a delay list on which documents disagree, unless the user gave the longest delay."""
     listed = delays_text(motor.delays).replace(" ", "")
     if not any(one.field == "delays" and not one.applied and one.was == listed for one in motor.corrections):
         return []
@@ -232,7 +234,7 @@ def _old_list(motor: Motor, ranked: Sequence[Delay]) -> list[str]:
 
 
 def _out_of_range(name: str, middle: float, ranked: Sequence[Delay]) -> list[str]:
-    """That every delay fires too early or too late for a coast of a median time [s]."""
+    """A note if every delay fires too early or too late for a coast with this median time [s]."""
     short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
     if middle < short - MIN_DELAY_TOLERANCE:
         text = f"{name}: coasts {middle:.1f} s, the shortest available delay is {short:g} s: every charge fires"

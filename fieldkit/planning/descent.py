@@ -1,4 +1,4 @@
-"""What a descent makes of a plan: its way down under what opens when, and how long it flies."""
+"""The descent of a plan: its path under each device, and the flight duration."""
 
 from collections.abc import Sequence
 
@@ -18,10 +18,10 @@ from fieldkit.units import STANDARD_GRAVITY
 def descents(
     said: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None, seed: int = 8
 ) -> DescentResult:
-    """The way down of each draw of a forecast at a descent speed near the ground [m/s].
+    """The descent of each draw of a forecast at a descent speed near the ground [m/s].
 
-    The charge fires as the delay of the plan says; if none is known, and if an altimeter opens two devices, at
-    apogee. A draw that reaches the ground before it, or before anything is open, comes down ballistic.
+    The charge fires after the plan's delay; if no delay is known, or if an altimeter opens two devices, at apogee. A
+    draw that reaches the ground first, or before anything is open, lands ballistic.
     """
     plan, recovery = said.plan, recovery_of(said.plan)
     air = air_at_pads([plan])
@@ -41,7 +41,7 @@ def descents(
 def durations(
     said: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """From lift-off to landing at these descent speeds near the ground; ballistic if no charge opened it. [s]"""
+    """Time from liftoff to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
     columns = [one.rise_time + descents(one, fall, speed).time for one, speed in zip(said, speeds.T, strict=True)]
     return np.stack(columns, axis=-1)
 

@@ -1,9 +1,9 @@
-"""How fast a rocket comes down, from what its flights showed, what was typed of its parachute, or what is usual.
+"""The descent speed of a rocket, from its flights, from the entered parachute, or from a default.
 
-Under a device drag carries the weight, rho/2 v^2 Cd A = m g, so that v = c sqrt(m / rho) / sqrt(A / A0): one number
-c for a rocket and its device serves every mass, air, and fraction of the device's area (Knacke, Parachute Recovery
-Systems Design Manual, 1991, chapter 5). Duration, landing and the fit on flights rest on the same descent
-(`fieldkit.physics.descent`): the charge fires when its delay says, not at apogee.
+Under a device drag balances weight, rho/2 v^2 Cd A = m g, which gives v = c sqrt(m / rho) / sqrt(A / A0): a single
+number c for a rocket and its device covers every mass, air density, and fraction of the device's area (Knacke,
+Parachute Recovery Systems Design Manual, 1991, chapter 5). Duration, landing and the fit to flights use the same
+descent model (`fieldkit.physics.descent`): the charge fires at the end of its delay, not at apogee.
 """
 
 from collections.abc import Sequence
@@ -21,30 +21,31 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
 
 FLIGHT_TO_FLIGHT_SD = 0.10
-"""Standard deviation of the log descent speed from flight to flight, before any flight. [1]"""
+"""Prior standard deviation of the log descent speed from flight to flight. [1]"""
 DESCENT_PRIOR_FLIGHTS = 4.0
-"""Number of flights that the guess of the descent speed counts for. [1]"""
+"""Number of flights that the prior of the descent speed counts for. [1]"""
 DEFAULT_DESCENT_SD = 0.30
-"""Of the log descent speed if no flight shows it: parachutes are cut for 3.5 to 7 m/s. [1]"""
+"""Standard deviation of the log descent speed without flights: parachutes are sized for 3.5 to 7 m/s. [1]"""
 STREAMER_SPEED = 10.0
-"""Under a streamer if no flight shows it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
+"""Default speed under a streamer, an assumption: 7 to 14 m/s within `DEFAULT_DESCENT_SD`. [m/s]"""
 AREA_CHANGE_SD = 0.15
-"""By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
+"""Error of the predicted effect of a change of area, per unit of its log: lines and slots change Cd. [1]"""
 USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
-"""At which a usual descent speed is meant [kg], [kg/m^3]."""
+"""Mass [kg] and air density [kg/m^3] that a default descent speed refers to."""
 PARACHUTE_SD = 0.12
-"""Of the log of the descent speed that goes with a parachute's diameter, for holes, slots, and lines that are too
-short. [1]"""
+"""Standard deviation of the log descent speed computed from a parachute's diameter, due to holes, slots and short
+lines. [1]"""
 TYPED_FLIGHTS = 4
-"""Flights that a typed descent speed counts for. [1]"""
+"""Number of flights that an entered descent speed counts for. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Fall:
-    """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual device.
+    """The log of c = v sqrt(rho / m): its mean over `flights`, and its standard deviation. Without flights, the default
+    of a device.
 
-    `drogue` is that of the drogue of a rocket with two devices, None if there is none. What was `typed` counts for so
-    many flights.
+    `drogue` is the same for the drogue of a rocket with two devices, None if there is none. An entered speed (`typed`)
+    counts for that many flights.
     """
 
     log_mean: float
@@ -54,18 +55,18 @@ class Fall:
     typed: int = 0
 
     def relative_sd(self, more: int = 0) -> float:
-        """Standard deviation of the log of the next descent speed, after so many `more` flights that show one. [1]"""
+        """Standard deviation of the log of the next descent speed, after `more` flights that record one. [1]"""
         count = (self.flights or self.typed) + more
         return float(np.hypot(self.spread, self.spread / np.sqrt(count) if count else DEFAULT_DESCENT_SD))
 
     def speeds(
         self, rng: np.random.Generator, shape: tuple[int, int], mass: float, density: float, area: float = 1.0
     ) -> Float[Array, "draw flight"]:
-        """Descent speeds near the ground of flights of a landing mass [kg] in air [kg/m^3], on a fraction of the
+        """Descent speeds near the ground of flights with a landing mass [kg] in air [kg/m^3], with a fraction of the
         parachute's area. [m/s]
 
-        Each row is one rocket: variance and mean from their joint posterior (normal, inverse chi-square; Gelman et
-        al., Bayesian Data Analysis, 2013, section 3.3), each flight of it scattered about that mean.
+        Each row is one rocket: its variance and mean are drawn from their joint posterior (normal, inverse chi-square;
+        Gelman et al., Bayesian Data Analysis, 2013, section 3.3), and its flights scatter about that mean.
         """
         draws, flights = shape
         count = self.flights or self.typed
@@ -80,26 +81,25 @@ class Fall:
 
 
 def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float = USUAL_DENSITY) -> Fall:
-    """The descent on a device of which nothing is known: at its usual speed at a landing mass [kg] in air [kg/m^3], for
-    a device is chosen by the mass that hangs under it."""
+    """The default descent on an unknown device: at its default speed for a landing mass [kg] in air [kg/m^3], because a
+    device is chosen to suit the mass."""
     return Fall(
         _pace(DESCENT_SPEED if device == "parachute" else STREAMER_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0
     )
 
 
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None, found: Found | None = None) -> Fall:
-    """What the clean flights of a rocket show of its descent, those on the plan's device and parachute if it names
-    them; else what was typed of these; else what is usual at the landing mass of the plan on its motor."""
+    """The descent of a rocket from its flights without anomaly tags, on the plan's device and parachute if named; else
+    from the entered values; else the default at the plan's landing mass on its motor."""
     return completed_fall(flown_falls(history, plan), plan, found)
 
 
 FlownFalls = tuple[Fall | None, Fall | None]
-"""What flights show of the last device and of a drogue above it, None if nothing."""
+"""The descent measured in flights, of the last device and of a drogue above it; None without data."""
 
 
 def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> FlownFalls:
-    """What the clean flights of a rocket show of its descent, those on the plan's device and parachute if it names
-    them."""
+    """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named."""
     wanted = recovery_of(plan) if plan is not None else None
     used = [(flight, found) for flight, found in history if flight.clean and _same_device(flight, wanted)]
     shown = [shown_speeds(flight, found) for flight, found in used]
@@ -108,7 +108,7 @@ def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = N
 
 
 def completed_fall(flown: FlownFalls, plan: Flight | None = None, found: Found | None = None) -> Fall:
-    """What flights show, and for what they do not show what was typed with the plan, or what is usual."""
+    """The descent measured in flights, completed with the plan's entered values or with defaults."""
     if plan is None:
         return flown[0] or usual()
     wanted, mass, density = recovery_of(plan), USUAL_MASS, float(air_at_pads([plan]).density[0])
@@ -121,7 +121,7 @@ def completed_fall(flown: FlownFalls, plan: Flight | None = None, found: Found |
 
 
 def _same_device(flight: Flight, wanted: Recovery | None) -> bool:
-    """Whether a flight came down on the device of a plan, and on its parachute if the plan says which."""
+    """Whether a flight used the device of a plan, and its parachute if the plan names one."""
     if wanted is None:
         return True
     own = recovery_of(flight)
@@ -130,7 +130,7 @@ def _same_device(flight: Flight, wanted: Recovery | None) -> bool:
 
 
 def _typed(wanted: Recovery, mass: float, density: float) -> Fall | None:
-    """The descent by a typed speed at a landing mass [kg] in air [kg/m^3], or by the diameter of the parachute."""
+    """The descent from an entered speed at a landing mass [kg] in air [kg/m^3], or from the parachute's diameter."""
     if wanted.main_speed is not None:
         return Fall(_pace(wanted.main_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
     if wanted.parachute_diameter is None:
@@ -140,19 +140,19 @@ def _typed(wanted: Recovery, mass: float, density: float) -> Fall | None:
 
 
 def _typed_drogue(wanted: Recovery, mass: float, density: float) -> Fall:
-    """The drogue as typed at a landing mass [kg] in air [kg/m^3], or a usual one."""
+    """The drogue as entered, or a default one, at a landing mass [kg] in air [kg/m^3]."""
     if wanted.drogue_speed is None:
         return Fall(_pace(DROGUE_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0)
     return Fall(_pace(wanted.drogue_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
 
 
 def _pace(speed: float, mass: float, density: float) -> float:
-    """The log of c of a speed near the ground [m/s]."""
+    """The log of c for a speed near the ground [m/s]."""
     return float(np.log(speed) - 0.5 * np.log(mass / density))
 
 
 def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]) -> Fall | None:
-    """The fall that some speeds show [m/s], None without any."""
+    """The descent estimated from measured speeds [m/s], None without any."""
     values = np.array([np.nan if speed is None else speed for speed in speeds], float)
     known = np.isfinite(values) & (values > 0)
     if not known.any():

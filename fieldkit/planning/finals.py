@@ -1,4 +1,4 @@
-"""Mass and parachute solved together for altitude and time, and a table of them for the targets of finals."""
+"""Optimize mass and parachute together for altitude and time, with a table for the targets of finals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,22 +20,22 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
 MASSES = 13
-"""Masses that are flown; between them figures are interpolated. [1]"""
+"""Number of masses simulated; values between them are interpolated. [1]"""
 FINE_MASSES = 97
-"""Masses that are judged. [1]"""
+"""Number of masses evaluated. [1]"""
 AREAS = tuple(np.exp(np.linspace(np.log(0.3), np.log(2.5), 22)))
-"""Areas of the parachute over that flown which are judged. [1]"""
+"""Areas of the parachute that are evaluated, as a ratio to the current area. [1]"""
 MIN_MASS_RATIO = 0.6
-"""Least dry mass that is judged, over today's. [1]"""
+"""Lowest dry mass evaluated, as a ratio to the current mass. [1]"""
 DRAWS = 300
 STEP = 5 * FOOT
-"""Between the targets of a table. [m]"""
+"""Interval between the targets of a table. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Together:
-    """The dry mass [kg] and the area of the parachute over that flown [1] that bring the fewest points for a target
-    [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points a flight."""
+    """The dry mass [kg] and the ratio of the parachute's area to the current one [1] with the fewest points for a
+    target [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points per flight."""
 
     target: float
     window: tuple[float, float]
@@ -45,13 +45,13 @@ class Together:
     duration: Three
     points: float
     at_edge: bool = False
-    """Whether more might be won beyond the masses or areas that were judged."""
+    """Whether the optimum is at the edge of the masses or areas evaluated."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrialFlights:
-    """Flights of a plan at several masses [kg], on common draws: what the altimeter shows [m] and what a duration at
-    each area takes [s]; the `forecast` at the heaviest, and what the descent rests on."""
+    """Simulated flights of a plan at several masses [kg], with common draws: altimeter readings [m] and the duration
+    with each area [s]; the `forecast` at the heaviest, and the basis of the descent."""
 
     masses: Float[Array, "mass"]
     apogee: Float[Array, "mass draw"]
@@ -60,7 +60,7 @@ class TrialFlights:
     fall: Fall
 
     def best(self, rule: Season) -> Together:
-        """What brings the fewest points by a rule."""
+        """The mass and area with the fewest points under a season's rules."""
         points = np.array([rule.points(self.apogee, one).mean(axis=-1) for one in self.duration])
         area, row = np.unravel_index(int(np.argmin(points)), points.shape)
         return Together(
@@ -78,7 +78,9 @@ class TrialFlights:
 def trials(
     rocket: Rocket, plan: Flight, found: Found, rule: Season, bounds: tuple[float | None, float | None] = (None, None)
 ) -> TrialFlights:
-    """Fly a plan at masses within what is legal, or within bounds of the dry mass [kg]. Raises ImpossibleFlight."""
+    """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg]. Raises
+    ImpossibleFlight.
+    """
     from scipy.interpolate import PchipInterpolator
 
     if plan.dry_mass is None:
@@ -107,7 +109,7 @@ def trials(
 
 
 def finals_targets(rule: Season) -> list[float]:
-    """Targets that finals may have, every five feet; that of the season if its rule has no range. [m]"""
+    """Targets that finals may have, every five feet; the season's target if its rules have no range. [m]"""
     if rule.finals_range is None:
         return [rule.target]
     low, high = rule.finals_range
@@ -115,5 +117,5 @@ def finals_targets(rule: Season) -> list[float]:
 
 
 def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[Together]:
-    """What to fly for each of some targets [m], in the window of the rule."""
+    """The best mass and area for each target [m], in the window of the rules."""
     return [flown.best(rule.announced(target, None)) for target in targets]

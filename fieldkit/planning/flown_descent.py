@@ -1,4 +1,4 @@
-"""How fast a flown flight came down, from its duration or what was read: the inverse of the one descent."""
+"""The descent speed of a recorded flight, from its duration or its readouts: the inverse of the descent model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,20 +16,20 @@ from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY
 
 DROGUE_SPEED = 20.0
-"""Under a drogue if none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
+"""Default speed under a drogue, an assumption: 15 to 17 in student launches, 23 to 46 for large rockets. [m/s]"""
 CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
-"""Drag coefficients among which that of a flown apogee is looked for. [1]"""
+"""Drag coefficients among which the one matching a recorded apogee is searched. [1]"""
 ROUNDS = 6
-"""Of the search for a descent speed, each of which changes it by a small part of the last. [1]"""
+"""Iterations of the search for a descent speed; each correction is a small fraction of the last. [1]"""
 
 
 def landing_mass(flight: Flight, found: Found) -> float:
-    """Of the rocket with the motor burned out. [kg]"""
+    """Mass of the rocket with the motor burned out. [kg]"""
     return (flight.dry_mass or np.nan) + found.motor.casing_mass
 
 
 def air_at_pads(flights: Sequence[Flight]) -> Air:
-    """The air at the pad of each of some flights; what was not recorded is the standard's."""
+    """The air at the pad of each flight; the default for missing values is the standard atmosphere."""
     elevation, temperature, pressure, humidity = (
         recorded(flights, name) for name in ("site_elevation", "temperature", "pressure", "humidity")
     )
@@ -37,10 +37,10 @@ def air_at_pads(flights: Sequence[Flight]) -> Air:
 
 
 def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | None]:
-    """Descent speeds near the ground that a flight shows: of its last device, and of a drogue above it. [m/s]
+    """Descent speeds near the ground computed from a flight: of its last device, and of a drogue above it. [m/s]
 
-    A duration is what a stopwatch and a judge have, and it averages over the whole descent, so it counts before a
-    descent speed; with two devices the descent speed is the main's and the duration gives the drogue's.
+    A duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it is preferred over
+    a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
     """
     if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
         return flight.descent_speed, None
@@ -56,10 +56,10 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
 
 
 def _one_device(path: "_Path", air: Air, left: float) -> float:
-    """Speed under a device that comes down a path in the rest of a flight's time [s]. [m/s]"""
+    """Speed under a device that descends a path in the remaining time of a flight [s]. [m/s]"""
     sunk = float(air.sinking_path(np.array([path.opened]))[0])
     speed = sunk / left
-    for _ in range(ROUNDS):  # it has to come to its speed first
+    for _ in range(ROUNDS):  # the device first has to slow to its own speed
         speed = sunk / max(left - _lag(speed, path.speed), 0.5 * left)
     return speed
 
@@ -67,10 +67,10 @@ def _one_device(path: "_Path", air: Air, left: float) -> float:
 def _two_devices(
     flight: Flight, devices: Devices, path: "_Path", air: Air, left: float
 ) -> tuple[float | None, float | None]:
-    """Speeds under main and drogue of a flight that has both open, for the rest of its time [s]."""
+    """Speeds under main and drogue of a flight on which both opened, from its remaining time [s]. [m/s]"""
     main, drogue = flight.descent_speed, float(devices.first[0])
     shown: tuple[float | None, float | None] = main, None
-    for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
+    for _ in range(ROUNDS):  # the rocket falls farther under the drogue while the main opens
         late = float(opening_time(devices, devices.main, np.array(drogue))[0])
         open_main = min(max(devices.main_altitude - drogue * late, 0.0), path.opened)
         high, low = (float(sunk) for sunk in air.sinking_path(np.array([path.opened, open_main])))
@@ -88,12 +88,12 @@ def _two_devices(
 
 
 def _lag(device: float, before: float) -> float:
-    """`lag` of a device that comes to its own speed from another. [s]"""
+    """`lag` of a device that changes from another speed to its own. [s]"""
     return float(lag(np.array(device), np.array(before), np.array(device)))
 
 
 def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
-    """What opens in a flight, as fast as it was said or is usual."""
+    """The devices of a flight, with recorded or default speeds."""
     main = np.array([flight.descent_speed or recovery.main_speed or DESCENT_SPEED])
     first = np.array([recovery.drogue_speed or DROGUE_SPEED]) if recovery.dual else main
     fills = filling(np.array(landing_mass(flight, found)), air_at_pads([flight]).density)
@@ -102,8 +102,8 @@ def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], height where it is open [m] and
-    speed of the fall there [m/s]."""
+    """A recorded flight: time from liftoff to apogee [s], free fall until a device is open [s], height [m] and fall
+    speed [m/s] at which it is open."""
 
     rise: float
     free: float
@@ -112,10 +112,9 @@ class _Path:
 
 
 def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
-    """What a flight did until something was open, from what was read and else from flying it to its apogee.
+    """The path of a flight until a device was open, from its readouts or else from simulating it to its apogee.
 
-    The charge fires where it was read to, else when the delay says, else at the height that was read for it, else at
-    apogee.
+    The charge fires at its recorded time, else after the delay, else at its recorded height, else at apogee.
     """
     conditions = [recorded([flight], name) for name in ("site_elevation", "temperature", "pressure")]
     gain = float(altimeter_gain(*conditions)[0])
@@ -133,7 +132,7 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
         rise = flight.burn_time + flight.coast_to_apogee
     mass, density = landing_mass(flight, found), float(air_at_pads([flight]).density[0])
     terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area))
-    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # burnout after lift-off
+    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # time of burnout after liftoff
     delay = flight.delay if flight.delay is not None else found.delay
     if flight.apogee_to_eject is not None:
         wait = flight.apogee_to_eject

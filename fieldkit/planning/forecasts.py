@@ -1,4 +1,4 @@
-"""Forecasts of plans that a flyer chooses among, from what is known of a rocket."""
+"""Forecasts of alternative plans, from what is known about a rocket."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,9 +18,9 @@ Planned = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True)
 class Rocket:
-    """What is known of a rocket that forecasts rest on: its flights, the sets of effects in its model, by how much
-    intervals are `stretched` for how `earlier` forecasts fared, the designs it starts from, and what the flyer's other
-    rockets show."""
+    """The data about a rocket that forecasts are based on: its flights, the effect sets in its model, the factor by
+    which intervals are `stretched` given how `earlier` forecasts performed, its starting designs, and the data of the
+    user's other rockets."""
 
     history: tuple[tuple[Flight, Found], ...]
     averaged: Averaged
@@ -29,11 +29,11 @@ class Rocket:
     starts: tuple[Start, ...] = ()
     shared: SharedPrior | None = None
     implausible: tuple[str, ...] = ()
-    """A line for each flight that no rocket can have flown, and that no forecast rests on."""
+    """One line for each flight that no rocket can have flown and that is excluded from forecasts."""
 
     @property
     def flights(self) -> list[Flight]:
-        """The flights that physics can follow, in order."""
+        """The flights that can be simulated, in order."""
         return [flight for flight, _ in self.history]
 
     @property
@@ -50,8 +50,8 @@ def forecasts(
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """Forecasts of plans that a flyer chooses among, each as the next flight, as `predict` would make them, in the
-    order given; nothing is kept.
+    """Forecasts of alternative plans, each as the next flight, as `predict` would make them, in the given order;
+    nothing is saved.
 
     `paired` and `delay_sd` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
     mass.
@@ -65,7 +65,7 @@ def forecasts(
 
 
 def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
-    """The forecast fitted to a rocket's flights for plans of one kind, each as the next flight."""
+    """The forecast model fitted to a rocket's flights for similar plans, each as the next flight."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
     return learn(rocket.history, planned, averaged=rocket.averaged, cds=cds, shared=rocket.shared, draws=draws)
 
@@ -76,7 +76,7 @@ def flown_ahead(
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """The fit, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
+    """Simulate the plans of a fit as in `fly_ahead`, with intervals widened for this rocket."""
     made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
     made = [one.corrected(rocket.stretched, rocket.earlier) for one in made]
     return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]

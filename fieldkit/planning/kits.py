@@ -1,4 +1,4 @@
-"""Kits of the flyer's: what a rocket weighs and how wide it is before it has flown, in `kits.toml` of their folder."""
+"""The user's kits: mass and diameter of a rocket before its first flight, in `kits.toml` in the user's folder."""
 
 import tomllib
 from collections.abc import Mapping
@@ -10,12 +10,12 @@ from fieldkit.files import read_own
 from fieldkit.motors.motor import Motor
 
 DIAMETER_TOLERANCE = 0.0006
-"""Largest difference between two diameters of one mount. [m]"""
+"""Largest difference between two diameters of the same mount. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Kit:
-    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None if it is not known."""
+    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None if not known."""
 
     name: str
     dry_mass: float | None
@@ -24,7 +24,7 @@ class Kit:
 
 
 def read_kits(file: Path) -> Mapping[str, Kit]:
-    """The kits of a file by name, none if there is no file. Raises BadValue that names the kit and the figure."""
+    """The kits in a file by name, empty if there is no file. Raises BadValue that names the kit and the value."""
     if not file.exists():
         return {}
     try:
@@ -43,7 +43,7 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
 
 
 def kit_of(file: Path, name: str) -> Kit:
-    """The kit of a name. Raises BadValue that lists those there are."""
+    """The kit with a name. Raises BadValue that lists the available ones."""
     kits = read_kits(file)
     if name.casefold() not in kits:
         known = ", ".join(kit.name for kit in kits.values()) or f"none; add them in {file}"
@@ -52,7 +52,7 @@ def kit_of(file: Path, name: str) -> Kit:
 
 
 def check_mount(kit: Kit, motor: Motor) -> None:
-    """Raise BadValue for a motor, or one of a cluster, that is wider than the mount of a kit."""
+    """Raise BadValue for a motor, or one in a cluster, that is wider than the mount of a kit."""
     widest = max(one.diameter for one in motor.parts or (motor,))
     if kit.mount is not None and widest > kit.mount + DIAMETER_TOLERANCE:
         found = f"found {motor.maker} {motor.designation}, {widest * 1e3:g} mm wide"

@@ -1,5 +1,5 @@
-"""Where a plan lands: draws of the path to apogee and of the way down, the ellipse that holds them, and the rail angle
-that brings it back."""
+"""The landing point of a plan: draws of the path to apogee and of the descent, their ellipse, and the rail angle that
+brings the landing closest to the pad."""
 
 import math
 from collections.abc import Sequence
@@ -26,27 +26,28 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE
 
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
-"""Of the log of the wind that blows over the one declared, as in the training of the networks; of its direction [rad],
-a judgment."""
+"""Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
+networks, and of its direction [rad], a judgment."""
 CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
-"""Of the log of how far the climb carries the rocket over what is forecast, with the static margin given and without:
-the root mean square over 51 flights of RocketPy of 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]"""
+"""Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
+margin: root mean square over 51 RocketPy flights with 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]
+"""
 ELLIPSE_LEVEL = 0.9
-"""Fraction of the landings that the ellipse holds. [1]"""
+"""Fraction of the landings inside the ellipse. [1]"""
 ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
-"""Angles of the rail that are tried. [deg]"""
+"""Rail angles that are tried. [deg]"""
 MAX_RECOMMENDED_ANGLE = 10 * DEGREE
-"""Of the rail that is recommended, below what any code allows, for it costs altitude. [rad]"""
+"""Largest recommended rail angle, below every code's limit, because it costs altitude. [rad]"""
 TRIED_DRAWS = 300
-"""Flights flown for each. [1]"""
+"""Flights simulated for each rail angle. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Landing:
-    """Where a forecast lands: draws downwind of the pad and to the right of that [m], and how it came down.
+    """The landing points of a forecast: draws downwind of the pad and to the right of that [m], and the descent.
 
-    `drift` is how far the descent drifts for each m/s of wind at the pad [s]; without a `wind` given it is all that is
-    known of the landing, and `along` and `across` are those of a calm.
+    `drift` is the drift of the descent per m/s of wind at the pad [s]; without a `wind`, only `drift` is known, and
+    `along` and `across` assume no wind.
     """
 
     along: Float[Array, "draw"]
@@ -62,7 +63,7 @@ class Landing:
         return np.hypot(self.along, self.across)
 
     def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
-        """The ellipse that holds a fraction of the landings, of a normal distribution of their mean and covariance."""
+        """The ellipse with a fraction of the landings, for a normal distribution with their mean and covariance."""
         points = np.stack([self.along, self.across])
         variance, axes = np.linalg.eigh(np.cov(points))
         scale = math.sqrt(-2 * math.log(1 - level))
@@ -85,14 +86,14 @@ class Landing:
         }
 
     def wind_that_holds(self, size: float) -> float:
-        """The wind at the pad up to which 95 % of landings stay on a field of a size, the pad in its middle. [m/s]"""
+        """Wind at the pad up to which 95 % of landings stay on a field of this size [m], with a central pad. [m/s]"""
         return size / 2 / max(three(self.drift)[2], 1e-9)
 
 
 @dataclass(frozen=True, slots=True)
 class LandingEllipse:
-    """Center downwind of the pad and to the right of that [m], half axes [m], and how far the long one is turned from
-    downwind to the right [rad]; it holds a fraction `level` of the landings."""
+    """Center downwind of the pad and to the right of that [m], half axes [m], and the angle of the long axis from
+    downwind to the right [rad]; it contains a fraction `level` of the landings."""
 
     along: float
     across: float
@@ -102,14 +103,14 @@ class LandingEllipse:
     level: float
 
     def outline(self, points: int = 72) -> Float[Array, "point 2"]:
-        """Points on it, downwind and to the right. [m]"""
+        """Points on the ellipse, downwind and to the right. [m]"""
         angle = np.linspace(0, 2 * np.pi, points, endpoint=True)
         u, v = self.long * np.cos(angle), self.short * np.sin(angle)
         c, s = math.cos(self.turned), math.sin(self.turned)
         return np.stack([self.along + c * u - s * v, self.across + s * u + c * v], axis=-1)
 
     def inside(self, along: Array, across: Array) -> Array:
-        """Whether points are within it."""
+        """Whether points are inside the ellipse."""
         c, s = math.cos(self.turned), math.sin(self.turned)
         x, y = along - self.along, across - self.across
         return np.asarray(((c * x + s * y) / self.long) ** 2 + ((c * y - s * x) / self.short) ** 2 <= 1)
@@ -127,10 +128,10 @@ class LandingEllipse:
 
 
 def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
-    """Where the draws of a forecast land and how long they fly, the wind of the day drawn about the one declared, and
-    how far the climb carries them about what is forecast.
+    """Landing points and durations for the draws of a forecast, with random deviations of the wind from the declared
+    one and of the climb's drift from its forecast.
 
-    Without a wind the path of the rail alone carries them, and where they land is not known.
+    Without a wind, only the rail angle causes drift, and the landing point is unknown.
     """
     rng = np.random.default_rng(seed)
     count = len(said.apogee)
@@ -148,7 +149,7 @@ def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
 
 @dataclass(frozen=True, slots=True)
 class RailChoice:
-    """A direction and an angle [rad] of the rail, and how far from the pad they bring the landing. [m]"""
+    """A direction and an angle [rad] of the rail, and the resulting distance of the landing from the pad [m]."""
 
     direction: str
     angle: float
@@ -160,8 +161,8 @@ class RailChoice:
 
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
-    """What angles up to the most [rad] and directions of the rail do to the landing, the nearest to the pad first; none
-    if the wind is not known."""
+    """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
+    is not known."""
     if plan.wind is None:
         return []
     ways = [("into", 0.0)]
@@ -179,7 +180,7 @@ SI = ShownUnits()
 
 
 def profile_in_words(wind: WindProfile, shown: ShownUnits = SI, heights: Sequence[float] = (0.0, 100.0, 300.0)) -> str:
-    """The wind at some heights: `4.0 m/s at the pad, 7.0 m/s at 100 m, 8.2 m/s at 300 m`."""
+    """The wind at several heights: `4.0 m/s at the pad, 7.0 m/s at 100 m, 8.2 m/s at 300 m`."""
     along, across = wind.components(np.array(heights))
     speeds = np.hypot(along, across)
     aloft = zip(speeds[1:], heights[1:], strict=True)

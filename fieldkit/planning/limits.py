@@ -1,4 +1,4 @@
-"""Thresholds of the safety lines: shipped with their source, changed one by one in the flyer's own file."""
+"""Thresholds of the safety lines: shipped with their source, overridden individually in the user's own file."""
 
 import tomllib
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 
 OWN_NAMES = ("wind", "angle")
-"""Bounds that only a flyer's own file sets, in addition to those of the rule sets."""
+"""Bounds that only a user's own file sets, in addition to those of the rule sets."""
 DATA = Path(__file__).parents[1] / "data" / "limits.toml"
 QUANTITIES = {
     "m/s": "speed",
@@ -32,7 +32,7 @@ QUANTITIES = {
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A threshold in SI, and where it is from."""
+    """A threshold in SI, and its source."""
 
     value: float
     source: str
@@ -43,7 +43,7 @@ Limits = Mapping[str, Limit]
 
 
 def limits(own: Path | None = None) -> dict[str, Limit]:
-    """The shipped thresholds, with those of the flyer's own file in their place. Raises BadValue."""
+    """The shipped thresholds, overridden by those in the user's own file. Raises BadValue."""
     known = _read(DATA)
     if own is None or not own.exists():
         return known

@@ -1,4 +1,4 @@
-"""Motors for a contest, by the points that each would bring on average: a change is advised only if it is clear."""
+"""Rank motors for a contest by their expected points; a change is recommended only if it is significant."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class MotorPoints:
 
     @property
     def mean(self) -> float:
-        """Points to expect. [1]"""
+        """Expected points. [1]"""
         return float(self.points.mean())
 
     def json(self) -> dict[str, Any]:
@@ -41,11 +41,11 @@ class MotorPoints:
 
 @dataclass(frozen=True, slots=True)
 class MotorAdvice:
-    """Motors that fit and that a season allows, the fewest points first, and the `current` one whether it fits or not,
-    None if it was not forecast.
+    """Motors that fit and that a season allows, fewest points first, and the `current` one whether it fits or not, None
+    if it was not forecast.
 
-    `gain` is by how many points a flight the first is better on average, `gain_error` its standard error for as many
-    flights as the forecast rests on; both None without a current motor.
+    `gain` is the mean improvement of the first in points per flight, `gain_error` its standard error, with as many
+    flights as the forecast is based on; both None without a current motor.
     """
 
     ranked: tuple[MotorPoints, ...]
@@ -55,7 +55,7 @@ class MotorAdvice:
 
     @property
     def clear(self) -> bool:
-        """Whether a change is worth it: the points that it saves are clear against their uncertainty."""
+        """Whether a change is worth it: the points it saves are significant."""
         if self.gain is None or self.gain_error is None:
             return False
         return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
@@ -74,9 +74,9 @@ class MotorAdvice:
 def motor_advice(
     choices: Sequence[MotorChoice], rule: Season, current: str | None, approved: frozenset[str] | None = None
 ) -> MotorAdvice:
-    """The points of each of some motors by a season's rule; `current` is the `label` of the one that is flown now.
+    """The points of motors under a season's rules; `current` is the `label` of the current motor.
 
-    Draws are common to all motors, so that their differences are known better than the points themselves.
+    All motors share the same draws, so their differences are known better than the points themselves.
     """
     usable = [one for one in choices if one.fits and _legal(one, rule, approved)]
     ranked = sorted((MotorPoints(one, _points(one, rule)) for one in usable), key=lambda one: one.mean)
@@ -90,7 +90,7 @@ def motor_advice(
 
 
 def _legal(choice: MotorChoice, rule: Season, approved: frozenset[str] | None) -> bool:
-    """Whether no limit of a season is broken, as far as it is known."""
+    """Whether no known limit of a season is exceeded."""
     lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
     return not any(line.verdict == "unsafe" for line in lines)
 

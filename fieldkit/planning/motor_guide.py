@@ -1,4 +1,4 @@
-"""The motor guide: every motor that fits a rocket, forecast from its flights."""
+"""The motor guide: every motor that fits a rocket, with a forecast from the rocket's flights."""
 
 import math
 from collections.abc import Sequence
@@ -27,23 +27,24 @@ from fieldkit.planning.safety import safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DRAWS = 64
-"""Flights flown for each motor, all with common random numbers: a 5 % quantile is good to a quarter of a standard
+"""Flights simulated for each motor, with common random numbers: a 5 % quantile is accurate to a quarter of a standard
 deviation."""
 SLANTED_PATH_DRAWS = 40
-"""The same if wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
+"""The same if wind or rail angle make the paths slanted, which take several times as long: accurate to a third."""
 RAIL_CHECK = "rail exit speed"
 EJECTION_CHECK = "ejection speed"
 FIT_CHECKS = (RAIL_CHECK, "thrust to weight", EJECTION_CHECK, "ceiling")
-"""What a motor must pass to fit a rocket."""
+"""Checks that a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0
-"""Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
+"""Thrust-to-weight ratio below which a motor is not offered at all: the rocket would not leave the rod. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What a motor must be. Lengths in m, impulse in N s, `classes` first and last letter, `names` a shortlist.
+    """Requirements for a motor. Lengths in m, impulse in N s, `classes` first and last letter, `names` a shortlist.
 
-    Without a `mount` every diameter goes; with `adapter` narrower ones than it. With `dry_mass` [kg] only what lifts.
+    Without a `mount` every diameter is allowed; with `adapter` also diameters below it. With `dry_mass` [kg] the motor
+    must lift it.
     """
 
     mount: float | None = None
@@ -56,7 +57,7 @@ class Wanted:
     dry_mass: float | None = None
 
     def fits(self, motor: Motor) -> bool:
-        """Whether a motor is all of it."""
+        """Whether a motor meets all requirements."""
         wide = 0.0 if self.mount is None else motor.diameter - self.mount
         return (
             (wide < DIAMETER_TOLERANCE if self.adapter else abs(wide) < DIAMETER_TOLERANCE)
@@ -75,7 +76,7 @@ def label(motor: Motor) -> str:
 
 
 def lifts(motor: Motor, dry_mass: float) -> bool:
-    """Whether a motor would push a rocket off a rod."""
+    """Whether a motor would lift a rocket off a rod."""
     return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
 
 
@@ -85,10 +86,10 @@ def _letter(motor: Motor) -> str:
 
 @dataclass(frozen=True, slots=True)
 class MotorChoice:
-    """A motor with the delay that suits it best, the flight it would give and its safety lines.
+    """A motor with its most suitable delay, the forecast flight and its safety lines.
 
-    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` says
-    whether this rocket has flown it. Thrust to weight is of the first half second and of the average. [1]
+    `ejections` are its delays for sale, and the median time after apogee at which each would fire [s]; `flown` is
+    whether this rocket has flown it. Thrust to weight is for the first half second and for the average. [1]
     """
 
     motor: Motor
@@ -100,31 +101,31 @@ class MotorChoice:
     average_thrust: float
     lines: tuple[SafetyCheck, ...]
     fall: Fall
-    """What the descent rests on."""
+    """The basis of the descent."""
 
     @property
     def apogee(self) -> float:
-        """The median of what the altimeter will show. [m]"""
+        """Median of the altimeter's apogee reading. [m]"""
         return float(np.median(self.prediction.apogee))
 
     @property
     def plan(self) -> Flight:
-        """The planned flight, motor and delay and all."""
+        """The planned flight, including motor and delay."""
         return self.prediction.plan
 
     @property
     def why_not(self) -> list[SafetyCheck]:
-        """Why a motor does not fit: it is too weak, slow off the rail, without a delay that suits it, or too high."""
+        """Why a motor does not fit: it is too weak, slow off the rail, has no suitable delay, or flies too high."""
         return [line for line in self.lines if line.name in FIT_CHECKS and line.verdict == "unsafe"]
 
     @property
     def fits(self) -> bool:
-        """Whether a motor is safe and sensible for this rocket, as far as it is known."""
+        """Whether a motor is safe and sensible for this rocket, as far as known."""
         return not self.why_not
 
     @property
     def not_judged(self) -> list[str]:
-        """What a fit would depend on and the plan leaves open: the rail, a ceiling, a delay that is not known."""
+        """What the fit depends on but the plan leaves open: the rail, a ceiling, an unknown delay."""
         rail = self.plan.rail_length is not None
         return [
             line.name
@@ -135,7 +136,7 @@ class MotorChoice:
 
     @property
     def failed(self) -> list[SafetyCheck]:
-        """The safety lines that are not well, and known."""
+        """The safety lines that are neither ok nor unknown."""
         return [line for line in self.lines if line.failed]
 
     def json(self) -> dict[str, Any]:
@@ -160,18 +161,18 @@ class MotorChoice:
 
 
 def mount_of(rocket: Rocket, config: str) -> float | None:
-    """The mount of a rocket, as wide as the widest motor that its configuration, or else it, has flown on. [m]"""
+    """The mount of a rocket: the diameter of the widest motor flown in its configuration, or else by the rocket. [m]"""
     diameters = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
     return max(diameters or [found.motor.diameter for found in rocket.motors], default=None)
 
 
 def widest_motor(rocket: Rocket, plan: Flight) -> float | None:
-    """The mount of a rocket as in `mount_of`; of one that has not flown its body, for no motor is wider. [m]"""
+    """The mount of a rocket as in `mount_of`; for one that has not flown, its body diameter, an upper bound. [m]"""
     return mount_of(rocket, plan.config) or plan.diameter
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
-    """The motors that fit, from the catalog and the flyer's own. Raises UnknownMotor if none does."""
+    """The motors that fit, from the catalog and the user's own. Raises UnknownMotor if none does."""
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
@@ -189,10 +190,10 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 def guide(
     rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[MotorChoice]:
-    """The flight that a plan would become on each of some motors, in the same order; nothing is saved.
+    """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
-    A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
-    Raises ImpossibleFlight for a plan without a mass.
+    Each motor gets the delay for sale that fires closest to apogee. It is simulated `draws` times, by default as many
+    as are quick. Raises ImpossibleFlight for a plan without a mass.
     """
     if not motors:
         return []
@@ -220,11 +221,11 @@ def guide(
 
 
 ForecastWithDelay = tuple[float | None, Prediction]
-"""The delay that suits a motor best, if any is on sale [s], and its flight."""
+"""The most suitable delay for sale, if any [s], and the flight with it."""
 
 
 def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
-    """Each motor of the fit, with the delay that suits it."""
+    """Each motor of the fit, with its most suitable delay."""
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
@@ -239,7 +240,7 @@ def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> Fitt
 
 
 def _nearest(motor: Motor, coast: float) -> float | None:
-    """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
+    """The delay for sale that fires closest to apogee; the shortest for a motor that would not lift the rocket."""
     return min(sold_delays(motor), key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
@@ -248,5 +249,5 @@ def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
 
 
 def by_closeness(found: Sequence[MotorChoice], target: float | None) -> list[MotorChoice]:
-    """Nearest to a target first [m]; without one, the highest first."""
+    """Sorted by distance from a target [m]; without one, highest first."""
     return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)

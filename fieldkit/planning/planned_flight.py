@@ -1,4 +1,4 @@
-"""One planned flight with all that is forecast of it: apogee, way down, safety lines, and the rail that is best."""
+"""A planned flight with its complete forecast: apogee, descent, safety lines, and the best rail angle."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from fieldkit.planning.rules import RuleSet
 from fieldkit.planning.safety import safety_lines
 
 DRAWS = 400
-"""Flights flown for a plan. [1]"""
+"""Flights simulated for a plan. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedFlight:
-    """A plan, its forecast, what its descent rests on, where it lands, its safety lines, and rails from best to worst;
-    none if the wind is not known."""
+    """A plan, its forecast, the basis of its descent, its landing, its safety lines, and rail settings from best to
+    worst; none if the wind is not known."""
 
     said: Prediction
     fall: Fall
@@ -33,7 +33,7 @@ class PlannedFlight:
 
     @property
     def name(self) -> str:
-        """The plan's id, its rocket if it has none."""
+        """The plan's id, or its rocket if it has none."""
         return self.said.plan.flight_id or self.said.plan.rocket or "plan"
 
     def json(self) -> dict[str, Any]:
@@ -48,7 +48,7 @@ class PlannedFlight:
 def planned_flight(
     rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits, rules: Sequence[RuleSet] | None = None
 ) -> PlannedFlight:
-    """All that is forecast of a plan for a rocket at a site. Raises BadValue, ImpossibleFlight."""
+    """The complete forecast of a plan for a rocket at a site. Raises BadValue, ImpossibleFlight."""
     (said,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
     fall = fall_of(rocket.history, said.plan, found)
     rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)

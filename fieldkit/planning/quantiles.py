@@ -8,11 +8,11 @@ from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.shapes import Array, Float
 
 Three = tuple[float, float, float]
-"""5, 50 and 95 %; nan if there are none."""
+"""5, 50 and 95 %; nan if there are no draws."""
 
 
 def three(draws: Float[Array, "draw"]) -> Three:
-    """Quantiles of the draws that have a value."""
+    """Quantiles of the draws that are not nan."""
     known = draws[np.isfinite(draws)]
     if not known.size:
         return (math.nan,) * 3

@@ -1,7 +1,7 @@
-"""Safety lines from rule sets: wind, angle, mass, impulse, field, distances, certification, and words to keep in mind.
+"""Safety lines from rule sets: wind, angle, mass, impulse, field, distances, certification, and reminders.
 
-If several sets have a rule for one thing, the line is that of the strictest. An unverified rule is marked, and its line
-is never worse than caution.
+If several sets have a rule for the same item, the line is that of the strictest. An unverified rule is marked, and its
+line is never worse than caution.
 """
 
 import datetime
@@ -29,13 +29,13 @@ FIGURE_RULES = (
     "bystanders",
     "certification",
 )
-"""Rules that a figure of the plan is held against; any other is words to keep in mind."""
+"""Rules that a value of the plan is checked against; all others become reminders."""
 NO_RULE = "no rule in the chosen sets"
 
 
 @dataclass(frozen=True, slots=True)
 class Governed:
-    """A build under the sets that govern it: why it is high power, if it is, its class by law, and its rules."""
+    """A build under the rule sets that govern it: why it is high power, if it is, its legal class, and its rules."""
 
     build: Build
     sets: tuple[RuleSet, ...]
@@ -45,7 +45,7 @@ class Governed:
     altitude: float
 
     def rules(self, check: str) -> list[Rule]:
-        """The rules for one thing that apply to this build."""
+        """The rules of one kind that apply to this build."""
         return [
             rule
             for one in self.sets
@@ -54,7 +54,7 @@ class Governed:
         ]
 
     def reminders(self) -> list[Rule]:
-        """The rules that no figure of a plan is held against."""
+        """The rules that no value of a plan can be checked against."""
         every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES]
         burned = {motor.propellant for motor in self.build.motors}
         return [
@@ -68,9 +68,9 @@ class Governed:
 def governed(
     build: Build, altitude: float, site: Site, sets: Sequence[RuleSet], day: datetime.date | None = None
 ) -> Governed:
-    """The rules of a build that is expected to reach an altitude [m], at a site, on a day (today by default).
+    """The rules for a build with an expected altitude [m], at a site, on a day (today by default).
 
-    Raises BadValue for an authority that no set is of.
+    Raises BadValue for an authority without rule sets.
     """
     authorities, day = read_authorities(site.rules), day or datetime.date.today()
     own = [one for one in sets if one.authority.casefold() in {name.casefold() for name in authorities}]
@@ -84,7 +84,7 @@ def governed(
 def _line(
     check: str, rules: Sequence[Rule], judge: Callable[[Rule], SafetyCheck | None], without: str = NO_RULE
 ) -> SafetyCheck:
-    """The strictest of what some rules come to."""
+    """The strictest result of several rules."""
     found = [one for rule in rules if (one := judge(rule)) is not None]
     return worst(found) if found else SafetyCheck(check, "unknown", without, "")
 
@@ -97,7 +97,7 @@ def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | No
 
 
 def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
-    """Ground wind [m/s] against the most that is allowed."""
+    """Ground wind [m/s] against its upper limit."""
 
     def judge(rule: Rule) -> SafetyCheck:
         limit = rule.rows[0].value
@@ -111,7 +111,7 @@ def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
 
 
 def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
-    """Angle of the rail from vertical [rad] against the most that is allowed."""
+    """Angle of the rail from vertical [rad] against its upper limit."""
 
     def judge(rule: Rule) -> SafetyCheck:
         limit = rule.rows[0].value / DEGREE
@@ -125,7 +125,7 @@ def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
 
 
 def mass_line(held: Governed) -> SafetyCheck:
-    """Mass at lift-off, propellant and total impulse against what the codes allow for a rocket of its kind."""
+    """Liftoff mass, propellant and total impulse against the codes' limits for the kind of rocket."""
     build = held.build
     found = {"mass": (build.mass, "g", ""), "propellant": (build.propellant, "g", " of propellant")}
     found["impulse"] = (build.impulse, "N s", "")
@@ -144,7 +144,7 @@ def mass_line(held: Governed) -> SafetyCheck:
 
 
 def weight_line(held: Governed) -> SafetyCheck | None:
-    """Lift-off weight against the certified average thrust, if a code bounds it; None if none does."""
+    """Liftoff weight against the certified average thrust, if a code limits it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
         ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
@@ -157,7 +157,7 @@ def weight_line(held: Governed) -> SafetyCheck | None:
 
 
 def field_line(held: Governed, size: float | None) -> SafetyCheck:
-    """The field's shorter side [m] against the least that the codes set."""
+    """The field's shorter side [m] against the codes' minimum."""
 
     def judge(rule: Rule) -> SafetyCheck:
         needed = rule.least(held.build.impulse, held.altitude)
@@ -181,7 +181,7 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
 
 
 def _small_field(held: Governed) -> Rule | None:
-    """The rule for the field of a small high-power rocket, if this is one."""
+    """The rule for the field of a small high-power rocket, if it applies."""
     for rule in held.rules("small high power field"):
         build, only = held.build, rule.only
         if build.impulse < only["impulse"] and build.mass < only["mass"] and held.altitude < only["altitude"]:
@@ -190,7 +190,7 @@ def _small_field(held: Governed) -> Rule | None:
 
 
 def distance_line(held: Governed, people: float | None) -> SafetyCheck:
-    """The distance of the people at the launch from the pad [m] against the table, its complex column if due."""
+    """The distance from the pad to the people at the launch [m] against the table, if due in its complex column."""
     name, build = "pad distance", held.build
 
     def judge(rule: Rule) -> SafetyCheck:
@@ -215,7 +215,7 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
 
 
 def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
-    """The distance of persons and property not involved [m] against what the law sets for the class."""
+    """The distance to uninvolved people and property [m] against the law's minimum for the class."""
     name = "bystanders"
 
     def judge(rule: Rule) -> SafetyCheck:
@@ -253,7 +253,7 @@ def class_line(held: Governed) -> SafetyCheck:
 
 
 def certification_line(held: Governed) -> SafetyCheck:
-    """The level of certification that the motors ask for."""
+    """The certification level that the motors require."""
     name = "certification"
     if not held.why:
         return SafetyCheck(name, "ok", "none needed: not high power", "")
@@ -268,7 +268,7 @@ def certification_line(held: Governed) -> SafetyCheck:
 
 
 def complex_line(held: Governed) -> SafetyCheck:
-    """What a cluster or several stages ask for beyond one motor."""
+    """What a cluster or several stages require beyond a single motor."""
     name = "complex rocket"
     if not held.build.complex:
         return SafetyCheck(name, "ok", "one motor, one stage", "")
@@ -285,7 +285,7 @@ def complex_line(held: Governed) -> SafetyCheck:
 
 
 def reminder_lines(held: Governed) -> Iterator[SafetyCheck]:
-    """Rules that the program cannot hold a plan against, in their own words."""
+    """Rules that the program cannot check a plan against, in their own words."""
     for rule in held.reminders():
         doubt = " (unverified)" if rule.text.unverified else ""
         words = f"check it yourself: {rule.text.words}{doubt}"

@@ -1,4 +1,4 @@
-"""Units of the figures of rules, as factors to SI."""
+"""Units of the values in rules, as factors to SI."""
 
 from collections.abc import Mapping
 

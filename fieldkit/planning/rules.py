@@ -1,7 +1,7 @@
-"""Rule sets: dated files in `fieldkit/data/rules`, one for each code of a club or a country, and in the flyer's folder.
+"""Rule sets: dated files in `fieldkit/data/rules`, one for each club code or national law, and in the user's folder.
 
-Each figure carries the words of its rule, where they are from, and how sure the text is: official, a transcription by
-others, or unverified. Which sets apply is chosen by who governs the launch, by motor and mass, and by the day.
+Each value has the wording of its rule, its source, and the reliability of the text: official, a transcription by
+others, or unverified. The applicable sets depend on the launch's authorities, on motor and mass, and on the day.
 """
 
 import datetime
@@ -20,16 +20,16 @@ from fieldkit.safe_text import printable
 
 FOLDER = Path(__file__).parents[1] / "data" / "rules"
 MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others", "U": "unverified"}
-"""How sure the text of a rule is, by its mark."""
+"""Reliability of the text of a rule, by its mark."""
 DEFAULT_AUTHORITIES = ("NAR", "FAA")
-"""Who governs a launch if nobody else was named."""
+"""Default authorities of a launch."""
 KINDS = ("model", "high power", "any")
-"""Rockets that a set is for."""
+"""The kinds of rockets that a set is for."""
 
 
 @dataclass(frozen=True, slots=True)
 class RuleText:
-    """What a figure rests on: the rule's own words or what it says, the source, its mark, and since when it is so."""
+    """The basis of a value: the rule's own words or a summary, the source, its mark, and its effective date."""
 
     words: str
     source: str
@@ -48,9 +48,9 @@ class RuleText:
 
 @dataclass(frozen=True, slots=True)
 class RuleRow:
-    """A row of a table: up to what it goes, the figure, that of a complex rocket, and the cleared diameter. [SI]
+    """A row of a table: its upper bound, the value, the value for a complex rocket, and the cleared diameter. [SI]
 
-    `stated` is the row as the table has it, in its own unit; empty for a figure that is in no table.
+    `stated` is the row as printed, in its own unit; empty for a value outside a table.
     """
 
     up_to: float
@@ -63,11 +63,11 @@ class RuleRow:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What one set demands of one thing: rows of figures by installed impulse [N s] or altitude [m], or a single one.
+    """A requirement of one set: rows of values by installed impulse [N s] or altitude [m], or a single value.
 
-    `propellants` are those of the motors that it is for, empty for all. `most` says whether figures are the most
-    that is allowed, or the least; `of_altitude` is the least as a fraction of the expected altitude [1]. A rule
-    without rows is words alone. `only` are bounds of what it applies to.
+    `propellants` are those of the motors it applies to, empty for all. `most` is whether values are upper or lower
+    limits; `of_altitude` is the lower limit as a fraction of the expected altitude [1]. A rule without rows is only
+    text. `only` are bounds on its applicability.
     """
 
     check: str
@@ -87,7 +87,7 @@ class Rule:
         return next((row for row in self.rows if not self.by or reached <= row.up_to + 1e-9), None)
 
     def least(self, impulse: float, altitude: float, *, complex_rocket: bool = False) -> float | None:
-        """The figure that is wanted, None beyond the table. [SI]"""
+        """The required value, None beyond the table. [SI]"""
         row = self.row(impulse, altitude)
         if row is None:
             return None
@@ -97,7 +97,7 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class RuleSet:
-    """A code: who gives it, what rockets it is for, since when, its rules, and what makes a rocket high power."""
+    """A code: its authority, the rockets it is for, its effective date, its rules, and its definition of high power."""
 
     key: str
     title: str
@@ -112,9 +112,9 @@ class RuleSet:
 
 
 def rule_sets(own: Path | None = None) -> list[RuleSet]:
-    """Every set that is shipped and those in the flyer's own folder, which replace shipped ones of the same file name.
+    """Every shipped set, and those in the user's own folder, which replace shipped ones with the same file name.
 
-    Raises BadValue that names the file and what is wrong in it.
+    Raises BadValue that names the file and the error.
     """
     files = {
         file.name: file for folder in (FOLDER, own) if folder is not None for file in sorted(folder.glob("*.toml"))
@@ -127,8 +127,8 @@ def governing(
 ) -> list[RuleSet]:
     """The sets of some authorities that apply to a rocket on a day, in the order of the authorities.
 
-    Of several versions of a code the newest that is valid counts; if the day is before all of them, the oldest.
-    Raises BadValue for an authority that no set is of.
+    If a code has several versions, the newest one in effect counts; if the day is before all of them, the oldest.
+    Raises BadValue for an authority without rule sets.
     """
     known = list(sets)
     chosen: list[RuleSet] = []
@@ -145,13 +145,13 @@ def governing(
 
 
 def read_authorities(text: str) -> tuple[str, ...]:
-    """Who governs a launch, typed as `NAR, FAA`; the usual if nothing is."""
+    """Parse the authorities of a launch, typed as `NAR, FAA`; the default if the text is empty."""
     return tuple(name.strip() for name in text.split(",") if name.strip()) or DEFAULT_AUTHORITIES
 
 
 @cache
 def _read(file: Path, changed: int) -> RuleSet:
-    """A set of rules from its file, read again when the file has `changed`. [ns]"""
+    """A rule set from its file; cached until the modification time `changed` differs. [ns]"""
     try:
         table = tomllib.loads(read_own(file))
         return _rule_set(file.stem, table)
@@ -181,7 +181,7 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
 
 
 def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
-    """What a table says of its figures, and if it says nothing what the table above it does."""
+    """The rule text of a table, with missing entries taken from the table above it."""
     quote, says = (printable(str(table.get(name, ""))) for name in ("quote", "says"))
     words = f"“{quote}”" if quote else says or above.words
     day = table.get("valid_from", above.valid_from)
@@ -191,7 +191,7 @@ def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
 
 
 def _stated(row: Mapping[str, Any], value: float, unit: str) -> str:
-    """A row of a table by impulse as it is written: `100 ft, 200 ft for complex rockets, up to 640 N s`."""
+    """A row of a table by impulse, in words: `100 ft, 200 ft for complex rockets, up to 640 N s`."""
     complex_too = f", {row['complex']:,g} {unit} for complex rockets" if "complex" in row else ""
     return f"{value:,g} {unit}{complex_too}, up to {float(row['up_to']):,g} N s"
 

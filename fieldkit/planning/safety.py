@@ -1,7 +1,7 @@
-"""Safety lines of a planned flight: always all of them, each with what was found and what would be right.
+"""Safety lines of a planned flight: always all of them, each with the value found and the limit.
 
-They advise and never forbid: the range safety officer decides. The commands and the app show them, and none of them
-decides anything of its own.
+They advise and never forbid: the range safety officer decides. Commands and screens display them and make no decisions
+of their own.
 """
 
 import math
@@ -33,14 +33,14 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, STANDARD_GRAVITY, ZERO_CELSIUS
 
 CERTIFIED_AT = 21 + ZERO_CELSIUS
-"""Temperature of motors at their certification. [K]"""
+"""Temperature of motors during certification. [K]"""
 HALF_SECOND = 0.5
-"""Over which thrust is first averaged. [s]"""
+"""Time over which initial thrust is averaged. [s]"""
 
 
 @lru_cache(maxsize=2048)
 def thrusts(motor: Motor) -> tuple[float, float]:
-    """Of the first half second as in `first_thrust`, and of the whole burn. [N]"""
+    """Mean thrust of the first half second as in `first_thrust`, and of the whole burn. [N]"""
     return first_thrust(motor), motor.average_thrust
 
 
@@ -53,14 +53,16 @@ def first_thrust(motor: Motor) -> float:
 
 
 def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
-    """Of the first half second, and of the average thrust, over the weight on the pad. [1]"""
+    """Thrust over weight on the pad, for the first half second and for the average thrust. [1]"""
     weight = (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
     first, average = thrusts(motor)
     return first / weight, average / weight
 
 
 def motor_temperature(plan: Flight) -> float | None:
-    """As declared with the plan, or None. [K] Raises BadValue for no number, and for one that no field has."""
+    """The motor temperature declared with the plan, or None. [K] Raises BadValue for a non-number or an implausible
+    value.
+    """
     text = plan.extra.get(MOTOR_TEMPERATURE, "")
     try:
         return check(BY_NAME["temperature"], units.parse(text, "temperature", "c")) if text else None
@@ -69,17 +71,17 @@ def motor_temperature(plan: Flight) -> float | None:
 
 
 def known_rules() -> list[RuleSet]:
-    """The rule sets that are shipped and the flyer's own. Raises BadValue for a file that is damaged."""
+    """The shipped rule sets and the user's own. Raises BadValue for a damaged file."""
     return rule_sets(data_file("rules"))
 
 
 def safety_lines(
     said: Prediction, site: Site, fall: Fall, limits: Limits, rules: Sequence[RuleSet] | None = None
 ) -> list[SafetyCheck]:
-    """All checks of a forecast: guidance, the rules that govern the launch, and the words of rules to keep in mind.
+    """All checks of a forecast: guidance, the rules that govern the launch, and reminders.
 
-    `rules` are by default those that are shipped and the flyer's own. Raises BadValue for a damaged file of rules, and
-    for a site under an authority that no set is of.
+    `rules` defaults to the shipped sets and the user's own. Raises BadValue for a damaged file of rules, and for a site
+    under an authority without rule sets.
     """
     plan, motor = said.plan, said.found.motor
     build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
@@ -106,16 +108,16 @@ def safety_lines(
 
 
 def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
-    """The worse of two lines on one thing."""
+    """The worse of two lines on the same item."""
     return one if other is None else worst([one, other])
 
 
 OWN_BOUNDS = {"wind": "ground wind", "angle": "launch angle"}
-"""Bounds that flyers set in addition to the rules, and the line of each."""
+"""Bounds that users set in addition to the rules, and the line of each."""
 
 
 def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
-    """The line of a bound in the flyer's own `limits.toml`, None if there is none or nothing to hold against it."""
+    """The line for a bound in the user's own `limits.toml`; None if there is no bound or no value to check."""
     if name not in limits or value is None:
         return None
     limit = limits[name]
@@ -125,7 +127,7 @@ def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
 
 
 def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyCheck:
-    """Speed off the rail against what is wanted in the wind; of a rail that was not given no more than a caution."""
+    """Speed off the rail against the minimum for the wind; at worst caution if the rail was not given."""
     fixed, times = limits["rail_speed"], limits["rail_speed_per_wind"]
     speeds = np.nan_to_num(speeds)
     needed = max(fixed.value, times.value * (plan.wind or 0.0))
@@ -162,7 +164,7 @@ def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
 
 
 def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> SafetyCheck:
-    """What the code wants of the field, and whether what comes down stays on it, the pad being in its middle."""
+    """The code's requirement for the field, and whether the landing stays on it, with the pad in its center."""
     found = landing(said, fall)
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
@@ -199,7 +201,7 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
 
 
 def _altimeter_ejection(said: Prediction, limit: Limit) -> SafetyCheck:
-    """The speed at which an altimeter opens a drogue at apogee: that sideways."""
+    """The speed at which an altimeter opens a drogue at apogee: the horizontal speed."""
     sideways = np.hypot(np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
     chance = float(np.mean(sideways > limit.value))
     text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"

@@ -1,5 +1,5 @@
-"""Detects without a signal that the source of keys is gone: a terminal, if the app has its own session, or the server
-that shows the app in a browser."""
+"""Detect without a signal that the source of keys is gone: a terminal, if the app has its own session, or the server
+that displays the app in a browser."""
 
 import os
 import sys
@@ -25,9 +25,9 @@ def terminal() -> int | None:
 
 
 def gone(terminal: int) -> bool:
-    """Whether the other end is closed. Reading would show that too, but would consume a key if there is one."""
+    """Whether the other end is closed. Reading would detect that too, but would consume a key if there is one."""
     held = poll()
-    held.register(terminal, 0)  # a hang-up is always reported
+    held.register(terminal, 0)  # a hangup is always reported
     return any(event & (POLLHUP | POLLERR) for _, event in held.poll(0))
 
 

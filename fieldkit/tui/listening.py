@@ -18,13 +18,13 @@ SHUTDOWN_PERIOD = 5.0
 
 
 class Connections:
-    """The connections that are open, by the address that they come from."""
+    """The open connections, by their source address."""
 
     def __init__(self) -> None:
         self._open: dict[asyncio.BaseTransport, str] = {}
 
     def has_room(self, address: str) -> bool:
-        """Whether one more may come from an address."""
+        """Whether an address may open another connection."""
         self._open = {one: whose for one, whose in self._open.items() if not one.is_closing()}
         whose = list(self._open.values())
         return len(whose) < MAX_CONNECTIONS and whose.count(address) < MAX_OF_ADDRESS
@@ -42,13 +42,13 @@ class Connections:
             if not self.has_room(address):
                 connection.close()
                 continue
-            with suppress(OSError):  # closed by the other side already
+            with suppress(OSError):  # already closed by the other side
                 transport, _ = await loop.connect_accepted_socket(server, connection)
                 self.came(transport, address)
 
 
 async def serve(app: web.Application, host: str, port: int) -> None:
-    """Listen on a host until a signal. Raises OSError if it cannot listen there."""
+    """Listen on a host until a signal arrives. Raises OSError if it cannot listen there."""
     runner = web.AppRunner(app, access_log=None, shutdown_timeout=SHUTDOWN_PERIOD)
     await runner.setup()
     try:
@@ -60,7 +60,7 @@ async def serve(app: web.Application, host: str, port: int) -> None:
 
 
 async def _accepted(sockets: list[socket.socket], server: web.Server) -> None:
-    """Accept connections until a signal comes."""
+    """Accept connections until a signal arrives."""
     connections, over = Connections(), asyncio.Event()
     with suppress(NotImplementedError):  # on Windows an interrupt ends the loop
         for one in (signal.SIGINT, signal.SIGTERM):
@@ -76,7 +76,7 @@ async def _accepted(sockets: list[socket.socket], server: web.Server) -> None:
 
 @contextmanager
 def _sockets(host: str, port: int) -> Iterator[list[socket.socket]]:
-    """A socket that listens for every address of a host."""
+    """Listening sockets for every address of a host."""
     found = dict.fromkeys(
         (family, where[0]) for family, _, _, _, where in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     )

@@ -1,4 +1,4 @@
-"""Memory that large work leaves behind, handed back to the system."""
+"""Return memory to the system after large computations."""
 
 import ctypes
 import gc
@@ -10,24 +10,24 @@ from typing import Any
 ARENA_MAX_OPTION = -8
 """glibc's `M_ARENA_MAX`, from `malloc.h`."""
 MAX_ARENAS = 2
-"""Arenas of memory: one for the keys, one for all else. [1]"""
+"""Number of malloc arenas: one for key handling, one for everything else. [1]"""
 MAX_GROWTH = 1.2
-"""Of the objects that the collector passes by, before they are looked through again. [1]"""
+"""Growth of the number of frozen objects at which all of them are collected again. [1]"""
 
 
 def give_back() -> None:
-    """Hand memory that is free back to the system: large work leaves hundreds of megabytes that glibc would keep.
+    """Return free memory to the system: large computations leave hundreds of megabytes that glibc would keep.
 
-    Without glibc nothing happens.
+    Does nothing without glibc.
     """
     if (trim := _of_glibc("malloc_trim")) is not None:
         trim(0)
 
 
 def share_arenas() -> None:
-    """Have threads share arenas of memory: of eight for each core, as glibc has it, every one keeps what it once took.
+    """Make threads share malloc arenas: by default glibc has eight per core, and each keeps the memory it ever used.
 
-    Without glibc nothing happens.
+    Does nothing without glibc.
     """
     if (option := _of_glibc("mallopt")) is not None:
         option(ARENA_MAX_OPTION, MAX_ARENAS)
@@ -35,22 +35,22 @@ def share_arenas() -> None:
 
 @cache
 def _of_glibc(name: str) -> Any:
-    """One of glibc's functions, None if there is no such function."""
+    """A function of glibc, None if it does not exist."""
     return getattr(ctypes.CDLL(None), name, None) if sys.platform == "linux" else None
 
 
 @dataclass(slots=True)
 class PassedBy:
-    """What the collector passes by: flights and widgets that stay. With 5,000 flights to look through them takes 230 ms
-    of a key, without them 30 to 50 ms."""
+    """Objects excluded from garbage collection: long-lived flights and widgets. With 5,000 flights, collecting them
+    takes 230 ms per key; without them, a key takes 30 to 50 ms."""
 
     last: int = 0
-    """Objects that were found in use when all were looked through last. [1]"""
+    """Number of objects in use at the last full collection. [1]"""
 
     def extend(self) -> None:
-        """Pass by what is there now.
+        """Exclude all current objects from garbage collection.
 
-        Garbage goes first, for what is frozen as garbage stays: that of what is new each time, and all of it if the
+        Garbage is collected first, because frozen garbage is never freed: new garbage every time, and all of it if the
         number of objects has grown by a fifth.
         """
         everything = gc.get_freeze_count() > MAX_GROWTH * self.last

@@ -1,7 +1,7 @@
-"""The app in a browser, on this computer or on a phone in the same network, by textual-serve.
+"""Serve the app to a browser, on this computer or on a phone in the same network, with textual-serve.
 
-Beyond this computer nobody gets in without a token, and a page of another origin never does; nor, if there is no
-token, who asks for this computer by a name that is not its own: a page may have its own name lead to this computer.
+Requests from other computers need a token, and pages of another origin are always refused. Without a token, a request
+that addresses this computer by a foreign name is refused too, because a page may point its own name to this computer.
 """
 
 import asyncio
@@ -27,14 +27,16 @@ from fieldkit.tui import listening
 
 COOKIE = "fieldkit"
 PHONE_LETTERS = "10"
-"""Size of letters on a phone: across one of 390 points stand 65 columns. [px]"""
+"""Font size on a phone: 65 columns fit a width of 390 points. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
-"""Without it a phone lays the page out for a desktop and shrinks it until it is unreadable."""
+"""Without this tag a phone lays the page out for a desktop and shrinks it until it is unreadable."""
 NOTHING_ELSE = (
     "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"
 )
-"""No browser loads a font or anything else from elsewhere: there is no network at the field; no page may frame it."""
+"""The browser may not load fonts or anything else from other hosts, because there is no network at the field; no page
+may frame the app.
+"""
 HEADERS = {
     "Content-Security-Policy": NOTHING_ELSE,
     "X-Frame-Options": "DENY",
@@ -43,25 +45,25 @@ HEADERS = {
     "Cache-Control": "no-store",
     "Server": "fieldkit",
 }
-"""Headers of every response, a refusal too, but that to what is not HTTP, which no page asks for; the link contains the
-token and is not sent anywhere else."""
+"""Headers of every HTTP response, including refusals; they keep the link, which contains the token, from being sent to
+other sites."""
 MAX_LOG_LINE = 500
 """Size limit of a line of the log. [character]"""
 MAX_APPS = 8
-"""Apps that run at once, each a process of its own. [1]"""
+"""Number of apps that run at the same time, each in its own process. [1]"""
 MAX_COLUMNS, MAX_ROWS = 500, 200
-"""Of a terminal in a browser. [cells]"""
+"""Largest size of a terminal in a browser. [cells]"""
 MAX_MESSAGE = 1 << 20
-"""Size limit of what a page sends at once: what was pasted. [byte]"""
+"""Size limit of a single message from a page, such as pasted text. [byte]"""
 HEARTBEAT = 15.0
-"""How often it is asked whether a page is still there. [s]"""
+"""Interval of checks that a page is still connected. [s]"""
 PATIENCE = 5.0
-"""How long an app may take to end when its page has gone. [s]"""
+"""How long an app may take to exit after its page has closed. [s]"""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host is this computer and nobody else can reach it."""
+    """Whether a host name or address is reachable only from this computer."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -69,21 +71,21 @@ def is_loopback(host: str) -> bool:
 
 
 def in_a_shell(command: Sequence[str]) -> str:
-    """A command as the system's own shell takes it, which it replaces where it can: no process stands in between."""
+    """A command for the system's shell, which it replaces if possible, so no process runs in between."""
     return list2cmdline(command) if sys.platform == "win32" else f"exec {join(command)}"
 
 
 def address(host: str) -> str:
-    """The address under which others reach this computer, for a host that listens everywhere, as a link has it."""
+    """The address in a link with which other devices reach this computer, for a host that listens on all interfaces."""
     if host not in ("0.0.0.0", "::"):
         return f"[{host}]" if ":" in host else host
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.connect(("192.0.2.1", 9))  # sends nothing: it only asks which way a packet would leave
+        probe.connect(("192.0.2.1", 9))  # sends nothing: it only determines the outgoing interface
         return str(probe.getsockname()[0])
 
 
 def heard(text: str) -> tuple[str, Any] | None:
-    """What a page says: its kind, and what belongs to it; None for what no page of ours says."""
+    """Parse a message from a page: its kind and its data; None for a message that our page does not send."""
     try:
         said = json.loads(text)
     except (ValueError, RecursionError):
@@ -101,7 +103,7 @@ def heard(text: str) -> tuple[str, Any] | None:
 
 
 async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, service: AppService) -> bool:
-    """Pass what a page says on to its app; whether it was something."""
+    """Pass a message from a page on to its app; returns whether it was valid."""
     match said:
         case "stdin", keys:
             await service.send_bytes(keys)
@@ -117,8 +119,8 @@ async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, 
 
 
 async def _end(service: AppService) -> None:
-    """End an app. It loses its keys, at which it ends itself: one that hangs in drawing, which nobody reads any more,
-    does not hear that it is to quit."""
+    """End an app by closing its input, after which it exits by itself: an app that blocks on output that nobody reads
+    would not receive a request to quit."""
     try:
         with suppress(TimeoutError):
             await asyncio.wait_for(service.stop(), PATIENCE)
@@ -127,12 +129,12 @@ async def _end(service: AppService) -> None:
 
 
 def within(text: str, most: int) -> int:
-    """A size that a page asks for, from 1 to a most; what is no number is the most."""
+    """A size requested by a page, from 1 to `most`; `most` if it is not a number."""
     return min(max(int(text), 1), most) if text.isascii() and text.isdecimal() and len(text) < 9 else most
 
 
 def _netloc(origin: str) -> str:
-    """The name and port of an origin, empty for a malformed one."""
+    """Host name and port of an origin, empty for a malformed one."""
     try:
         return urlsplit(origin).netloc
     except ValueError:
@@ -140,16 +142,16 @@ def _netloc(origin: str) -> str:
 
 
 class OneLine(logging.Formatter):
-    """What a log says in one line, harmless for a terminal, of a failure its last words alone."""
+    """Formats a log record as one line without control characters; of a traceback only the exception."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """The line."""
+        """The formatted line."""
         failed = f": {record.exc_info[1]!r}" if record.exc_info and record.exc_info[1] else ""
         return printable(f"{record.getMessage()}{failed}")[:MAX_LOG_LINE]
 
 
 class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
-    """textual-serve with a token if there is one, and deaf to pages of other origins."""
+    """textual-serve with an optional token, which rejects pages of other origins."""
 
     def __init__(self, host: str, port: int, token: str, ledger: str | None) -> None:
         chosen = ["--ledger", ledger] if ledger else []
@@ -162,16 +164,16 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         )
         self.token = token
         self.open: set[web.WebSocketResponse] = set()
-        """The sockets of pages that show an app."""
+        """The sockets of pages connected to an app."""
 
     def initialize_logging(self) -> None:
-        """Log what failed in a line: nothing that a stranger sends reaches the terminal as it is."""
+        """Log each failure in one line: nothing that a stranger sends reaches the terminal unescaped."""
         logging.basicConfig(level=logging.WARNING, format="%(message)s")
         for handler in logging.getLogger().handlers:
             handler.setFormatter(OneLine())
 
     def serve(self, debug: bool = False) -> None:
-        """Answer until Ctrl-C. Raises OSError if it cannot listen."""
+        """Serve until Ctrl-C. Raises OSError if it cannot listen."""
         self.initialize_logging()
         with suppress(KeyboardInterrupt):
             asyncio.run(self._serve())
@@ -180,12 +182,12 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         await listening.serve(await self._make_app(), self.host, self.port)
 
     async def on_shutdown(self, app: web.Application) -> None:
-        """End the apps that are open."""
+        """End the running apps."""
         for one in tuple(self.open):
             await one.close()
 
     async def handle_websocket(self, request: web.Request) -> web.WebSocketResponse:
-        """Run an app for a page, until the page goes or says what no page of ours says."""
+        """Run an app for a page, until the page closes or sends an invalid message."""
         page = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=MAX_MESSAGE)
         self.open.add(page)
         try:
@@ -211,7 +213,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
 
     @property
     def link(self) -> str:
-        """What is typed into a browser."""
+        """The link to open in a browser."""
         return f"{self.public_url}/" + (f"?token={self.token}" if self.token else "")
 
     async def _make_app(self) -> web.Application:
@@ -229,19 +231,19 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         return app
 
     def is_ours(self, asked: str) -> bool:
-        """Whether a name and port lead here and nowhere else: those of the link, or this computer as such."""
+        """Whether a host name and port mean this server: those of the link, or this computer's loopback names."""
         try:
             split = urlsplit(f"//{asked}")
             here = is_loopback(split.hostname or "") and (split.port or 80) == self.port
-        except ValueError:  # no port that there is
+        except ValueError:  # not a valid port
             return False
         return here or asked == urlsplit(self.public_url).netloc
 
     async def on_startup(self, app: web.Application) -> None:
-        """Say nothing: the command has said what there is to say."""
+        """Print nothing: the command has already printed the link."""
 
     async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Let in who may come in, and give a phone letters of its size."""
+        """Check access, and set the font size for phones."""
         self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
@@ -255,9 +257,9 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         return response
 
     def _refuse_strangers(self, request: web.Request) -> None:
-        """Raises HTTPForbidden for what another page asks for, and for who neither shows the token nor has shown it.
+        """Raises HTTPForbidden for requests from other pages, and for requests without the token or its cookie.
 
-        Without a token, for who does not ask for this computer as such.
+        Without a token, also for requests that do not address this computer by a loopback name.
         """
         origin = request.headers.get("Origin")
         if origin is not None and not self.is_ours(_netloc(origin)):

@@ -7,7 +7,7 @@ from fieldkit.physics.state import State
 from fieldkit.shapes import Array, Float
 
 ONSET_MACH = 0.3
-"""Mach number at which it begins. [1]"""
+"""Mach number at which flutter starts. [1]"""
 
 
 def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:

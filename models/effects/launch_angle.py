@@ -11,7 +11,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Adds this launch angle at right angles to the recorded one. [deg]"""
+    """Adds this launch angle perpendicular to the recorded one. [deg]"""
     angle = np.hypot(setup.rail_angle, np.radians(strength))
     return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -angle, angle))
 

@@ -22,7 +22,7 @@ MAX_ANGLE = 60.0
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Tilts the path off the rail by this angle at the reference speed, always to the same side, at right angles to a
+    """Turns the path off the rail by this angle at the reference speed, always to the same side, perpendicular to a
     recorded launch angle. [deg]"""
     slower = (REFERENCE_SPEED / np.maximum(rail_exit_speed(setup), 1.0)) ** 2
     angle = np.minimum(strength * slower, MAX_ANGLE)

@@ -13,7 +13,9 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Air warmer by this at the pad, and the reading of an altimeter that assumes standard air. [K]"""
+    """Makes the air at the pad warmer by this temperature and adjusts the reading of an altimeter that assumes standard
+    air. [K]
+    """
     warmth = setup.air.temperature + strength
     share = setup.air.temperature / warmth
     air = replace(setup.air, density=setup.air.density * share, temperature=warmth)

@@ -1,7 +1,7 @@
 """Wind: after leaving the rail, a stable rocket turns into the relative wind and climbs at an angle.
 
 The rocket is a point mass whose axis follows the relative wind. The strength scales the wind that it follows: at 1 the
-rocket turns fully and at once, at 0 not at all.
+rocket turns fully and immediately, at 0 not at all.
 """
 
 from collections.abc import Sequence

@@ -1,1 +1,1 @@
-"""Protocols, a file each; `fieldkit.capture.protocol` finds them."""
+"""Protocols, one file each; `fieldkit.capture.protocol` finds them."""

@@ -1,6 +1,7 @@
-"""AltiMulti, AltiDuo, TTGO Bear, AltiGPS and their kin (bdureau): sentences asked for with one-letter commands.
+"""AltiMulti, AltiDuo, TTGO Bear, AltiGPS and related units (bdureau): sentences requested with one-letter commands.
 
-A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
+A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come in between.
+
 Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/RocketFlightLogger).
 """
 
@@ -17,15 +18,15 @@ from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
 MAX_FLIGHTS = 25
-"""Flights that a unit keeps. [1]"""
+"""Number of flights that a unit stores. [1]"""
 GREETINGS, GREETING = 8, 1.5
-"""How often the unit is greeted, and how long it has to answer: opening the port restarts some boards. [s]"""
+"""Number of greetings [1], and the time a unit has to answer each [s]: opening the port restarts some boards."""
 ANSWER = 5.0
-"""How long a unit may pause within an answer. [s]"""
+"""Longest pause of a unit within an answer. [s]"""
 REFUSALS = ("KO", "K0", "UNKNOWN")
 TRIES = 3
 STREAM = 60.0
-"""How long telemetry may pause. [s]"""
+"""Longest pause in telemetry. [s]"""
 
 
 def recognizes_stream(heard: bytes) -> bool:
@@ -35,7 +36,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class AnswerFrame:
-    """An answer to one command, from its `$start;` on."""
+    """An answer to one command, starting at its `$start;`."""
 
     content: bytes
     good: int
@@ -49,7 +50,7 @@ class AnswerFrame:
 
 
 def frames(captured: Captured) -> dict[int, AnswerFrame]:
-    """The best answer there is for each flight that was asked for."""
+    """The best available answer for each requested flight."""
     best: dict[int, AnswerFrame] = {}
     for answer in captured.answers():
         asked = re.fullmatch(rb"r(\d+);", answer.command)
@@ -74,7 +75,7 @@ def _frame(content: bytes) -> AnswerFrame:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download the flights that are wanted, or follow telemetry; whether all arrived. Raises PortTrouble."""
+    """Download the chosen flights, or follow telemetry; returns whether all arrived. Raises PortTrouble."""
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
@@ -92,7 +93,7 @@ def _greeted(link: Link) -> Dialogue[None]:
 
 
 def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
-    """The next sentence that is no telemetry, None after silence, or after a while of nothing but telemetry. [s]"""
+    """The next sentence that is not telemetry, None after `silence` [s], or after a while with only telemetry."""
     ends = time.monotonic() + NOISE * silence
     while time.monotonic() < ends and (piece := (yield from link.piece(b";", silence))) is not None:
         one = sentence(piece)
@@ -106,7 +107,7 @@ def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
 
 
 def _telemetry(link: Link, one: Sentence) -> None:
-    """Show what a telemetry sentence says; meters whatever the unit's display shows."""
+    """Report a telemetry sentence; always meters, whatever unit the device displays."""
     if not one.sound:
         link.damaged += 1
         return
@@ -120,7 +121,7 @@ def _telemetry(link: Link, one: Sentence) -> None:
 
 
 def _identified(link: Link) -> Dialogue[None]:
-    """Take down the settings, whose eighth field is the name of the board."""
+    """Record the settings, whose eighth field is the name of the board."""
     link.send(b"b;")
     while (one := (yield from _next(link, ANSWER))) is not None and one.name not in ("end", *REFUSALS):
         if one.name == "alticonfig" and one.sound and len(one.fields) > 9:
@@ -172,7 +173,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
 
 
 def _flight(link: Link, number: int) -> Dialogue[bool]:
-    """Read one flight, again if it arrived damaged."""
+    """Read one flight, and read it again if it arrived damaged."""
     for attempt in range(1, TRIES + 1):
         good, bad, ended = yield from _answer(link, number)
         if ended and not bad:
@@ -202,7 +203,7 @@ def _answer(link: Link, number: int) -> Dialogue[tuple[int, int, bool]]:
 
 
 def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Telemetry until it pauses, or until the flyer stops it."""
+    """Record telemetry until it pauses or the user stops it."""
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
     link.send(b"y1;")
@@ -218,7 +219,7 @@ def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogu
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The best answer for each flight, in one log; of a capture without answers, all as it came."""
+    """The best answer for each flight, in one log; if the capture has no answers, all bytes unchanged."""
     best = frames(captured)
     flown = [best[number].content for number in sorted(best) if best[number].good]
     if not flown:

@@ -1,7 +1,8 @@
-"""Altus Metrum flight computers over USB: who they are, which flights they hold, and those, block by block.
+"""Altus Metrum flight computers over USB: their identity, their list of flights, and the flights, block by block.
 
-A block is 256 bytes and comes as 32 lines of nine hex numbers: the offset in the block and eight bytes. A line that
-does not arrive whole leaves 0xff, as erased memory does; such a block is asked for again.
+A block is 256 bytes and arrives as 32 lines of nine hex numbers: the offset in the block and eight bytes. A line that
+is missing or incomplete leaves 0xff, like erased memory; the block is then requested again.
+
 Source: AltosLink.java, AltosEepromDownload.java, AltosEepromBlock.java (Altus Metrum).
 """
 
@@ -21,17 +22,17 @@ from fieldkit.errors import PortTrouble
 
 TRIES = 3
 BLOCK, ROW, LINE = 256, 8, 32
-"""Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
+"""Bytes of a block, of a line from a unit, and of a line of a file. [bytes]"""
 ERASED_BLOCK = b"\xff" * BLOCK
 MOST_LINES = 5000
-"""No list of flights is longer."""
+"""Upper limit on the lines of a list of flights. [1]"""
 MAX_BLOCKS = 100_000
-"""No flight has more blocks; a line that claims more is damaged."""
+"""Upper limit on the blocks of a flight; a line with more is damaged. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """Where a flight is in memory: blocks from `start` up to, not including, `end`."""
+    """A flight's location in memory: blocks from `start` up to, but not including, `end`."""
 
     number: int
     start: int
@@ -40,14 +41,14 @@ class Extent:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A block as it arrived, and how many of its lines did not."""
+    """A block as received, and the number of missing lines."""
 
     content: bytes
     missing: int
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download the flights that are wanted, block by block; whether all arrived. Raises PortTrouble."""
+    """Download the chosen flights, block by block; returns whether all arrived. Raises PortTrouble."""
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)
@@ -98,7 +99,7 @@ def _flights(link: Link) -> Dialogue[list[Extent]]:
 
 
 def extents(lines: Iterable[str]) -> list[Extent]:
-    """The flights of a list."""
+    """The flights in a list from the unit."""
     found = []
     for line in lines:
         match = re.fullmatch(r"flight (\d+) start ([0-9a-fA-F]{1,6}) end ([0-9a-fA-F]{1,6})", line.strip())
@@ -124,7 +125,7 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
 
 
 def _block(link: Link, number: int) -> Dialogue[Block]:
-    """Read a block, again if lines of it are missing."""
+    """Read a block, and read it again if lines are missing."""
     for attempt in range(1, TRIES + 1):
         link.send(b"e %x\n" % number)
         lines: list[str] = []
@@ -145,7 +146,7 @@ def _block(link: Link, number: int) -> Dialogue[Block]:
 
 
 def assembled(lines: Iterable[str]) -> Block:
-    """The block that lines make up; what none of them holds is 0xff."""
+    """The block assembled from lines; missing bytes are 0xff."""
     content = bytearray(ERASED_BLOCK)
     missing = set(range(0, BLOCK, ROW))
     for line in lines:
@@ -157,7 +158,7 @@ def assembled(lines: Iterable[str]) -> Block:
 
 
 def _row(line: str) -> list[int] | None:
-    """The nine numbers of a line, None if it has not nine that fit."""
+    """The nine numbers of a line, None if the line is not valid."""
     tokens = line.split()
     if len(tokens) != 1 + ROW or not all(re.fullmatch(r"[0-9a-fA-F]{1,2}", token) for token in tokens):
         return None
@@ -165,7 +166,7 @@ def _row(line: str) -> list[int] | None:
 
 
 def blocks(captured: Captured) -> dict[int, Block]:
-    """The best of each block that was asked for."""
+    """The best copy of each requested block."""
     best: dict[int, Block] = {}
     for answer in captured.answers():
         asked = re.fullmatch(rb"e ([0-9a-f]+)\n", answer.command)
@@ -177,7 +178,7 @@ def blocks(captured: Captured) -> dict[int, Block]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """Each flight as the vendor's own program saves it: what the unit reports about itself, then its memory in hex."""
+    """Each flight in the format of the vendor's program: what the unit reports about itself, then its memory in hex."""
     answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
     told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
     memory = blocks(captured)
@@ -195,7 +196,7 @@ def logs(captured: Captured) -> list[Log]:
 
 
 def settings(lines: Iterable[str]) -> dict[str, str | int]:
-    """What a unit reports about itself, by names as the vendor's program spells them in its files."""
+    """What a unit reports about itself, under the names that the vendor's program uses in its files."""
     found: dict[str, str | int] = {}
     for line in lines:
         if match := _CALIBRATION.match(line):

@@ -1,8 +1,9 @@
-"""Blue Raven over USB: frames of text, `@ KIND length date time sync fields... CRC: XXXX`, asked for by rate.
+"""Blue Raven over USB: text frames, `@ KIND length date time sync fields... CRC: XXXX`, requested by sample rate.
 
-No mark ends a download, so silence does. A frame can be overprinted by the next one; it is lost, the next is not.
-Sources: Blue Raven USB Interface Guide (Revised), third party; the CRC is derived from a real capture, where it
-holds on every high-rate frame that was not overprinted.
+No mark ends a download, so silence does. A frame can be overwritten by the next one; then only the first is lost.
+
+Sources: Blue Raven USB Interface Guide (Revised), third party; the CRC is derived from a real capture, in which it is
+valid for every high-rate frame that was not overwritten.
 """
 
 import re
@@ -17,15 +18,15 @@ from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass
 
 SILENCE = 5.0
-"""Without a frame of flight data for so long, a download is over: the slower rate has 50 a second. [s]"""
+"""A download is over after this long without a flight data frame: the slower rate is 50 per second. [s]"""
 DOWNLOADS = {"LOW": b"download l\r\n", "HIR": b"download h\r\n"}
-"""Commands by the kind of frame they bring. How a command has to end is not written down; CR LF is what frames have."""
+"""Commands by the kind of frame they request. The line end of a command is not documented; frames end with CR LF."""
 
 _CRC = re.compile(rb" CRC: ([0-9A-Fa-f]{4})\s*$")
 
 
 def frame(line: bytes) -> bytes | None:
-    """The frame that a line ends with, from its last `@ `, if its checksum is right."""
+    """The frame at the end of a line, starting at its last `@ `, if its checksum is valid."""
     start = line.rfind(b"@ ")
     match = _CRC.search(line)
     if start < 0 or not match or crc_buypass(line[start : match.start()]) != int(match[1], 16):
@@ -34,12 +35,12 @@ def frame(line: bytes) -> bytes | None:
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """A frame with its checksum, such as the live status."""
+    """Whether there is a frame with a valid checksum, such as the live status."""
     return any(frame(line) for line in heard.splitlines()[:-1])
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download low- and high-rate data; whether all arrived. Raises PortTrouble if the unit does not answer."""
+    """Download low- and high-rate data; returns whether all arrived. Raises PortTrouble if the unit does not answer."""
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)
@@ -59,12 +60,12 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _done(captured: Captured) -> set[str]:
-    """The kinds of frames whose download came to its end."""
+    """The kinds of frames whose download is complete."""
     return {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
 
 
 def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
-    """Count frames of one kind until there are none for so long; live status in between is no data. [s]"""
+    """Count frames of one kind until none arrive for `silence` [s]; live status in between does not count."""
     wanted = f"@ LOG_{kind}".encode()
     last, frames = time.monotonic(), 0
     while time.monotonic() - last < silence:

@@ -1,6 +1,7 @@
-"""Eggtimer Classic and TRS: whatever text they print, kept as it came; a press of their button starts it.
+"""Eggtimer Classic and TRS: records whatever text they print, unchanged; pressing their button starts the output.
 
-No handshake is documented and none is tried. The end of a record is silence, or the flyer's word.
+No handshake is documented and none is attempted. A record ends with silence, or when the user stops the capture.
+
 Sources: Serial_Connection.md (broofa/eggtimer_for_mac), Eggtimer manual release 1.48b.
 """
 
@@ -12,24 +13,24 @@ from fieldkit.capture.link import Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 
 WAIT = 180.0
-"""How long the flyer may take to press the button. [s]"""
+"""How long the user may take to press the button. [s]"""
 SILENCE = 30.0
-"""A pause of so long ends the capture; there is time to press the button again. [s]"""
+"""A pause of this length ends the capture; it leaves time to press the button again. [s]"""
 
 _HEADER = re.compile(rb"^T[,;\t ]Alt[,;\t ]", re.MULTILINE)
 _ROW = re.compile(r"[-+]?\d[-+\d.,;\s]*")
 _MARK = re.compile(r"[,;\s]+")
 MIN_NUMBERS = 3
-"""Smallest count of numbers in a row: time, height and speed. [1]"""
+"""Minimum count of numbers in a row: time, height and speed. [1]"""
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """The header that its tables begin with."""
+    """Whether the header of their tables is present."""
     return _HEADER.search(heard) is not None
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record what the unit prints until it falls silent; whether it is complete. Raises PortTrouble."""
+    """Record what the unit prints until it is silent; returns whether it is complete. Raises PortTrouble."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -40,12 +41,12 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _is_row(line: str) -> bool:
-    """Whether a line is a row of the table: numbers, and marks between them."""
+    """Whether a line is a row of the table: numbers with separators."""
     return _ROW.fullmatch(line) is not None and len(_MARK.split(line)) >= MIN_NUMBERS
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The text as it came, without a line that the loss of the port tore."""
+    """The text unchanged, without lines torn by the loss of the port."""
     content = captured.untorn.replace(b"\0", b"")
     return [Log(captured.file.name, content)] if content.strip() else []
 

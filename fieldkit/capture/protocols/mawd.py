@@ -1,7 +1,8 @@
-"""PerfectFlite MAWD: model, firmware, statistics and the last flight, each asked for by one letter.
+"""PerfectFlite MAWD: model, firmware, statistics and the last flight, each requested with one letter.
 
-No mark ends a flight; the statistics say how many samples it has. The letter F fires an output when D or M follows:
-it is in no table of commands, and no letter that is goes before or after it.
+No mark ends a flight; the statistics state its number of samples. The letter F fires an output if D or M follows: it is
+not in the command table, and no allowed command contains it.
+
 Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author calls untested.
 """
 
@@ -16,17 +17,17 @@ from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 
 ANSWER = 3.0
-"""How long the unit may pause within an answer. [s]"""
+"""Longest pause of the unit within an answer. [s]"""
 TRIES = 3
 STATISTICS = 5
-"""Lines of the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
+"""Number of lines in the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
 
 _SAMPLE = re.compile(r".\d{4}")
 _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download the one flight, again if samples are missing; whether all arrived. Raises PortTrouble."""
+    """Download the flight, again if samples are missing; returns whether all arrived. Raises PortTrouble."""
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
@@ -41,7 +42,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
-    """So many lines that are not blank in answer to a command; fewer, or none, if the unit does not answer."""
+    """Up to `wanted` non-blank lines in answer to a command; fewer, or none, if the unit does not answer."""
     found: list[str] = []
     for _ in range(TRIES):
         yield from link.drain(0.2)
@@ -71,7 +72,7 @@ def _count(link: Link) -> Dialogue[int]:
 
 
 def _flight(link: Link, count: int) -> Dialogue[bool]:
-    """The interval and the samples; asked for again if they do not come to the end."""
+    """Read the interval and the samples; request them again if they are incomplete."""
     for attempt in range(1, TRIES + 1):
         yield from link.drain(0.2)
         link.send(b"D")
@@ -93,7 +94,7 @@ def _flight(link: Link, count: int) -> Dialogue[bool]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The last answer to each letter, and of those to D the one with most samples."""
+    """The last answer to each letter, and of those to D the one with the most samples."""
     answers = captured.answers()
     kept = [[answer.content for answer in answers if answer.command == command][-1:] for command in (b"I", b"V", b"S")]
     flights = [answer.content for answer in answers if answer.command == b"D"]

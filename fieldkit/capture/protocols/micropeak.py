@@ -1,7 +1,8 @@
-"""MicroPeak, MicroKite and MicroPeak 2: an LED that blinks the flight once, at power-up, into a phototransistor.
+"""MicroPeak, MicroKite and MicroPeak 2: an LED transmits the flight once, at power-up, to a phototransistor.
 
-The host sends nothing. The stream is junk, `MP`, hex digits with white space anywhere, four digits of CRC-16/X-25;
-the header says how many samples come. A MicroPeak 2 adds a line with its chip's identity.
+The host sends nothing. The stream is junk, `MP`, hex digits with arbitrary white space, and four digits of CRC-16/X-25;
+the header states the number of samples. A MicroPeak 2 adds a line with its chip's identity.
+
 Sources: MicroData.java and ao_log_micro.c (Altus Metrum).
 """
 
@@ -17,11 +18,11 @@ from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.importing.tables.checksums import crc_x25
 
 WAIT = 180.0
-"""How long the flyer may take to switch the unit on, again if need be. [s]"""
+"""How long the user may take to switch the unit on, more than once if needed. [s]"""
 PAUSE = 5.0
-"""A stream that stops for this long in the middle will not resume. [s]"""
+"""A stream that pauses this long in the middle will not resume. [s]"""
 TAIL = 1.5
-"""How long the identity of a MicroPeak 2 may take to follow. [s]"""
+"""How long the identity line of a MicroPeak 2 may take to follow. [s]"""
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
 
 _HEX = frozenset(b"0123456789abcdefABCDEF")
@@ -30,7 +31,7 @@ _WHITESPACE = frozenset(b" \t\r\n")
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record of a stream, from its `MP` on; `sound` when its checksum is right."""
+    """A record in a stream, starting at its `MP`; `sound` if its checksum is valid."""
 
     start: int
     end: int
@@ -39,18 +40,18 @@ class Record:
 
     @property
     def model(self) -> int:
-        """The model number of the device, as the record states it."""
+        """The model number in the record."""
         return self.payload[9] >> 4
 
     @property
     def count(self) -> int:
-        """How many samples it has."""
+        """The number of samples in the record. [1]"""
         return (len(self.payload) - (12 if self.model == 2 else 10)) // 2
 
 
 @dataclass(slots=True)
 class Stream:
-    """Finds records, whatever the sizes of the chunks that it is fed."""
+    """Finds records in a stream that arrives in chunks of any size."""
 
     place: int = 0
     start: int = -1
@@ -59,7 +60,7 @@ class Stream:
     _last: int = 0
 
     def feed(self, chunk: bytes) -> list[Record | None]:
-        """The records that end in a chunk, None for one that noise broke."""
+        """The records that end in a chunk, None for a record broken by noise."""
         found: list[Record | None] = []
         at = 0
         while at < len(chunk):
@@ -74,14 +75,14 @@ class Stream:
             elif byte not in _WHITESPACE:
                 self.start = -1
                 found.append(None)
-                continue  # it may begin another
+                continue  # it may start another record
             at += 1
         self.place += len(chunk)
         self._last = chunk[-1] if chunk else self._last
         return found
 
     def _take_start(self, chunk: bytes, at: int) -> int:
-        """Where to continue: after the next `MP`, with a record started, or at the end."""
+        """The position at which to continue: after the next `MP`, with a record started, or at the end."""
         while (letter := chunk.find(b"P", at)) >= 0:
             at = letter + 1
             if (chunk[letter - 1] if letter else self._last) == ord("M"):
@@ -91,7 +92,7 @@ class Stream:
         return len(chunk)
 
     def _complete(self) -> bool:
-        """Whether all digits are there, now that the header says how many there are."""
+        """Whether all digits have arrived, according to the header."""
         needed = (_size(bytes.fromhex(self.digits[:24].decode())) + 2) * 2
         self._needed = max(needed, self._needed)
         return len(self.digits) >= needed
@@ -105,7 +106,7 @@ class Stream:
 
 
 def _size(header: bytes) -> int:
-    """How many bytes a payload has, by as much of its header as is there; erased memory has no samples. [bytes]"""
+    """Payload size according to the part of its header received so far; erased memory has no samples. [bytes]"""
     word = int.from_bytes(header[8:10], "little")
     if word == 0xFFFF:
         return 10
@@ -115,13 +116,13 @@ def _size(header: bytes) -> int:
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """`MP` and a whole header."""
+    """Whether `MP` and a complete header are present."""
     stream = Stream()
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record what the unit sends by its LED; whether the record is sound. Raises PortTrouble if nothing comes."""
+    """Record what the unit's LED transmits; returns whether the record is sound. Raises PortTrouble on silence."""
     stream = Stream()
     useful = time.monotonic()
     base = link.samples
@@ -152,7 +153,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def logs(captured: Captured) -> list[Log]:
-    """Each flight once: records whose checksum is right, else what there is of one."""
+    """Each flight once: records with a valid checksum, otherwise the partial record."""
     raw = captured.raw
     stream = Stream()
     records = [record for record in stream.feed(raw) if record is not None]
@@ -167,7 +168,7 @@ def logs(captured: Captured) -> list[Log]:
 
 
 def _end(raw: bytes, record: Record) -> int:
-    """Where a record ends, with the identity line of a MicroPeak 2."""
+    """The end of a record, including the identity line of a MicroPeak 2."""
     if record.model != 2:
         return record.end
     more = raw[record.end : record.end + 64]

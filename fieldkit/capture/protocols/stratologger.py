@@ -1,8 +1,9 @@
-"""StratoLogger live telemetry: one altitude in feet a line, which the unit sends by itself in flight.
+"""StratoLogger live telemetry: one altitude in feet per line, which the unit sends unprompted in flight.
 
-The lines have no clock, so the time of each is that of its arrival. If the unit sends on the pad already, its
-first line is the pad's elevation above sea level and the others are above the pad.
-How to read its memory is not public. Source: docs/telem.md (UND-ARC/StratoLogger).
+The lines have no time stamp, so each gets its arrival time. If the unit already sends on the pad, its first line is the
+pad's elevation above sea level and the others are above the pad. The protocol for its memory is not public.
+
+Source: docs/telem.md (UND-ARC/StratoLogger).
 """
 
 import re
@@ -15,22 +16,22 @@ from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.units import FOOT
 
 WAIT = 3600.0
-"""How long a unit may wait on the pad before it says anything. [s]"""
+"""How long a unit may wait on the pad before it sends anything. [s]"""
 STREAM = 120.0
-"""How long it may pause then. [s]"""
+"""Longest pause after that. [s]"""
 TITLE = "StratoLogger live telemetry, captured by fieldkit"
 
 _NUMBER = re.compile(r"-?\d{1,6}")
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """Six lines of one integer each, with the line ends that the unit has, and nothing else."""
+    """Whether there are six lines of one integer each, with the unit's line ends, and nothing else."""
     whole = heard[: heard.rfind(b"\n") + 1]
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record live telemetry until it falls silent; whether it is complete. Raises PortTrouble if nothing comes."""
+    """Record live telemetry until it is silent; returns whether it is complete. Raises PortTrouble without any."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -45,7 +46,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def logs(captured: Captured) -> list[Log]:
-    """A table of seconds and feet, times by arrival; a line that is no number keeps its place without one."""
+    """A table of seconds and feet, with arrival times; a line that is not a number becomes a row without a height."""
     rows = [TITLE]
     if captured.began is not None:
         rows.append(f"began,{captured.began.replace(tzinfo=None).isoformat(timespec='seconds')}")

@@ -1,4 +1,4 @@
-"""TeleDongle: packets from a flight computer's radio, as `.telem` lines, for as long as one listens.
+"""TeleDongle: packets from a flight computer's radio, as `.telem` lines, until the user stops.
 
 Source: AltosLink.java, AltosTelemetry.java, ao_telemetry.h (Altus Metrum).
 """
@@ -18,17 +18,17 @@ from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import sum_256
 
 STREAM = 1800.0
-"""How long there may be no packet: rockets wait on pads. [s]"""
+"""Longest time without a packet: rockets wait on pads. [s]"""
 STATES = ("startup", "idle", "pad", "boost", "fast", "coast", "drogue", "main", "landed", "invalid", "stateless")
 SPEEDS: Mapping[int, int] = {1: 20, 2: 20, 3: 20, 9: 28, 10: 16, 16: 20, 17: 20}
-"""Where packets keep a speed in sixteenths of m/s and behind it a height in m, by their type: TeleMetrum 1, TeleMini 1,
-TeleNano; TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
+"""Offset of the speed in 1/16 m/s, followed by the height in m, by packet type: TeleMetrum 1, TeleMini 1, TeleNano;
+TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
 TICK = 0.01
-"""A flight computer's tick. [s]"""
+"""Clock tick of a flight computer. [s]"""
 
 
 def packet(line: str) -> bytes | None:
-    """The packet of a `TELEM` line whose checksum and radio CRC are right, else None."""
+    """The packet in a `TELEM` line if its checksum and radio CRC are valid, else None."""
     match = re.fullmatch(r"TELEM ((?:[0-9a-fA-F]{2}){4,260})", line.strip())
     if not match:
         return None
@@ -39,7 +39,7 @@ def packet(line: str) -> bytes | None:
 
 
 def sample(content: bytes) -> Sample | None:
-    """Height and speed of a packet that has them, None for another."""
+    """Height and speed in a packet, None for packets without them."""
     place = SPEEDS.get(content[4]) if len(content) == 32 else None
     if place is None:
         return None
@@ -49,13 +49,13 @@ def sample(content: bytes) -> Sample | None:
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """Packets that are forwarded already."""
+    """Whether packets are already being forwarded."""
     return any(packet(line) for line in heard.decode("latin-1").splitlines()[:-1])
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record radio packets until the user stops; whether it is complete. Raises PortTrouble."""
-    link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
+    """Record radio packets until the user stops; returns whether the capture is complete. Raises PortTrouble."""
+    link.send(b"m 0\n")  # it may still forward packets for a program that was killed
     yield from silence_echo(link)
     if not (yield from version(link)):
         raise PortTrouble(
@@ -85,7 +85,7 @@ def _take(link: Link, line: str) -> None:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The lines that are telemetry, in order."""
+    """The telemetry lines, in order."""
     lines = [line for line in captured.raw.splitlines() if line.startswith((b"TELEM ", b"CRC INVALID"))]
     return [Log(captured.file.name, b"\n".join(lines) + b"\n")] if lines else []
 

@@ -1,1 +1,1 @@
-"""Alembic's folder: `env.py` connects it to an open ledger, `versions/` holds a file per step."""
+"""Alembic's folder: `env.py` connects it to an open ledger, `versions/` has one file per step."""

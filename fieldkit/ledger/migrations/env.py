@@ -1,4 +1,4 @@
-"""Run by Alembic when a ledger is upgraded, inside the transaction that `opening.bring_up_to_date` began."""
+"""Run by Alembic when a ledger is upgraded, inside the transaction that `opening.bring_up_to_date` started."""
 
 from alembic import context
 
