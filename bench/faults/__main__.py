@@ -148,7 +148,7 @@ def page(found: Sequence[Outcome], command: str, others: int) -> str:
     rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
     system = f"Python {platform.python_version()}, SQLite {sqlite3.sqlite_version}, {platform.system()}"
     if commits := list(dict.fromkeys(one.commit for one in found if one.commit)):
-        system += f"; of the program as of {' and '.join(commits)}"
+        system += f"; of the commits {', '.join(commits)}"
     text = (ROOT / "bench" / "faults" / "page.md").read_text(encoding="utf-8")
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
