@@ -63,7 +63,8 @@ def motor_temperature(plan: Flight) -> float | None:
     """As declared with the plan, or None. [K] Raises BadValue for no number, and for one that no field has."""
     text = plan.extra.get(MOTOR_TEMPERATURE, "")
     try:
-        return check(BY_NAME["temperature"], units.parse(text, "temperature", "c")) if text else None
+        value = units.parse(text, "temperature", "c") if text else None
+        return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
     except BadValue as error:
         raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
 
