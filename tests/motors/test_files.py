@@ -79,7 +79,7 @@ def test_a_rasp_file_of_windows_with_marks_and_tabs_is_read() -> None:
     [
         ("0.5   30.0", "0.5 3o.0", "mine.eng, row 5, thrust: found '3o.0', expected a number (N)"),
         ("0.5   30.0", "0.01 30.0", "mine.eng, row 5: found the time 0.01 after 0.014"),
-        ("0.5   30.0", "0.5 -30.0", "mine.eng, row 5: found 0.5 s, -30 N, expected neither below zero"),
+        ("0.5   30.0", "0.5 -30.0", "mine.eng, row 5: found 0.5 s, -30 N, expected neither to be negative"),
         (
             "0.5   30.0",
             "0.5 30 0",

@@ -16,7 +16,7 @@ from tests.samples import any_motor
 from tools.samples.two_parachutes import PAD, flight
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
-V5 = "header does not fit its rows of 70 cells, read up to main_voltage"
+V5 = "header does not match its rows of 70 cells, read up to main_voltage"
 
 
 def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Found]]:
