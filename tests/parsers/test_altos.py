@@ -214,7 +214,7 @@ def test_cells_may_be_parted_as_in_another_country(separator: str, decimal: str)
 
 def test_a_comma_that_may_part_cells_or_decimals_is_refused() -> None:
     name = "altos_csv__a_barometer_alone.csv"
-    with pytest.raises(DamagedLog, match="commas for decimals"):
+    with pytest.raises(DamagedLog, match="commas both between cells and in decimals"):
         read(name, other_locale(name, ",", ","))
 
 
