@@ -1,4 +1,8 @@
-"""The top of a fitted ascent: when and how high, if the samples show it."""
+"""The top of a fitted ascent: when and how high, if the samples show it.
+
+Derivation: the apogee is the maximum of the fitted curve; the difference of two independent heights has sqrt(2) times
+the standard deviation of one.
+"""
 
 import numpy as np
 

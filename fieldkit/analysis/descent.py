@@ -1,4 +1,7 @@
-"""The way down: ejection, landing, and the speed between them."""
+"""The way down: ejection, landing, and the speed between them.
+
+Source: robust slopes by the median of slopes of pairs (Theil, 1950; Sen, 1968).
+"""
 
 from collections.abc import Mapping
 

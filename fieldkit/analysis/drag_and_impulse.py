@@ -18,6 +18,8 @@ If drag is not quite proportional to v², or the rocket is tilted, b is the one 
 with v(t) of the fitted coast and the last integral, a tenth to a fifth of the whole, over the smoothed climb. Where
 burnout was does not matter. The mass that b has is a few percent less than that of a rocket that burns still, which
 makes j too large by a percent at most. Who knows thrust curve and masses has the expected j without a flight.
+
+Derivation: Newton's second law with drag rho v² Cd A / 2, as above.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Thrust and drag as they were measured: what is left of the acceleration when gravity is taken out."""
+"""Thrust and drag as they were measured: what is left of the acceleration when gravity is taken out.
+
+Derivation: Newton's second law for a vertical path: thrust and drag per mass are the acceleration plus gravity.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""A first guess of a rocket's acceleration: its accelerometer's, or a coast against drag after an even push."""
+"""A first guess of a rocket's acceleration: its accelerometer's, or a coast against drag after an even push.
+
+Derivation: constant acceleration in the boost, then Newton's second law with drag in proportion to v².
+"""
 
 from dataclasses import dataclass
 

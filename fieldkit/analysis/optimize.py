@@ -1,5 +1,8 @@
 """Two small optimizers that the measuring needs: their like in `scipy.optimize` takes longer to import than a log to
-measure (a test compares them)."""
+measure (a test compares them).
+
+Source: Levenberg (1944) and Marquardt (1963) for the damped steps.
+"""
 
 from collections.abc import Callable
 

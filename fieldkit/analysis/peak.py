@@ -1,4 +1,8 @@
-"""The strongest acceleration of a boost: as an accelerometer felt it, or as a curve through heights and motors say."""
+"""The strongest acceleration of a boost: as an accelerometer felt it, or as a curve through heights and motors say.
+
+Derivation: the maximum of a running mean; what a curve through heights smooths away is estimated from motors in the
+catalog.
+"""
 
 import numpy as np
 

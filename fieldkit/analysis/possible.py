@@ -2,6 +2,8 @@
 
 Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
 of a hobby rocket survives some accelerations. If figures contradict each other all are out, for any may be wrong.
+
+Derivation: conservation of energy, by which a coast without drag rises v²/2g.
 """
 
 from collections.abc import Mapping

@@ -4,6 +4,8 @@ A receiver's heights are true ones above some level, while an altimeter assumes 
 have a delay. So a scale, a zero and a delay are fitted between the two where both are trusted, away from the speed of
 sound and from gaps. What remains is the receiver's error, and its correlation time determines how much one of its
 samples counts: little beside a barometer in quiet air, and fully where shocks make that useless.
+
+Derivation: an error k of dynamic pressure is, by the hydrostatic equation, an error k v²/2g of height.
 """
 
 from collections.abc import Sequence

@@ -3,6 +3,9 @@
 The last samples before the silence say how high and how fast the rocket was. From there it coasted: without drag it
 would have risen by v²/2g more, with the drag that slowed it then by less, and if a charge went early by less still.
 So the apogee lies between the highest sample and that bound.
+
+Derivation: with drag in proportion to v², D times the weight at speed v, the rise is ln(1 + D)/D times v²/2g and takes
+arctan(sqrt(D))/sqrt(D) times v/g.
 """
 
 import numpy as np

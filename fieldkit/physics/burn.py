@@ -1,4 +1,5 @@
-"""The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
+"""The burn: from lift-off to burnout by the classical Runge-Kutta method in time (Kutta, 1901), stepped along the thrust
+curve. Derivation: Newton's second law."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""One call flies a batch: arrays in, arrays out, the same code for one flight and a million."""
+"""One call flies a batch: arrays in, arrays out, the same code for one flight and a million.
+
+Derivation: burn, coast and descent in turn, whose modules name the sources of their equations.
+"""
 
 from collections.abc import Iterator
 from itertools import pairwise

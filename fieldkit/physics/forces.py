@@ -1,4 +1,7 @@
-"""The forces on a rocket going up: thrust along its axis, drag along the wind, gravity, and the effects'."""
+"""The forces on a rocket going up: thrust along its axis, drag along the wind, gravity, and the effects'.
+
+Derivation: Newton's second law; drag is rho v² Cd A / 2 against the velocity through the air.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""What samples of a simulated flight would show of drag and impulse, as in `fieldkit.analysis.drag_and_impulse`."""
+"""What samples of a simulated flight would show of drag and impulse, as in `fieldkit.analysis.drag_and_impulse`.
+
+Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated accelerations instead of samples.
+"""
 
 import numpy as np
 
