@@ -1,5 +1,5 @@
-"""The burn: from lift-off to burnout by the classical Runge-Kutta method in time (Kutta, 1901), stepped along the thrust
-curve. Derivation: Newton's second law."""
+"""The burn: from lift-off to burnout by the classical Runge-Kutta method in time (Kutta, 1901), stepped along the
+thrust curve. Derivation: Newton's second law."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
