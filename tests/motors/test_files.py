@@ -122,7 +122,7 @@ def test_a_rocksim_file_is_read_in_grams() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ('propWt="10.8"', "", "mine.rse, row 4, propWt: found <engine> without it, expected propWt="),
+        ('propWt="10.8"', "", "mine.rse, row 4, propWt: found <engine> without propWt="),
         ('f="14."', 'f="l4."', "mine.rse, row 9, f: found 'l4.', expected a number (N)"),
         ("</data>", "", "mine.rse, row 12: found broken XML (mismatched tag"),
         ("engine mfg", "motor mfg", "mine.rse, row 8: found <eng-data>, expected an <engine> around it"),
