@@ -253,7 +253,7 @@ def test_a_capture_goes_on_another_day_and_not_with_another_unit(tmp_path: Path)
     assert "the port disappeared" in end.why
     with (
         played(devices.altimulti(FLIGHTS[:1])) as other,
-        pytest.raises(PortTrouble, match="not the unit of the capture"),
+        pytest.raises(PortTrouble, match="not the unit that was being captured"),
     ):
         run(resume(end.file, Port(other.name), wishes=QUICK))
     with played(devices.altimulti(FLIGHTS)) as again:
