@@ -3,10 +3,12 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import Column
+from fieldkit.units import spelled as spelled
 
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -30,11 +32,6 @@ DECIMALS: Mapping[str, int] = MappingProxyType(
 def counted(count: int, noun: str) -> str:
     """A count with its noun: `1 flight`, `2 flights`."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
-
-
-def spelled(unit: str) -> str:
-    """A unit as it is printed: `°C` for `c`."""
-    return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)
 
 
 def unit_of(column: Column, system: str) -> str:
@@ -66,9 +63,13 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
 
 
-_NOTE_FIGURE = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+_NOTE_FIGURE = re.compile(r"(?<![\w.,'])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
+_NOTE_MASS = re.compile(r"(?<=\bmass of )(\d+(?:\.\d+)?) (g|kg)\b")
+_NOTE_WIDTH = re.compile(r"(?<=\bdiameter of )(\d+(?:\.\d+)?) (mm)\b")
 _FIGURE = r"\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 _NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) (\+/-|±) ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
+GRAMS = {"g": 1e-3, "kg": 1.0}
+"""Units of mass in notes. [kg]"""
 _OF_SI = {"m": ("ft", 1 / units.FOOT), "m/s": ("mph", 1 / units.MILE * 3600), "m/s^2": ("ft/s^2", 1 / units.FOOT)}
 _OF_SI["K"] = ("°F", 1.8)
 """Feet-based units of estimates with a standard deviation, and their number in one SI unit; kelvins are differences."""
@@ -77,13 +78,27 @@ _OF_SI["K"] = ("°F", 1.8)
 def in_system(note: str, system: str) -> str:
     """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`.
 
+    Masses are converted after the words `mass of`, because `g` is also an acceleration, and widths after `diameter of`,
+    because motors and their mounts are named by millimeters everywhere.
+
     In estimates with a standard deviation, such as `13.7 +/- 14 m/s^2`, accelerations and temperature differences [K]
     are converted too.
     """
     if "m" not in SYSTEMS[system]:
         return note
     note = _NOTE_ESTIMATE.sub(_estimate, note)
-    return _NOTE_FIGURE.sub(lambda one: written(float(one[1]), one[2], system, 0), note)
+    note = _NOTE_FIGURE.sub(partial(_figure, system=system), note)
+    if "g" in SYSTEMS[system]:
+        note = _NOTE_MASS.sub(lambda one: written(float(one[1]) * GRAMS[one[2]], "g", system), note)
+        note = _NOTE_WIDTH.sub(lambda one: written(float(one[1]) * 1e-3, "mm", system), note)
+    return note
+
+
+def _figure(found: re.Match[str], system: str) -> str:
+    """A length or a speed, or two with one unit, in a system."""
+    low, high, unit = found.groups()
+    shown = written(float(high), unit, system, 0)
+    return shown if low is None else f"{written(float(low), unit, system, 0).split()[0]} to {shown}"
 
 
 def _estimate(found: re.Match[str]) -> str:

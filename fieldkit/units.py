@@ -157,6 +157,19 @@ def parse(text: str, quantity: str, default: str) -> float:
     return _bounded(scale.to_si(number), text)
 
 
+def typed_unit(text: str, default: str) -> str:
+    """The unit of a typed number as `parse` reads it: its own, or `default`."""
+    match = _TYPED_NUMBER.match(text)
+    return match[2].strip() if match and match[2] else default
+
+
+def spelled(unit: str) -> str:
+    """A unit as it is printed: `°C` for `c`."""
+    return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°", "mps": "m/s", "pct": "%"}.get(
+        unit.lower(), unit
+    )
+
+
 def parse_difference(text: str, quantity: str, default: str) -> float:
     """As `parse`, for a difference such as a standard deviation: the zero of its unit does not count."""
     number, scale = _typed(text, quantity, default)

@@ -59,7 +59,7 @@ def read(log: bytes) -> list[Found]:
         time, *columns = in_order(table.values[str(clock)], *(table.values[str(place)] for place in places))
         named = {head.names[place]: column for place, column in zip(places, columns, strict=True)}
         if (np.diff(_known(table, clock)) < 0).any():
-            notes.append(Note(f"has rows of {', '.join(named)} out of order, put in order"))
+            notes.append(Note(f"has rows of {', '.join(named)} out of order, sorted"))
         events |= marks(time, {event: named[name] for name, event in FLAGS.items() if name in named})
         known = {CHANNELS[name][0]: column for name, column in named.items() if name in CHANNELS}
         channels = {name: column for name, column in known.items() if not np.isnan(column).all()}

@@ -65,7 +65,9 @@ def read(log: bytes) -> list[Found]:
         _refuse_commas(log, row, separator)
         names = _certain(names, row)
         allowed = range(len(names), MOST_CELLS)
-        remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {LAST_RELIABLE_COLUMN}", row))
+        remarks.append(
+            Note(f"header does not match its rows of {common} cells, read up to {LAST_RELIABLE_COLUMN}", row)
+        )
     channels = _channels(names, row)
     table = _present(read_columns(log, channels, after=row, separator=separator, comment="#", widths=allowed))
     about = _about(log, row)
@@ -108,7 +110,7 @@ def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:
     rows = [line for line in first_lines(log, after=header_row, most=FIRST_ROWS) if not line.startswith("#")]
     if separator == "," and not any(re.search(r"\d\.\d", line) for line in rows):
         expected = "expected decimal points, or semicolons between cells"
-        raise DamagedLog(f"found cells parted by commas, and commas for decimals, {expected}", row=header_row + 1)
+        raise DamagedLog(f"found commas both between cells and in decimals, {expected}", row=header_row + 1)
 
 
 def _certain(names: Sequence[str], row: int) -> list[str]:
@@ -116,7 +118,7 @@ def _certain(names: Sequence[str], row: int) -> list[str]:
     for place, name in enumerate(names):
         if name.startswith(LAST_RELIABLE_COLUMN):
             return [*names[:place], LAST_RELIABLE_COLUMN]
-    raise DamagedLog(f"found a header that does not fit its rows, expected {LAST_RELIABLE_COLUMN} in it", row=row)
+    raise DamagedLog(f"found a header that does not match its rows, expected {LAST_RELIABLE_COLUMN} in it", row=row)
 
 
 def _channels(names: Sequence[str], row: int) -> list[Channel]:

@@ -177,7 +177,7 @@ def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:
     """Pressures with nan for invalid ones. Raises DamagedLog if all are invalid. [Pa]"""
     real = (pressure > 0) & (pressure < 130_000)
     if not real.any():
-        raise DamagedLog("found no pressure that air can have, expected other settings or another log format")
+        raise DamagedLog("found no plausible pressure, expected other settings or another log format")
     return np.where(real, pressure, np.nan)
 
 

@@ -137,7 +137,7 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                 else:
                     good += frame[1 : 1 + PACKET]
             elif line.strip():
-                left_out["lines are no packets"] += 1
+                left_out["lines are not packets"] += 1
     notes = [Note(f"{count} {what}, left out") for what, count in left_out.items()]
     packets = np.frombuffer(bytes(good), np.uint8).reshape(-1, PACKET)
     return packets, [*damage(damaged, "packets", log), *notes]

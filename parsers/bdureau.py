@@ -82,7 +82,7 @@ def read(log: bytes) -> list[Found]:
             damaged.add(error)
         if samples > MAX_SAMPLES or len(live) > MAX_SAMPLES * 8 or len(flights) > MOST_FLIGHTS:
             more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MAX_SAMPLES} samples"
-            raise DamagedLog(f"found more than {more}, expected at most what an altimeter holds", row=row)
+            raise DamagedLog(f"found more than {more}, more than any altimeter holds", row=row)
     found = damaged.reported("sentences")
     if log.rfind(b"$") > log.rfind(b";"):
         found.append(Note("ends within a sentence, left out", row=log.count(b"\n") + 1))
@@ -127,14 +127,16 @@ def _flight(number: int, samples: "array[float]", board: str, notes: list[Found]
     clock = _unwrapped(table[:, 1])
     order = np.argsort(clock, kind="stable")
     if (np.diff(clock) < 0).any():
-        notes.append(Note(f"flight {number} has samples out of order, put in order"))
+        notes.append(Note(f"flight {number} has samples out of order, sorted"))
     table, clock = table[order], clock[order]
     pressure = _pressure(table[:, 4], table[:, 2])
     if pressure is None:
-        notes.append(Note(f"flight {number} has pressures that fit no launch site in Pa, left out"))
+        notes.append(Note(f"flight {number} has pressures that are implausible in Pa, left out"))
     extra, unnamed = _of_board(table, board)
     if unnamed:
-        notes.append(Note(f"flight {number} has {unnamed} more numbers a sample that only the board's name explains"))
+        notes.append(
+            Note(f"flight {number} has {unnamed} more numbers per sample; only the board's name says what they are")
+        )
     series = Series(
         time=clock / 1000,
         altitude=table[:, 2],
@@ -175,4 +177,4 @@ def _live(table: Float[Array, "row column"]) -> Reading:
     return Reading(stated, series=Series(time=time, altitude=table[:, 0]), events=events)
 
 
-PARSER = Parser("bdureau AltiMulti and kin", recognises, read, signs=("$start", "$data|$telemetry|$alticonfig"))
+PARSER = Parser("bdureau AltiMulti and similar", recognises, read, signs=("$start", "$data|$telemetry|$alticonfig"))

@@ -64,7 +64,7 @@ def read(log: bytes) -> list[Found]:
         except BadValue as error:
             found.append(DamagedLog(str(error), row=row, column=printable(spelled)))
     if "apogee" not in stated and not events:
-        raise DamagedLog("found no figure of a flight, expected such as Max Altitude,1234.5 feet")
+        raise DamagedLog("found no figure of a flight, expected one such as Max Altitude,1234.5 feet")
     return [_reading(stated, events, said), *found]
 
 

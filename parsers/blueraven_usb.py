@@ -133,7 +133,7 @@ def read(log: bytes) -> list[Found]:
                 cut = row == last
                 first_lost, lost = first_lost or row, lost + (not cut)
         if max(map(len, samples.values())) > MAX_NUMBERS:
-            raise DamagedLog(f"found more than {MAX_NUMBERS} numbers, expected at most what a Blue Raven holds")
+            raise DamagedLog(f"found more than {MAX_NUMBERS} numbers, more than a Blue Raven holds")
     low = np.array(samples["LOW"]).reshape(-1, 1 + len(LOW_RATE_FIELDS))
     high = np.array(samples["HIR"]).reshape(-1, 4)
     if not len(low) + len(high):
@@ -189,7 +189,7 @@ def _high(part: Float[Array, "frame axis"], notes: list[Found]) -> Series:
     rest = time - time[0] < PAD
     scale = scale_at_rest(total[rest], SCALES)
     if scale is None:
-        notes.append(Note("holds high-rate frames whose acceleration has no certain scale, left out"))
+        notes.append(Note("holds high-rate frames whose acceleration scale is unknown, left out"))
         return Series(time=time)
     return Series(time=time, felt=upright(axes * scale, rest), felt_total=total * scale)
 

@@ -125,7 +125,7 @@ def _unit(table: LogTable, head: Header) -> str:
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
     settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
     if not settled:
-        found = "found altitudes whose unit no fall settles, expected a header such as Alt_ft or Alt_m"
+        found = "found altitudes whose unit cannot be determined, expected a header such as Alt_ft or Alt_m"
         raise DamagedLog(found, row=head.row, column="Alt")
     return settled
 
@@ -149,7 +149,7 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
 
 
 def _why(table: LogTable, head: Header) -> str:
-    why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
+    why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as the fall after apogee shows"
     return f"has no units; altitude is taken in {_unit(table, head)}, {why}"
 
 

@@ -71,7 +71,7 @@ def read(log: bytes) -> list[Found]:
         names = [name for name in part.values if name != "time"]
         ordered = in_order(time, *(part.values[channel] for channel in names))
         if (np.diff(time) < 0).any():
-            notes.append(Note(f"has {int((np.diff(time) < 0).sum())} rows out of order, put in order"))
+            notes.append(Note(f"has {int((np.diff(time) < 0).sum())} rows out of order, sorted"))
         extra = _utc(log, head, part, time)
         zero = 0.0 if head.place("unixtime") is None and not ground else ordered[0][0]
         series = _series(np.round(ordered[0] - zero, 3), dict(zip(names, ordered[1:], strict=True)))

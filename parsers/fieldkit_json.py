@@ -33,7 +33,7 @@ def read(log: bytes) -> list[Found]:
         document = json.loads(decode_whole(log))
     except (ValueError, RecursionError) as error:
         line = error.lineno if isinstance(error, json.JSONDecodeError) else None
-        raise DamagedLog("found no whole JSON document, expected what export writes", row=line) from error
+        raise DamagedLog("found no complete JSON document, expected one that export wrote", row=line) from error
     flights = document.get("flights") if isinstance(document, dict) else None
     if not isinstance(flights, list):
         raise DamagedLog('found no list of flights, expected {"flights": [...]}')
@@ -95,7 +95,7 @@ def _text(name: str, value: object) -> object:
     if value is None:
         value = ""
     if not isinstance(value, str):
-        raise BadValue(f"found {shown(str(value))}, expected a text")
+        raise BadValue(f"found {shown(str(value))}, expected text")
     if name == "tags":
         return read_tags(value)
     return read_date(value) if name == "date_time" else value

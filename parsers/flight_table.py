@@ -177,7 +177,7 @@ def _reading(
     if isinstance(cells, DamagedLog):
         return cells
     if any(cell.strip() for cell in cells[len(headings) :]):
-        found = f"found {len(cells)} cells under {len(headings)} headers, expected no more than headers"
+        found = f"found {len(cells)} cells under {len(headings)} headers, expected no more cells than headers"
         hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}
@@ -236,7 +236,7 @@ def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: st
 
 def _known_header(cell: str, heading: ColumnRole) -> str:
     if not heading.spelled:
-        raise BadValue(f"found {shown(cell)} under an empty header, expected the header to be named")
+        raise BadValue(f"found {shown(cell)} under an empty header, expected a name for the column")
     return from_cell(cell)
 
 
@@ -260,7 +260,7 @@ def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> 
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
-        raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected one without doubt")
+        raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected an unambiguous number")
     if len(cell) > 40:
         raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not heading.unit and cell[-1].isdigit():

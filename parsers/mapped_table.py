@@ -171,7 +171,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     if len(whole) < len(parts):
         found.append(
             Note(
-                f"left out {len(parts) - len(whole)} pieces of less than {MIN_FLIGHT_ROWS} rows, where the clock jumps"
+                f"left out {len(parts) - len(whole)} pieces of fewer than {MIN_FLIGHT_ROWS} rows, where the clock jumps"
             )
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]

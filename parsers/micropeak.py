@@ -97,10 +97,14 @@ def _flight(digits: bytes, row: int) -> list[Found]:
     if len(data) >= end + 2:
         expected, got = crc_x25(data[:end]), int.from_bytes(data[end : end + 2], "big")
         if got != expected:
-            return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it once more", row=row)]
+            return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it again", row=row)]
     samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)
     if not (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and 0 < least <= ground + 1000):
-        return [DamagedLog(f"found {ground} Pa on the ground and {least} Pa above it, expected air", row=row)]
+        return [
+            DamagedLog(
+                f"found {ground} Pa on the ground and {least} Pa above it, expected plausible pressures", row=row
+            )
+        ]
     if not len(samples):
         return [DamagedLog("found no samples, expected at least one", row=row)]
     found: list[Found] = [_reading(MODELS[number], ground, least, samples)]

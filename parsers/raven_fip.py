@@ -60,7 +60,7 @@ def read(log: bytes) -> list[Found]:
         if name in head.names[1::3]:
             places.setdefault(channel, head.names[1::3].index(name))
     if not places:
-        raise DamagedLog("found no channel that is known, expected such as Baro (Atm)", row=head.row)
+        raise DamagedLog("found no known channel, expected one such as Baro (Atm)", row=head.row)
     wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
     wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
     flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}

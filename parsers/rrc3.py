@@ -117,7 +117,7 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
     height = pressure_height(np.clip(pressure, *AIR))
     start = slice(0, 40)
     if np.isnan(printed[start]).all() or np.isnan(height[start]).all():
-        return series, Note("begins without a pressure or an altitude: units cannot be settled, altitude left out")
+        return series, Note("begins without a pressure or an altitude: units cannot be determined, altitude left out")
     ground = int(np.nanargmin(np.abs(np.where(np.isnan(height[start]), np.nan, printed[start]))))
     climbed = height - height[ground]
     far = np.abs(climbed) > CLIMB
@@ -128,7 +128,7 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
                 f"has no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
             )
-    return series, Note("has no units and its pressures prove neither feet nor meters: altitude left out")
+    return series, Note("has no units and its pressures confirm neither feet nor meters: altitude left out")
 
 
 def _in_units(series: Series, table: LogTable, length: Unit, degrees: Unit) -> Series:

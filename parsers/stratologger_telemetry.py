@@ -42,7 +42,7 @@ def read(log: bytes) -> list[Found]:
     if not heard.all():
         time, height = time[heard], height[heard]
         lost = table.rows[~heard]
-        notes.append(Note(f"is the first of {len(lost)} lines that were no number and are left out", int(lost[0])))
+        notes.append(Note(f"is the first of {len(lost)} lines that are not numbers and are left out", int(lost[0])))
     stated: dict[str, object] = {}
     began = _began(log, head)
     try:

@@ -16,6 +16,19 @@ PACKAGE = Path(errors.__file__).parent
 LEFT_OUT = ("tui/", "ledger/migrations/versions/")
 """Screens, whose methods the library names; migrations, which are never edited and whose modules say what they do."""
 
+SOURCED = ("physics/", "analysis/", "forecast/", "inference/laplace/", "scoring/")
+"""Packages whose functions compute by formulas of physics and statistics."""
+NO_FORMULA = {
+    "analysis/labels.py": "converts units",
+    "physics/setups.py": "looks up what was recorded; `turn_lengths` names its source",
+    "physics/single.py": "converts units",
+}
+"""Modules in those packages without formulas of their own, each with its reason."""
+SOURCE = re.compile(r"\bSource: |\bDerivation: |\b(1[6-9]\d\d|20[0-2]\d)\b|\bNFPA \d")
+"""A source, such as an author with a year or a standard, or a derivation."""
+NUMBERS = re.compile(r"\bfloat\b|\bFloat\[|\bArray\b|\bFigure\b")
+"""Annotations of functions that return computed numbers."""
+
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Modules = list[tuple[str, ast.Module]]
 
@@ -118,3 +131,21 @@ def test_a_function_that_raises_our_errors_says_so(modules: Modules) -> None:
         and not re.search(r"\bRaises?\b", ast.get_docstring(function) or "")
     ]
     assert not found, "\n".join(found)
+
+
+def _without_source(tree: ast.Module) -> list[str]:
+    """Public functions of a module that return numbers, if neither it nor the function names a source or derivation."""
+    above = ast.get_docstring(tree) or ""
+    return [
+        function.name
+        for function in tree.body
+        if isinstance(function, Function) and not function.name.startswith("_")
+        if function.returns is not None and NUMBERS.search(ast.unparse(function.returns))
+        if not SOURCE.search(f"{above}\n{ast.get_docstring(function) or ''}")
+    ]
+
+
+def test_formulas_name_their_source_or_derivation(modules: Modules) -> None:
+    lacking = {name: found for name, tree in modules if name.startswith(SOURCED) and (found := _without_source(tree))}
+    assert lacking.keys() >= NO_FORMULA.keys(), "an exception is no longer needed"
+    assert lacking.keys() <= NO_FORMULA.keys(), {name: lacking[name] for name in lacking.keys() - NO_FORMULA.keys()}

@@ -17,6 +17,10 @@ pytestmark = pytest.mark.fast
         ("a site: -120 ± 60 m", "a site: -394 ± 2e+02 ft"),
         ("days: 5 +/- 2.5 K", "days: 9 +/- 4.5 °F"),
         ("4.57 +/- 7.4 deg at 15 m/s off the rail", "4.57 +/- 7.4 deg at 34 mph off the rail"),
+        ("found 0 m, expected 3 to 200 m", "found 0 ft, expected 10 to 656 ft"),
+        ("7.5 g is more than 5 g, a dry mass of 280 g on F24", "7.5 g is more than 5 g, a dry mass of 9.88 oz on F24"),
+        ("lift-off mass of 0.35 kg", "lift-off mass of 12.35 oz"),
+        ("a diameter of 254 mm, in a 29 mm mount", "a diameter of 10.00 in, in a 29 mm mount"),
         ("row 7 m2 has 3 mm and version 1.5 meters", "row 7 m2 has 3 mm and version 1.5 meters"),
     ],
 )

@@ -1,4 +1,8 @@
-"""Apogee of a fitted ascent: its time and height, if the samples show it."""
+"""Apogee of a fitted ascent: its time and height, if the samples show it.
+
+Derivation: the apogee is the maximum of the fitted curve; the difference of two independent heights has sqrt(2) times
+the standard deviation of one.
+"""
 
 import numpy as np
 

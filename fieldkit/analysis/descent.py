@@ -1,4 +1,7 @@
-"""The descent: ejection, landing, and the speed between them."""
+"""The descent: ejection, landing, and the speed between them.
+
+Source: robust slopes by the median of slopes of pairs (Theil, 1950; Sen, 1968).
+"""
 
 from collections.abc import Mapping
 

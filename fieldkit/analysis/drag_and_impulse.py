@@ -17,9 +17,11 @@ burns:
 
     j = integral of thrust / m = v(t) + g t + b integral of s v²,
 
-with v(t) from the fitted coast and the last integral, 10 to 20 % of the whole, over the smoothed climb. The time of
+with v(t) from the fitted coast and the last integral, 10 to 20% of the whole, over the smoothed climb. The time of
 burnout does not matter. The mass in b is a few percent less than that of a rocket that is still burning, which makes j
-too large by 1 % at most. The expected j follows from the thrust curve and the masses, without a flight.
+too large by 1% at most. The expected j follows from the thrust curve and the masses, without a flight.
+
+Derivation: Newton's second law with drag rho v² Cd A / 2, as above.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Measured thrust and drag: the acceleration with gravity removed."""
+"""Measured thrust and drag: the acceleration with gravity removed.
+
+Derivation: Newton's second law for a vertical path: thrust and drag per mass are the acceleration plus gravity.
+"""
 
 import numpy as np
 

@@ -1,4 +1,7 @@
-"""Initial guess of a rocket's acceleration: from its accelerometer, or a coast with drag after a constant thrust."""
+"""Initial guess of a rocket's acceleration: from its accelerometer, or a coast with drag after a constant thrust.
+
+Derivation: constant acceleration in the boost, then Newton's second law with drag in proportion to v².
+"""
 
 from dataclasses import dataclass
 

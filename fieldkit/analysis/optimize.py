@@ -1,5 +1,8 @@
 """Two small optimizers for the measurements. Importing the equivalents in `scipy.optimize` takes longer than measuring
-a log (a test compares the results)."""
+a log (a test compares the results).
+
+Source: Levenberg (1944) and Marquardt (1963) for the damped steps.
+"""
 
 from collections.abc import Callable
 

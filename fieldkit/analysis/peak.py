@@ -1,4 +1,8 @@
-"""Peak acceleration of a boost: from an accelerometer, or from a curve through heights combined with motor data."""
+"""Peak acceleration of a boost: from an accelerometer, or from a curve through heights combined with motor data.
+
+Derivation: the maximum of a running mean; what a curve through heights smooths away is estimated from motors in the
+catalog.
+"""
 
 import numpy as np
 

@@ -3,6 +3,8 @@
 These are physical limits rather than habits of flyers: a mean is never above its peak, a coast rises by no more than
 v²/2g, and no hobby airframe survives more than a certain acceleration. If figures contradict each other, all of them
 are removed, because any may be wrong.
+
+Derivation: conservation of energy, by which a coast without drag rises v²/2g.
 """
 
 from collections.abc import Mapping

@@ -2,6 +2,8 @@
 
 The process noise under thrust and in the coast, and the noise of the samples, maximize the marginal likelihood (type-II
 maximum likelihood) with priors as wide as loggers and rockets differ.
+
+Derivation: the marginal likelihood of the smoother in `fieldkit.analysis.smooth`.
 """
 
 from dataclasses import dataclass

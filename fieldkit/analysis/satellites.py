@@ -4,6 +4,8 @@ A receiver measures true heights above some level, while an altimeter assumes th
 delay. So a scale, a zero and a delay are fitted between the two where both are trusted, away from the speed of sound
 and from gaps. What remains is the receiver's error. Its correlation time determines the weight of one sample: small
 compared with a barometer in quiet air, and full where shocks make the barometer useless.
+
+Derivation: an error k of dynamic pressure is, by the hydrostatic equation, an error k v²/2g of height.
 """
 
 from collections.abc import Sequence

@@ -3,6 +3,9 @@
 The last samples before the gap give the rocket's height and speed. From there it coasted: without drag it would have
 risen by another v²/2g, with the drag at that time by less, and with an early ejection by less still. So the apogee lies
 between the highest sample and that bound.
+
+Derivation: with drag in proportion to v², D times the weight at speed v, the rise is ln(1 + D)/D times v²/2g and takes
+arctan(sqrt(D))/sqrt(D) times v/g.
 """
 
 import numpy as np

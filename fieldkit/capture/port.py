@@ -25,7 +25,7 @@ ALTOS_PRODUCTS: Mapping[int, str] = {
 """Product numbers of Altus Metrum; all from 0x0a to 0x2c belong to them."""
 CHIPS: Mapping[int, str] = {
     0x0403: "FTDI chip",
-    0x0483: "STMicroelectronics chip (a Blue Raven has one)",
+    0x0483: "STMicroelectronics chip (used by the Blue Raven)",
     0x067B: "Prolific chip",
     0x10C4: "Silicon Labs chip",
     0x1A86: "WCH chip",
@@ -53,7 +53,7 @@ class Port:
         if self.vendor == ALTUS_METRUM:
             return ALTOS_PRODUCTS.get(self.product or 0, "Altus Metrum device")
         if (self.vendor, self.product) == MICROPEAK_ADAPTER:
-            return "FTDI chip (the MicroPeak adapter has this one, others too)"
+            return "FTDI chip (used by the MicroPeak adapter and others)"
         return CHIPS.get(self.vendor or 0, "")
 
     @property

@@ -96,7 +96,7 @@ class Tape:
                 content = content[file.write(content) :]
         except OSError as error:
             raise CaptureTrouble(
-                f"{self.file}: cannot be written ({error.strerror}); what came before is saved"
+                f"{self.file}: cannot be written ({error.strerror}); what was received before is saved"
             ) from error
 
     def _sync(self) -> None:

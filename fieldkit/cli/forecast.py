@@ -115,12 +115,13 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
     """Print a forecast, and the flights left out of it that were not reported yet."""
     from fieldkit.presentation.forecast_text import in_words
+    from fieldkit.quantities import in_system
 
     for note in prediction.found.notes:
         remark(note)
     for line in prediction.left_out:
         if line not in said:
-            complain(line)
+            complain(in_system(line, system()))
     for line in in_words(prediction, system()):
         say(line)
 

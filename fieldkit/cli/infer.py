@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress
+from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, system
 from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
@@ -32,12 +32,13 @@ def infer(
 ) -> None:
     """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
     from fieldkit.errors import NoFlights
+    from fieldkit.quantities import in_system
     from fieldkit.services.inferred import infer_flights
 
     with open_ledger(context) as ledger, progress("inferring") as on_progress:
         found = infer_flights(ledger, known_motors(), flights or [], model.value, on_progress)
     for line in found.left_out:
-        complain(f"left out: {line}")
+        complain(f"left out: {in_system(line, system())}")
     if not found.inferred:
         raise NoFlights("no flight could be used for inference")
     if json:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.cli.targets import Force, settled
 
@@ -71,7 +71,7 @@ def learn(
     motors = known_motors()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
     for line in (line for flyer in flyers for line in flyer.left_out):
-        complain(f"note: {line}")
+        remark(line)
     with progress("learning") as on_progress:
         found = learned_from(
             flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress

@@ -18,7 +18,7 @@ from typer.core import TyperGroup
 from typer.main import get_group
 
 from fieldkit.cli.tui import open_app
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import FieldkitError, ImpossibleFlight
 
 GROUPS = {
     "tui": ("tui", "serve"),
@@ -143,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return status
     except FieldkitError as error:
-        found = str(error)
+        found = _in_user_units(str(error)) if isinstance(error, ImpossibleFlight) else str(error)
     except BrokenPipeError:
         return 1  # the reader of the pipe has closed it
     except OSError as error:
@@ -154,6 +154,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     complain(found)
     return 1
+
+
+def _in_user_units(reason: str) -> str:
+    """Why a flight is impossible, with the figures [SI] of the engine in the user's units."""
+    from fieldkit.cli.screen import system
+    from fieldkit.quantities import in_system
+
+    return in_system(reason, system())
 
 
 def _status(arguments: Sequence[str] | None) -> int:

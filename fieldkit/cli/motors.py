@@ -10,7 +10,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
@@ -242,8 +242,12 @@ def _counted(what: str, value: object) -> str:
 
 def _list(found: "list[Motor]") -> None:
     from fieldkit.motors.motor import delays_text
+    from fieldkit.quantities import SYSTEMS
+    from fieldkit.units import unit
 
-    headers = ("motor", "mm", "N s", "avg N", "burn s", "grams", "delays", "")
+    user = system()
+    mass = unit("mass", SYSTEMS[user].get("g", "g"))
+    headers = ("motor", "mm", "N s", "avg N", "burn s", SYSTEMS[user].get("g", "grams"), "delays", "")
     rows = [
         (
             f"{motor.maker} {motor.designation}",
@@ -251,7 +255,7 @@ def _list(found: "list[Motor]") -> None:
             f"{motor.total_impulse:.4g}",
             f"{motor.average_thrust:.4g}",
             f"{motor.burn_time:.3g}",
-            f"{motor.loaded_mass * 1e3:.4g}",
+            f"{mass.from_si(motor.loaded_mass):.4g}",
             delays_text(motor.delays),
             "" if motor.available else "no longer made",
         )

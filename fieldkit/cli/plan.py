@@ -73,7 +73,7 @@ def ballast(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Find the dry mass that best meets a target, and the grams to add or remove."""
+    """Find the dry mass that best meets a target, and the mass to add or remove."""
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
     from fieldkit.planning.contest_limits import allowed

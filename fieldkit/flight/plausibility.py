@@ -77,7 +77,7 @@ MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 def figure(column: Column, value: float) -> str:
     """Format a value [SI] in the column's own unit: `281.3 m`."""
     number = units.unit(column.quantity, column.unit).from_si(value)
-    return f"{number:.0f} {column.unit}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g} {column.unit}"
+    return f"{_rounded(number)} {column.unit}"
 
 
 class Burning(Protocol):
@@ -99,15 +99,26 @@ class Burning(Protocol):
     def burning(self) -> tuple[float, float]: ...
 
 
-def check(column: Column, value: float) -> float:
-    """Return the SI value of a column if it is possible. Raises BadValue with the expected range."""
+def check(column: Column, value: float, unit: str = "") -> float:
+    """Return the SI value of a column if it is possible.
+
+    Raises BadValue with the expected range, in `unit` (as the value was typed) or in the column's own unit.
+    """
     low, high = LIMITS[column.name]
-    scale = units.unit(column.quantity, column.unit)
-    number = scale.from_si(value)
+    own = units.unit(column.quantity, column.unit)
+    number = own.from_si(value)
     slack = 1e-9 * (1 + abs(number))
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
-        raise BadValue(f"found {number:.6g} {column.unit}, expected {low:.10g} to {high:.10g} {column.unit}")
+        shown = units.unit(column.quantity, unit or column.unit)
+        least, most = (_rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
+        ending = f" {units.spelled(unit or column.unit)}".rstrip()
+        raise BadValue(f"found {_rounded(shown.from_si(value))}{ending}, expected {least} to {most}{ending}")
     return value
+
+
+def _rounded(number: float) -> str:
+    """A number with four significant digits and no exponent in the range of the limits."""
+    return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
@@ -129,7 +140,7 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
-    mass = f"{figure(BY_NAME['dry_mass'], flight.dry_mass)} on {motor.designation}"
+    mass = f"{_mass(flight.dry_mass)} on {motor.designation}"
     hardest = MAX_THRUST_RATIO * motor.peak_thrust / (flight.dry_mass + motor.casing_mass)
     bounds = {"top_speed": best_speed(flight.dry_mass, motor), "peak_accel": hardest, "avg_accel": hardest}
     found = {}
@@ -171,10 +182,10 @@ def _not_a_number(flight: Flight) -> str:
 def _misfit(flight: Flight, motor: Burning) -> str:
     """A phrase for a body too narrow or too wide for its motor, or a rail closer to horizontal than to vertical."""
     if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
-        low, high = (
-            figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
-        )
-        return f"{_at_fault('diameter', flight)}, expected {low} to {high} around {motor.designation}"
+        bounds = (ratio * motor.diameter for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO))
+        low, high = (f"a diameter of {figure(BY_NAME['diameter'], bound)}" for bound in bounds)
+        found = f"diameter_mm: found a diameter of {figure(BY_NAME['diameter'], flight.diameter)}"
+        return f"{found}, expected {low} to {high} around {motor.designation}"
     if flight.rail_angle is not None and abs(flight.rail_angle) > MAX_LAUNCH_ANGLE + 1e-9:
         return f"{_at_fault('rail_angle', flight)}, expected at most {figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
     return ""
@@ -187,8 +198,8 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
-    lifted = figure(BY_NAME["dry_mass"], most)
-    return f"{_at_fault('dry_mass', flight)}, expected less than the {lifted} that {motor.designation} lifts"
+    found = f"dry_mass_g: found {_mass(flight.dry_mass)}"
+    return f"{found}, expected less than {_mass(most)}, the most that {motor.designation} lifts"
 
 
 def _too_far(flight: Flight, motor: Burning) -> str:
@@ -205,9 +216,14 @@ def _too_far(flight: Flight, motor: Burning) -> str:
         value = flight.number(name)
         if value is not None and value > READ_TOO_HIGH * bound:
             most = figure(BY_NAME[name], READ_TOO_HIGH * bound)
-            mass = figure(BY_NAME["dry_mass"], flight.dry_mass)
+            mass = _mass(flight.dry_mass)
             return f"{_at_fault(name, flight)}, expected at most {most}: {mass} on {motor.designation} without drag"
     return ""
+
+
+def _mass(mass: float) -> str:
+    """A dry mass [kg] in the words of which notes convert the unit."""
+    return f"a dry mass of {figure(BY_NAME['dry_mass'], mass)}"
 
 
 def _at_fault(name: str, flight: Flight) -> str:

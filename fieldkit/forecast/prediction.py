@@ -1,4 +1,7 @@
-"""The forecast of one planned flight: draws of its readouts, and the data they are based on."""
+"""The forecast of one planned flight: draws of its readouts, and the data they are based on.
+
+Derivation: figures are quantiles of the draws; a stretch acts on the log ratio of a draw to their median.
+"""
 
 from dataclasses import dataclass, field, replace
 

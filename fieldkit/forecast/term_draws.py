@@ -1,4 +1,7 @@
-"""Draws of a model's terms from the posterior of a fit."""
+"""Draws of a model's terms from the posterior of a fit.
+
+Derivation: draws of a normal posterior, and of the independent normal prior of terms that no flight constrains.
+"""
 
 from collections.abc import Sequence
 

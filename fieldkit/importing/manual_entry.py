@@ -164,14 +164,16 @@ def implausible_answers(
 def _number(column: Column, text: str, unit: str) -> float | None:
     if text in ("", NOT_RECORDED):
         return None
+    typed = units.typed_unit(text, unit or column.unit)
     try:
-        return check(column, column.parse(text, unit or None))
+        return check(column, column.parse(text, unit or None), typed)
     except BadValue as error:
-        raise BadValue(f"{error}, such as {_example(column)}") from error
+        raise BadValue(f"{error}, such as {_example(column, typed)}") from error
 
 
-def _example(column: Column) -> str:
-    """An example of a valid answer, with its unit: `281.3 m`."""
-    scale = units.unit(column.quantity, column.unit)
+def _example(column: Column, unit: str) -> str:
+    """An example of a valid answer, in a unit if that is known: `281.3m`."""
+    unit = unit if unit.lower() in units.UNITS[column.quantity] else column.unit
+    scale = units.unit(column.quantity, unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
-    return f"{scale.from_si(middle):.3g}{column.unit}"
+    return f"{scale.from_si(middle):.3g}{unit}"

@@ -68,7 +68,7 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
         both = " and ".join(sorted(claimed[:2]))
         raise UnknownFormat(f"{place}{both} both recognize this file; choose one with --format")
     if mapped and claimed[0] not in takers:
-        expected = f"expected none, or --format {' or '.join(takers)} with it"
+        expected = f"expected no mapping, or --format {' or '.join(takers)} with it"
         raise UnknownFormat(f"{place}found a column mapping for a log that {claimed[0]} reads without one; {expected}")
     if format is not None or shelf[claimed[0]].fallback:
         return claimed[:1]
@@ -80,7 +80,7 @@ def _near(log: bytes) -> str:
     shelf = parsers()
     near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
     shown_damage = "; ".join(near)
-    return f"; most similar: {shown_damage}" if shown_damage else ", and it resembles none"
+    return f"; most similar: {shown_damage}" if shown_damage else ", and no known format is similar"
 
 
 def _lacks(like: Likeness) -> str:

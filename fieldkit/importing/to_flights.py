@@ -123,7 +123,9 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
         return flight
     if reading.liftoff_mass <= loaded:
         found = f"found a lift-off mass of {1000 * reading.liftoff_mass:.0f} g"
-        raise DamagedLog(f"{found}, expected more than the {1000 * loaded:.0f} g of {flight.motor}", row=reading.row)
+        raise DamagedLog(
+            f"{found}, expected more than the mass of {1000 * loaded:.0f} g of {flight.motor}", row=reading.row
+        )
     return flight.with_changes(dry_mass=reading.liftoff_mass - loaded)
 
 

@@ -100,7 +100,7 @@ def _check_beside(flight: Flight) -> None:
     for name in (*flight.sd, *flight.source):
         if name not in known:
             header = BY_NAME[name].header if name in BY_NAME else name
-            raise BadValue(f"{header}: found a standard deviation or a source and no readout, expected one")
+            raise BadValue(f"{header}: found a standard deviation or a source without a readout")
     for column in MEASURED:
         sd, source = flight.sd.get(column.name, 1.0), flight.source.get(column.name, "typed")
         if not (math.isfinite(sd) and sd > 0):

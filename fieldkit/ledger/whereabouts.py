@@ -46,7 +46,7 @@ def _keeping(url: URL, where: str) -> URL:
         raise LedgerError(f"found the ledger {where!r}, which would store nothing, expected sqlite:///FILE")
     modes = {"uri", "mode"} if uri else set()
     if not set(url.query) <= modes or url.query.get("mode", "rwc") not in FILE_MODES or "?" in file:
-        raise LedgerError(f"found the ledger {where!r}, expected sqlite:///FILE without more")
+        raise LedgerError(f"found the ledger {where!r}, expected sqlite:///FILE and nothing after it")
     return url
 
 

@@ -69,7 +69,7 @@ class Catalogue:
         """The motor of a lot if its data is known, else the motor type, with a note."""
         own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
         if own is None:
-            note = f"no figures for lot {printable(lot)} in your corrections: treated as any of its type"
+            note = f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
             return replace(found, notes=(*found.notes, note))
         return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
 

@@ -67,7 +67,7 @@ class MotorDraft:
         if self.samples and time < self.samples[-1][1]:
             raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
         if time < 0 or thrust < 0:
-            raise place.damaged(f"found {time:g} s, {thrust:g} N, expected neither below zero")
+            raise place.damaged(f"found {time:g} s, {thrust:g} N, expected neither to be negative")
         self.samples.append((place, time, thrust))
 
     def motor(self) -> Motor:
@@ -114,7 +114,7 @@ class MotorDraft:
         if not _EXHAUST[0] < total / self.propellant_mass < _EXHAUST[1]:
             raise self.place.damaged(
                 f"found {self.propellant_mass:g} kg of propellant for {total:g} N s, "
-                "expected about 0.5 g for each: masses are kilograms in .eng and grams in .rse"
+                "expected about 0.5 g per N s: masses are kilograms in .eng and grams in .rse"
             )
 
 
@@ -135,7 +135,7 @@ def delays(text: str, place: FileLine) -> tuple[float, ...]:
 def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
     """Add a motor to those of a file. Raises DamagedLog if there are too many."""
     if len(drafts) >= MAX_MOTORS:
-        raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")
+        raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, the limit of one file")
     drafts.append(draft)
 
 

@@ -141,7 +141,9 @@ def _with(motor: Motor, one: OwnCorrection) -> Motor:
     if field == "propellant_g":
         casing = motor.loaded_mass - value * 1e-3
         if casing <= 0:
-            raise FieldkitError(f"{motor.designation}: found {value:g} g of propellant in a lighter motor")
+            raise FieldkitError(
+                f"{motor.designation}: found {value:g} g of propellant, more than the whole motor weighs"
+            )
         return replace(motor, propellant_mass=value * 1e-3, casing_mass=casing)
     casing = value * 1e-3 - motor.propellant_mass
     if casing <= 0:

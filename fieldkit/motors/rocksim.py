@@ -69,7 +69,7 @@ class _Fields:
         try:
             return self.attributes[name]
         except KeyError:
-            raise self.place.damaged(f"found <{self.element}> without it, expected {name}=", name) from None
+            raise self.place.damaged(f"found <{self.element}> without {name}=", name) from None
 
     def above(self, name: str, unit: str, least: float = 0.0) -> float:
         return self.place.above(self[name], name, unit, least)

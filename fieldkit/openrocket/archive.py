@@ -139,7 +139,7 @@ def _from_gzip(content: bytes, source: str) -> bytes:
     if len(unpacked) > MAX_UNPACKED_SIZE:
         raise _too_long(source)
     if not unpacker.eof:
-        raise DamagedLog("found a gzip that ends early, expected the whole of it", source=source)
+        raise DamagedLog("found a gzip that ends early, expected a complete one", source=source)
     return unpacked
 
 

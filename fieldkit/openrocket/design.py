@@ -63,7 +63,7 @@ def read_design(content: bytes, source: str) -> Design:
     try:
         return _design(root, source)
     except RecursionError as error:
-        raise DamagedLog("found parts inside of parts without end, expected a rocket", source=source) from error
+        raise DamagedLog("found parts nested too deep, expected a rocket", source=source) from error
 
 
 def _design(root: "Element", source: str) -> Design:
@@ -149,7 +149,7 @@ def _drag(
     if not one.fresh:
         notes.append(f"the simulation {one.name} is older than the design")
     if not one.consistent:
-        notes.append(f"the drag force of {one.name} does not fit its Cd: it was simulated with another diameter")
+        notes.append(f"the drag force of {one.name} does not match its Cd: it was simulated with another diameter")
     found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]
     if max(found) > (1 + REPORTED_CD_DIFFERENCE) * min(found):
         notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")

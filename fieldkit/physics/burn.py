@@ -1,4 +1,7 @@
-"""The burn: from liftoff to burnout by Runge-Kutta in time, in steps along the thrust curve."""
+"""The burn: from liftoff to burnout by the classical Runge-Kutta method (Kutta, 1901), in steps along the thrust curve.
+
+Derivation: Newton's second law.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

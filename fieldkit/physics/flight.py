@@ -1,4 +1,7 @@
-"""Simulate a batch in one call: arrays in, arrays out, the same code for one flight and for a million."""
+"""Simulate a batch in one call: arrays in, arrays out, the same code for one flight and for a million.
+
+Derivation: burn, coast and descent in turn, whose modules name the sources of their equations.
+"""
 
 from collections.abc import Iterator
 from itertools import pairwise

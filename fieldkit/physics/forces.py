@@ -1,4 +1,7 @@
-"""The forces on a climbing rocket: thrust along its axis, drag along the relative wind, gravity, and effects."""
+"""The forces on a climbing rocket: thrust along its axis, drag along the relative wind, gravity, and effects.
+
+Derivation: Newton's second law; drag is rho v² Cd A / 2 against the velocity through the air.
+"""
 
 import numpy as np
 

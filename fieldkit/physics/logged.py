@@ -1,4 +1,7 @@
-"""Drag and impulse that the samples of a simulated flight would give, as in `fieldkit.analysis.drag_and_impulse`."""
+"""Drag and impulse that the samples of a simulated flight would give, as in `fieldkit.analysis.drag_and_impulse`.
+
+Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated accelerations instead of samples.
+"""
 
 import numpy as np
 

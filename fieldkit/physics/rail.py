@@ -1,4 +1,7 @@
-"""The speed at which a rocket leaves its rail, from thrust, mass and weight."""
+"""The speed at which a rocket leaves its rail, from thrust, mass and weight.
+
+Derivation: acceleration is constant within an integrator's step, so v² grows by twice the acceleration times the path.
+"""
 
 import numpy as np
 

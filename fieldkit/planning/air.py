@@ -37,7 +37,7 @@ class PadAir:
         """A one-line summary: `1.146 kg/m³ at the pad (density altitude 690 m); altimeter reads 6.4% low`."""
         higher = written(self.density_altitude, "m", system, 0)
         off = 100 * (self.gain - 1)
-        reads = "reads true" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
+        reads = "reads correctly" if abs(off) < 0.05 else f"reads {abs(off):.1f}% {'high' if off > 0 else 'low'}"
         text = f"{density(self.density, system)} at the pad (density altitude {higher})"
         text += f"; altimeter {reads}"
         return f"{text}; standard values for {', '.join(self.assumed)}" if self.assumed else text

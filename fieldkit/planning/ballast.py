@@ -214,7 +214,7 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
         edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight("found a lowest mass above the highest one, expected the lower one first")
+        raise ImpossibleFlight("found a lowest mass above the highest mass")
     return np.linspace(low, high, GRID)
 
 

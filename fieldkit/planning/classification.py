@@ -70,7 +70,7 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
     if motor.propellant_mass * 1e3 > limit["propellant_g"]:
         return f"more than {limit['propellant_g']:g} g of propellant"
     if motor.kind in limit["kinds"]:
-        return f"its kind, a {motor.kind}"
+        return f"its type, {motor.kind}"
     if motor.designation.upper().startswith(tuple(limit["designations"])):
         return "the HP in its designation"
     if motor.propellant in limit.get("sparky", ()):

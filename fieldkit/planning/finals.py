@@ -88,7 +88,7 @@ def trials(
     most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
     low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
     if not 0 < low < most:
-        raise ImpossibleFlight("found a lowest mass above the highest one, expected the lower one first")
+        raise ImpossibleFlight("found a lowest mass above the highest mass")
     flown = np.linspace(low, most, MASSES)
     said = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
     if not np.median(said[0].apogee) > 0:

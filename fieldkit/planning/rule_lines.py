@@ -150,7 +150,9 @@ def weight_line(held: Governed) -> SafetyCheck | None:
         ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
         least = 1 / rule.rows[0].value
         verdict: Verdict = "unknown" if math.isnan(ratio) else "ok" if ratio >= least - 1e-6 else "unsafe"
-        return _check("thrust to weight", verdict, f"{ratio:.1f} by the certified thrust, at least {least:.0f}", rule)
+        return _check(
+            "thrust to weight", verdict, f"{ratio:.1f} from the certified thrust, needs at least {least:.0f}", rule
+        )
 
     rules = held.rules("weight over thrust")
     return _line("thrust to weight", rules, judge) if rules else None
@@ -248,7 +250,7 @@ def class_line(held: Governed) -> SafetyCheck:
     if not held.why and held.legal in (None, 1):
         return SafetyCheck("class", "ok", f"{text}: {name}, a model rocket", source)
     waiver = ", which needs a waiver" if held.legal == 2 else ""
-    high = f"high power by {held.why}" if held.why else "not high power under club rules"
+    high = f"high power because of {held.why}" if held.why else "not high power under club rules"
     return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
 
 

@@ -65,7 +65,8 @@ def motor_temperature(plan: Flight) -> float | None:
     """
     text = plan.extra.get(MOTOR_TEMPERATURE, "")
     try:
-        return check(BY_NAME["temperature"], units.parse(text, "temperature", "c")) if text else None
+        value = units.parse(text, "temperature", "c") if text else None
+        return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
     except BadValue as error:
         raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
 
@@ -168,7 +169,7 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
     found = landing(said, fall)
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        drifts = f"drifts {length(three(found.drift)[1])} for {speed(1.0, 0)} of wind"
+        drifts = f"drifts {length(three(found.drift)[1])} per {speed(1.0, 0)} of wind"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
     _, usual, reach = three(found.away)
     text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"

@@ -1,4 +1,7 @@
-"""Errors of forecasts with bootstrap intervals over the flights."""
+"""Errors of forecasts with bootstrap intervals over the flights.
+
+Source: the percentile bootstrap (Efron, Bootstrap Methods: Another Look at the Jackknife, 1979).
+"""
 
 from dataclasses import dataclass
 from typing import Any

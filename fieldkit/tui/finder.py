@@ -108,7 +108,11 @@ class Finder(Provider):
         from fieldkit.tui.widgets.dialogs import HelpScreen
 
         name = f"{motor.maker} {motor.designation}"
-        about = Help("The catalog data of this motor.", facts(motor), (f"fieldkit motors {name} --json",))
+        about = Help(
+            "The catalog data of this motor.",
+            facts(motor, self._host.resources.settings.units),
+            (f"fieldkit motors {name} --json",),
+        )
         self.app.push_screen(HelpScreen(name, about, (), "Catalog data"))
 
     def _ask_rail(self) -> None:

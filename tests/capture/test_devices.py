@@ -253,7 +253,7 @@ def test_a_capture_goes_on_another_day_and_not_with_another_unit(tmp_path: Path)
     assert "the port disappeared" in end.why
     with (
         played(devices.altimulti(FLIGHTS[:1])) as other,
-        pytest.raises(PortTrouble, match="not the unit of the capture"),
+        pytest.raises(PortTrouble, match="not the unit that was being captured"),
     ):
         run(resume(end.file, Port(other.name), wishes=QUICK))
     with played(devices.altimulti(FLIGHTS)) as again:
@@ -280,7 +280,7 @@ def test_an_altos_flight_comes_block_by_block_and_ends_where_memory_is_erased(tm
         events = heard(wire, "altos", tmp_path)
     end = ended(events)
     assert end.whole
-    assert "block 12: 2 lines did not arrive whole; reading it again" in told(events)
+    assert "block 12: 2 lines arrived incomplete; reading it again" in told(events)
     assert (end.about["serial"], end.about["firmware"]) == ("2094", "1.9.14")
     have = altos.blocks(read_capture(end.file))
     assert {number: have[number].content for number in memory} == memory

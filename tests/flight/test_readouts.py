@@ -182,7 +182,7 @@ def test_what_stands_beside_a_readout_is_edited_like_a_column(tmp_path: Path) ->
         assert edit(apogee_source="gps").readout("apogee") == Readout(300.0, 10 * units.FOOT, "gps")
         assert edit(apogee_sd_m="").readout("apogee") == Readout(300.0, None, "gps")
         assert edit(apogee="").source == {}
-        with pytest.raises(BadValue, match="apogee_m: found a standard deviation or a source and no readout"):
+        with pytest.raises(BadValue, match="apogee_m: found a standard deviation or a source without a readout"):
             edit(apogee_sd_m="3")
         with pytest.raises(BadValue, match="apogee_sd_m: found '0', expected a standard deviation above 0"):
             edit(apogee_sd_m="0")

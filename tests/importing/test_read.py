@@ -33,7 +33,9 @@ def test_an_unknown_ensemble_is_refused_by_name() -> None:
 
 @pytest.mark.parametrize("log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"])
 def test_a_file_that_no_parser_recognizes_is_near_to_none(log: bytes) -> None:
-    with pytest.raises(UnknownFormat, match=r"^junk\.csv: no parser recognizes this file, and it resembles none$"):
+    with pytest.raises(
+        UnknownFormat, match=r"^junk\.csv: no parser recognizes this file, and no known format is similar$"
+    ):
         read(log, "junk.csv", any_motor)
 
 

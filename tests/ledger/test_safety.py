@@ -315,9 +315,9 @@ def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
         ("sqlite:///file:x?mode=memory&uri=true", "would store nothing"),
         ("sqlite:///file::memory:?uri=true", "would store nothing"),
         ("sqlite:///file:?uri=true", "would store nothing"),
-        ("sqlite:///file:/x.db?vfs=memdb&uri=true", "without more"),
-        ("sqlite:///file:x.db%3Fmode=memory?uri=true", "without more"),
-        ("sqlite:///x.db?mode=ro", "without more"),
+        ("sqlite:///file:/x.db?vfs=memdb&uri=true", "nothing after it"),
+        ("sqlite:///file:x.db%3Fmode=memory?uri=true", "nothing after it"),
+        ("sqlite:///x.db?mode=ro", "nothing after it"),
     ],
 )
 def test_a_url_that_no_ledger_can_have_is_refused(url: str, found: str) -> None:

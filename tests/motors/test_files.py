@@ -79,7 +79,7 @@ def test_a_rasp_file_of_windows_with_marks_and_tabs_is_read() -> None:
     [
         ("0.5   30.0", "0.5 3o.0", "mine.eng, row 5, thrust: found '3o.0', expected a number (N)"),
         ("0.5   30.0", "0.01 30.0", "mine.eng, row 5: found the time 0.01 after 0.014"),
-        ("0.5   30.0", "0.5 -30.0", "mine.eng, row 5: found 0.5 s, -30 N, expected neither below zero"),
+        ("0.5   30.0", "0.5 -30.0", "mine.eng, row 5: found 0.5 s, -30 N, expected neither to be negative"),
         (
             "0.5   30.0",
             "0.5 30 0",
@@ -122,7 +122,7 @@ def test_a_rocksim_file_is_read_in_grams() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ('propWt="10.8"', "", "mine.rse, row 4, propWt: found <engine> without it, expected propWt="),
+        ('propWt="10.8"', "", "mine.rse, row 4, propWt: found <engine> without propWt="),
         ('f="14."', 'f="l4."', "mine.rse, row 9, f: found 'l4.', expected a number (N)"),
         ("</data>", "", "mine.rse, row 12: found broken XML (mismatched tag"),
         ("engine mfg", "motor mfg", "mine.rse, row 8: found <eng-data>, expected an <engine> around it"),

@@ -81,7 +81,7 @@ def test_a_cd_on_another_reference_is_rescaled_to_the_body() -> None:
     content = design(name, dict(EXAMPLES)[name], dry_mass=0.1234, reference=custom)
     found = read_design(content.replace(b"<referencetype></referencetype>", b""), "a.ork")
     assert found.cd == pytest.approx(body * (0.04 / 0.05631) ** 2, rel=1e-6)
-    assert any("does not fit its Cd" in note for note in found.notes)
+    assert any("does not match its Cd" in note for note in found.notes)
 
 
 def test_the_default_configuration_and_its_stages_set_the_reference() -> None:

@@ -16,7 +16,7 @@ from tests.samples import any_motor
 from tools.samples.two_parachutes import PAD, flight
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
-V5 = "header does not fit its rows of 70 cells, read up to main_voltage"
+V5 = "header does not match its rows of 70 cells, read up to main_voltage"
 
 
 def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Found]]:
@@ -214,7 +214,7 @@ def test_cells_may_be_parted_as_in_another_country(separator: str, decimal: str)
 
 def test_a_comma_that_may_part_cells_or_decimals_is_refused() -> None:
     name = "altos_csv__a_barometer_alone.csv"
-    with pytest.raises(DamagedLog, match="commas for decimals"):
+    with pytest.raises(DamagedLog, match="commas both between cells and in decimals"):
         read(name, other_locale(name, ",", ","))
 
 

@@ -1,4 +1,4 @@
-"""AltiMulti and kin: sentences with a checksum, several flights in one text, boards that print through 16 bits."""
+"""AltiMulti and similar: sentences with a checksum, several flights in one text, boards that print through 16 bits."""
 
 import numpy as np
 import pytest

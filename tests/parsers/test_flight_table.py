@@ -145,10 +145,10 @@ def test_unknown_columns_stay_with_the_flight_as_they_are_spelt() -> None:
     [
         (
             "rocket,apogee_m,apogee_ft",
-            "t.csv, row 1, apogee_ft: found a second column for the same as apogee_m",
+            "t.csv, row 1, apogee_ft: found a second column that means the same as apogee_m",
         ),
-        ("rocket,apogee_m,lot,LOT", "t.csv, row 1, LOT: found a second column for the same as lot"),
-        ("rocket,Rocket,apogee_m", "t.csv, row 1, Rocket: found a second column for the same as rocket"),
+        ("rocket,apogee_m,lot,LOT", "t.csv, row 1, LOT: found a second column that means the same as lot"),
+        ("rocket,Rocket,apogee_m", "t.csv, row 1, Rocket: found a second column that means the same as rocket"),
         (
             "rocket,apogee_furlong",
             "t.csv, row 1, apogee_furlong: found the unit 'furlong', expected one of m, mm",
@@ -178,7 +178,9 @@ def test_a_table_without_a_column_of_ours_is_not_recognised(header: str) -> None
 
 
 def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
-    with pytest.raises(DamagedLog, match="row 1: found no column of the flight table, expected some of flight_id"):
+    with pytest.raises(
+        DamagedLog, match="row 1: found no column of the flight table, expected at least one of flight_id"
+    ):
         intake("time,altitude\n1,2\n", format="flight_table")
 
 

@@ -352,7 +352,7 @@ def test_a_mapping_is_refused_for_a_log_that_needs_none(capsys: pytest.CaptureFi
     log = tmp_path / "t.csv"
     log.write_text("rocket,apogee_m\nSwift,100\n")
     assert main(["--ledger", str(tmp_path / "l.db"), "import", str(log), "--map", "altitude=apogee_m"]) == 1
-    assert "flight_table reads without one; expected none, or --format mapped_table" in capsys.readouterr().err
+    assert "flight_table reads without one; expected no mapping, or --format mapped_table" in capsys.readouterr().err
 
 
 def test_escapes_in_a_header_reach_no_message() -> None:

@@ -121,7 +121,7 @@ def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit
 
 def test_a_log_that_ends_while_climbing_is_not_settled_by_its_drag() -> None:
     log = eggtimer(1.0)
-    with pytest.raises(DamagedLog, match="no fall settles"):
+    with pytest.raises(DamagedLog, match="whose unit cannot be determined"):
         parsers()["eggtimer"].read(b"\n".join(log.split(b"\n")[:80]) + b"\n")
 
 

@@ -66,7 +66,7 @@ def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
         ('{"flights": [{"apogee_m": true}]}', "found 'True', expected a number or null"),
         ('{"flights": [{"apogee_m": NaN}]}', "found 'nan', expected a number or null"),
         ('{"flights": [{"apogee_m": 1' + "0" * 400 + "}]}", "expected a number or null"),
-        ('{"flights": [{"rocket": 3}]}', "found '3', expected a text"),
+        ('{"flights": [{"rocket": 3}]}', "found '3', expected text"),
         ('{"flights": ["one"]}', "expected a flight in braces"),
         ('{"flights": [{"date_time": "soon"}]}', "found 'soon', expected a date"),
     ],

@@ -70,11 +70,12 @@ def test_intervals_stand_below_each_other_on_one_scale_with_its_ends_and_marks_b
 
 
 def test_a_motor_is_described_in_words_with_its_units() -> None:
-    facts = dict(motor_facts.facts(catalogue().resolve("AeroTech F24W").motor))
+    facts = dict(motor_facts.facts(catalogue().resolve("AeroTech F24W").motor, "US"))
     assert facts["total impulse"] == "47.3 N s"
     assert facts["kind"] == "reloadable, class F"
     assert facts["delays"] == "4, 7 s"
     assert facts["on sale"] == "yes"
+    assert facts["loaded mass"].endswith(" oz")
 
 
 def test_a_site_tells_its_air_and_what_its_safety_lines_lack() -> None:

@@ -88,7 +88,7 @@ def _greeted(link: Link) -> Dialogue[None]:
             if one.name == "OK":
                 return
     raise PortTrouble(
-        f"{link.line.name}: no $OK; in answer to h; from an AltiMulti; is it on, and is --baud the one it is set to?"
+        f"{link.line.name}: no $OK; in answer to h; from an AltiMulti; is it on, and does --baud match its setting?"
     )
 
 
@@ -169,7 +169,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
     settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}
     mine = link.about.get("settings")
     if (counts and str(count) not in counts) or (mine and settings and mine not in settings):
-        raise PortTrouble(f"{link.line.name}: this is not the unit of the capture; start a new capture")
+        raise PortTrouble(f"{link.line.name}: this is not the unit that was being captured; start a new capture")
 
 
 def _flight(link: Link, number: int) -> Dialogue[bool]:

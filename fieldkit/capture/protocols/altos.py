@@ -140,7 +140,7 @@ def _block(link: Link, number: int) -> Dialogue[Block]:
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"
-        yield Instruction(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
+        yield Instruction(f"block {number:x}: {block.missing} lines arrived incomplete{again}")
         yield from link.drain(0.3)
     return block
 

@@ -34,7 +34,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
-    yield from link.first_word(wait, "press the unit's button; the Classic talks at --baud 19200, the TRS at 9600")
+    yield from link.first_word(wait, "press the unit's button; the Classic needs --baud 19200, the TRS --baud 9600")
     while (line := (yield from link.text_line(silence))) is not None:
         link.samples += _is_row(line)
     return True

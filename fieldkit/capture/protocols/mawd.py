@@ -30,7 +30,9 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
     """Download the flight, again if samples are missing; returns whether all arrived. Raises PortTrouble."""
     model = yield from _lines(link, b"I", 2)
     if not model:
-        raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
+        raise PortTrouble(
+            f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is this its own cable?"
+        )
     link.about["model"] = " ".join(model)
     firmware = yield from _lines(link, b"V", 1)
     link.about["firmware"] = " ".join(firmware)

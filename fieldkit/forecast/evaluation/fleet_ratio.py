@@ -1,6 +1,9 @@
 """The fleet ratio: a normal model of log(apogee flown / simulated) with a mean, a rocket effect and Student-t flights.
 
 It uses no physics except the uncalibrated simulation, has six lines of algebra, and is fitted again before each flight.
+
+Source: the weights of a Student t (Lange, Little and Taylor, 1989).
+Derivation: the posterior of a normal random-effects model with known variances.
 """
 
 from collections.abc import Sequence

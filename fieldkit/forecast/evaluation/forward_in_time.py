@@ -1,4 +1,7 @@
-"""Forecasts forward in time: each flight of a ledger is forecast from the earlier flights of all its rockets."""
+"""Forecasts forward in time: each flight of a ledger is forecast from the earlier flights of all its rockets.
+
+Source: prequential evaluation (Dawid, Statistical Theory: The Prequential Approach, 1984).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

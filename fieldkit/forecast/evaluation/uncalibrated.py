@@ -1,6 +1,8 @@
 """The forecast without calibration: one simulation with a certified motor and a typical drag coefficient.
 
 It uses nothing learned from flights, so the yardstick stays the same when the model changes.
+
+Derivation: the equations of `fieldkit.physics.flight` at nominal values.
 """
 
 from collections.abc import Sequence

@@ -81,9 +81,7 @@ def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
             missing = width - len(data)
             flash += data.ljust(width, b"\xff")
         if len(flash) > LARGEST_FLASH:
-            raise DamagedLog(
-                f"found more than {LARGEST_FLASH >> 20} MB of memory, expected what a device has", row=first
-            )
+            raise DamagedLog(f"found more than {LARGEST_FLASH >> 20} MB of memory, more than any device has", row=first)
     if is_cut(log) and missing:
         del flash[-missing:]
     found = damage(damaged, "lines", log)

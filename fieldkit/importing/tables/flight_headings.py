@@ -186,7 +186,7 @@ def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
     certain = {role_of(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:
         raise DamagedLog(
-            f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
+            f"found no column of the flight table, expected at least one of {', '.join(OWN_COLUMNS)}", row=row or 1
         )
     headings: list[ColumnRole] = []
     seen: dict[str, str] = {"": ""}
@@ -197,7 +197,7 @@ def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
         except BadValue as error:
             raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
         if role.key and role.key in seen:
-            found = f"found a second column for the same as {printable(seen[role.key])}, expected one"
+            found = f"found a second column that means the same as {printable(seen[role.key])}, expected one"
             raise DamagedLog(found, row=row, column=printable(role.spelled))
         seen[role.key] = role.spelled
         headings.append(role)

@@ -184,7 +184,7 @@ class Rows:
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or its error; returned, because a raised error would keep a reference to its block."""
         if line.startswith(ENDLESS_LINE_MARK):
-            return DamagedLog("found a line without end, or NUL, expected a row", row=row)
+            return DamagedLog("found an endless line or a NUL character, expected a row", row=row)
         if self.widths is not None and len(cells) not in self.widths:
             expected = " or ".join(map(str, sorted(self.widths)[:3]))
             return DamagedLog(f"found {len(cells)} cells, expected {expected}", row=row)

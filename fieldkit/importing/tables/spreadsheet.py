@@ -45,7 +45,7 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
             return sheet
         first = first or sheet
     if not first:
-        raise DamagedLog("found a spreadsheet without a cell, expected a table in its first sheet")
+        raise DamagedLog("found an empty spreadsheet, expected a table in its first sheet")
     return first
 
 
@@ -68,7 +68,7 @@ def _sheets(log: bytes) -> Iterator[bytes]:
     except DamagedLog:
         raise
     except Exception as error:  # the spreadsheet reader's errors have no common class
-        raise DamagedLog(f"found a spreadsheet that cannot be read ({type(error).__name__}), save it as CSV") from error
+        raise DamagedLog(f"found a spreadsheet that cannot be read ({type(error).__name__}); save it as CSV") from error
 
 
 def _written(rows: Iterator[tuple[Any, ...]]) -> bytes:

@@ -1,4 +1,7 @@
-"""Many small symmetric matrices inverted at once."""
+"""Many small symmetric matrices inverted at once.
+
+Source: LU factorization by LAPACK, as NumPy calls it.
+"""
 
 import numpy as np
 

@@ -4,6 +4,8 @@ Given the shared terms (for the fleet and for motor types), rockets are independ
 normal posterior of the shared terms; divided by their prior it is the rocket's message, a likelihood. The prior of a
 rocket is the common prior times the messages of the other rockets. This is exact for a linear model and belief
 propagation otherwise.
+
+Derivation: Bayes' rule for rockets that are independent given the shared terms; normal messages add their precisions.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,7 @@
-"""Leave-one-out predictions of a fit."""
+"""Leave-one-out predictions of a fit.
+
+Derivation: Woodbury's identity, as `leave_one_out` says.
+"""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,7 @@
-"""Readouts near a point: values and derivatives with respect to each term, from one batch of simulated flights."""
+"""Readouts near a point: values and derivatives with respect to each term, from one batch of simulated flights.
+
+Derivation: first-order Taylor expansion, with derivatives by finite differences.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

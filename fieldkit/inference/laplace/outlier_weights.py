@@ -1,4 +1,7 @@
-"""Weights of flights and readouts in a fit with Student t noise: smaller for outliers."""
+"""Weights of flights and readouts in a fit with Student t noise: smaller for outliers.
+
+Source: Lange, Little and Taylor, Robust Statistical Modeling Using the t Distribution, 1989.
+"""
 
 import numpy as np
 

@@ -2,6 +2,8 @@
 
 Nothing is removed from a fit: each residual follows a Student t and has the corresponding weight
 (`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is warned of readouts that are nearly always typing errors.
+
+Derivation: the tail of a Student t; see `smallest_usual_weight`.
 """
 
 from typing import Any

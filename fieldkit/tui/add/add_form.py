@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
-from fieldkit.quantities import in_both_units, measure, significant, spelled
+from fieldkit.quantities import in_both_units, in_system, measure, significant, spelled
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -199,7 +199,12 @@ class Draft:
         except FieldkitError as error:
             return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
         odd = implausible_flights([flight], self._resources.motors) if added.new else []
-        return Saved(added.new[0] if added.new else "", flight, lacks=lacks(said.flight), trouble="; ".join(odd))
+        return Saved(
+            added.new[0] if added.new else "",
+            flight,
+            lacks=lacks(said.flight),
+            trouble=in_system("; ".join(odd), self._resources.settings.units),
+        )
 
     def _question(self, flight: Flight) -> str:
         """The question about a name that may be misspelled or an implausible apogee; empty if there is none."""

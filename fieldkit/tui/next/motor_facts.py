@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from fieldkit.quantities import written
 from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
@@ -10,9 +11,12 @@ if TYPE_CHECKING:
 KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
 
 
-def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
-    """The catalog data of a motor, name and value with its unit."""
+def facts(motor: "Motor", system: str) -> tuple[tuple[str, str], ...]:
+    """The catalog data of a motor, name and value with its unit; masses in the units of a system."""
     from fieldkit.motors.motor import delays_text
+
+    def mass(value: float) -> str:
+        return written(value, "g", system, 1 if system == "SI" else None)
 
     delays = delays_text(motor.delays)
     pairs = (
@@ -28,9 +32,9 @@ def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
         ("average thrust", f"{motor.average_thrust:.1f} N"),
         ("peak thrust", f"{motor.peak_thrust:.1f} N"),
         ("burn time", f"{motor.burn_time:.2f} s above 5% of the peak"),
-        ("loaded mass", f"{motor.loaded_mass * 1e3:.1f} g"),
-        ("propellant", " ".join((f"{motor.propellant_mass * 1e3:.1f} g", motor.propellant)).strip()),
-        ("empty mass", f"{motor.casing_mass * 1e3:.1f} g"),
+        ("loaded mass", mass(motor.loaded_mass)),
+        ("propellant", " ".join((mass(motor.propellant_mass), motor.propellant)).strip()),
+        ("empty mass", mass(motor.casing_mass)),
         ("delays", "none listed" if delays == "-" else f"{delays} s{'; P: plugged, no charge' * ('P' in delays)}"),
         ("on sale", "yes" if motor.available else "no longer made"),
         ("case", motor.case),

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import in_system, measure, number, spelled, unit_of
 from fieldkit.tui.next import motor_rows
 from fieldkit.tui.widgets import cards
 
@@ -59,7 +59,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
         ("air", air_of(said.plan).words(system)),
         ("based on", plan.rests_on),
         ("narrows", narrows(said)),
-        ("note", "; ".join([*said.found.notes, *said.left_out])),
+        ("note", in_system("; ".join([*said.found.notes, *said.left_out]), system)),
     ]
 
 

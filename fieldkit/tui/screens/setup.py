@@ -196,7 +196,7 @@ class SetupScreen(PageScreen):
             return setup_card.Facts(())
         match kind:
             case "Motors":
-                return setup_card.of_motor(key)
+                return setup_card.of_motor(key, system)
             case "Rockets":
                 return setup_card.of_build(key, system, self._names.length(*key.names))
             case "Sites":
@@ -209,7 +209,7 @@ class SetupScreen(PageScreen):
         resources, width = self.resources, self.query_one(Table).size.width
         match KINDS[self._kind]:
             case "Motors":
-                return motors_listed(self._found, width)
+                return motors_listed(self._found, resources.settings.units, width)
             case "Rockets":
                 return builds_listed(self._names, resources.settings.units, width)
             case "Sites":
@@ -252,7 +252,8 @@ class SetupScreen(PageScreen):
         from fieldkit.tui.widgets.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
-        about = Help("The catalog data of this motor.", motor_facts.facts(motor), (f"fieldkit motors {text} --json",))
+        facts = motor_facts.facts(motor, self.resources.settings.units)
+        about = Help("The catalog data of this motor.", facts, (f"fieldkit motors {text} --json",))
         self.app.push_screen(HelpScreen(text, about, (), "Catalog data"))
 
     def _change_setting(self, name: str) -> None:

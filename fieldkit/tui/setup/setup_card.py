@@ -66,9 +66,9 @@ class SetupCard(VerticalScroll):
             plot.show(facts.draw)
 
 
-def of_motor(motor: "Motor") -> Facts:
-    """A motor and its thrust curve."""
-    said = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor))
+def of_motor(motor: "Motor", system: str) -> Facts:
+    """A motor and its thrust curve, with masses in the units of a system."""
+    said = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor, system))
     return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 

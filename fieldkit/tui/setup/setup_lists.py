@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
-from fieldkit.quantities import measure
+from fieldkit.quantities import SYSTEMS, measure, written
 from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite, LedgerNames
@@ -28,18 +28,25 @@ class ListContents(NamedTuple):
     cells: Cells
 
 
-def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
-    """The motors that a search found."""
+def motors_listed(found: "Sequence[Motor]", system: str, width: int) -> ListContents:
+    """The motors that a search found, their masses in the unit of a system."""
     from fieldkit.motors.motor import delays_text
 
     wide = width >= WIDE_TABLE_WIDTH
     heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
-    heads += [Head("burn s", 6, True), Head("grams", 7, True)] if wide else []
+    heads += [Head("burn s", 6, True), Head(SYSTEMS[system].get("g", "grams"), 7, True)] if wide else []
     heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
 
     def cells(motor: "Motor") -> list[str]:
         gone = "" if motor.available else "no longer made" if wide else "gone"
-        figures = [f"{motor.burn_time:.2f}", f"{motor.loaded_mass * 1e3:.1f}"] if wide else []
+        figures = (
+            [
+                f"{motor.burn_time:.2f}",
+                written(motor.loaded_mass, "g", system, 1 if system == "SI" else None).split()[0],
+            ]
+            if wide
+            else []
+        )
         first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:.0f}", f"{motor.total_impulse:.1f}"]
         return [*first, f"{motor.average_thrust:.1f}", *figures, delays_text(motor.delays), gone]
 

@@ -101,7 +101,7 @@ def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(text, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
-    assert reported(table) == ["row 2: found a line without end, or NUL, expected a row"]
+    assert reported(table) == ["row 2: found an endless line or a NUL character, expected a row"]
 
 
 def test_many_damaged_rows_are_told_of_as_one() -> None:
