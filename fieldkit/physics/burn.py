@@ -1,7 +1,4 @@
-"""The burn: from liftoff to burnout by the classical Runge-Kutta method (Kutta, 1901), in steps along the thrust curve.
-
-Derivation: Newton's second law.
-"""
+"""The burn: Newton's second law by the classical Runge-Kutta method (Kutta, 1901), in steps along the thrust curve."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
