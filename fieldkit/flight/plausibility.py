@@ -100,8 +100,8 @@ class Burning(Protocol):
 
 
 def check(column: Column, value: float, unit: str = "") -> float:
-    """Return the SI value of a column if it is possible. Raises BadValue with the expected range, in `unit` (as the value
-    was typed) or in the column's own unit."""
+    """Return the SI value of a column if it is possible. Raises BadValue with the expected range, in `unit` (as it was
+    typed) or in the column's own unit."""
     low, high = LIMITS[column.name]
     own = units.unit(column.quantity, column.unit)
     number = own.from_si(value)
