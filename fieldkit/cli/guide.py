@@ -10,11 +10,10 @@ from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, syste
 from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
+    from fieldkit.planning.check import Verdict
     from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
-MAX_CHECKED_MOTORS = 12
-"""Motors whose checks are printed without --all. [1]"""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
 """Delays of a motor listed: as many as fit in 80 characters, or all. [1]"""
 
@@ -55,7 +54,7 @@ def print_guide(
     fitting = [choice for choice in choices if choice.fits]
     _print(plan, wanted, fitting or choices, len(choices), every=every)
     shown = fitting or choices
-    _print_checks(shown, len(shown) if every else MAX_CHECKED_MOTORS, every=every)
+    _print_checks(shown, every=every)
     if fitting:
         _print_apart([choice for choice in choices if not choice.fits], choices)
     else:
@@ -160,18 +159,42 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
-def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> None:
-    """Print a line for each failed check, for at most `shown` motors; a check that is unknown for every motor is listed
-    once."""
-    unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
-    if unknown and not every:
-        say_wrapped(f"  ? not checked, inputs missing: {', '.join(unknown)} (details: --all)", "    ")
-    for choice in choices[:shown]:
+def _print_checks(choices: "list[MotorChoice]", *, every: bool) -> None:
+    """Print each failed or unknown check once with the motors that it concerns, or `every` one in full."""
+    from fieldkit.planning.check import MARKS, SEVERITY
+
+    if every:
+        for choice in choices:
+            for line in choice.lines:
+                if line.verdict != "ok":
+                    say_wrapped(f"  {_name(choice, choices)}: {line.words(system())}", "    ")
+        return
+    concerned: "dict[tuple[Verdict, str], list[str]]" = {}
+    for choice in choices:
         for line in choice.lines:
-            if line.verdict != "ok" and (every or line.name not in unknown):
-                say_wrapped(f"  {_name(choice, choices)}: {line.words(system())}", "    ")
-    if len(choices) > shown:
-        say_wrapped(f"  and {len(choices) - shown} more; --all lists their checks")
+            concerned.setdefault((line.verdict, line.name), []).append(_name(choice, choices))
+    everywhere = [
+        name for (verdict, name), motors in concerned.items() if verdict == "unknown" and _all(motors, choices)
+    ]
+    for verdict in reversed(SEVERITY[1:]):
+        for (of, check), motors in concerned.items():
+            if of == verdict and check not in everywhere:
+                say_wrapped(f"  {MARKS[verdict]} {check}: {verdict}: {_in_short(motors, choices)}", "    ")
+    if everywhere:
+        say_wrapped(f"  ? not checked, inputs missing: {', '.join(everywhere)}", "    ")
+    say("  values, limits, and rules of each motor: --all")
+
+
+def _all(motors: list[str], choices: "list[MotorChoice]") -> bool:
+    return len(motors) == len(choices)
+
+
+def _in_short(motors: list[str], choices: "list[MotorChoice]") -> str:
+    """`F24W, F39T`, or `all but F39T` if that is shorter."""
+    others = [name for choice in choices if (name := _name(choice, choices)) not in motors]
+    if not others:
+        return "all"
+    return f"all but {', '.join(others)}" if len(others) < len(motors) else ", ".join(motors)
 
 
 def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> None:
@@ -182,10 +205,6 @@ def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> No
             reasons.setdefault(line.name, []).append(_name(choice, choices))
     for reason, names in reasons.items():
         say_wrapped(f"  excluded by {reason}: {', '.join(names)}", "    ")
-
-
-def _unknown(choice: "MotorChoice", name: str) -> bool:
-    return any(line.name == name and line.verdict == "unknown" for line in choice.lines)
 
 
 def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -132,7 +133,17 @@ def test_what_fits_is_safe_and_sensible_and_the_rest_says_why(
     assert any(one["why_not"] == ["ceiling"] for one in found)
     assert any(one["fits"] for one in found)
     assert main([*ledger, "motors", "--fit", "Fresh", *body]) == 0
-    assert "excluded by ceiling" in " ".join(capsys.readouterr().out.split())
+    text = " ".join(capsys.readouterr().out.split())
+    assert "excluded by ceiling" in text
+    fitting = [one for one in found if one["fits"]]
+    for check in {line["check"] for one in fitting for line in one["safety"] if line["verdict"] == "caution"}:
+        assert text.count(f"! {check}: caution: ") == 1, "one line per check, however many motors it concerns"
+    weak = [one["motor"] for one in fitting if verdict_of(one, "thrust to weight") == "caution"]
+    assert f"! thrust to weight: caution: {', '.join(weak)} " in text
+
+
+def verdict_of(choice: dict[str, Any], check: str) -> str:
+    return str(next(line["verdict"] for line in choice["safety"] if line["check"] == check))
 
 
 def test_a_rocket_of_unknown_mount_takes_every_motor_no_wider_than_its_body(
