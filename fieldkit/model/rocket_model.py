@@ -85,6 +85,14 @@ class Model:
         """The random effects of single flights."""
         return scatter_of(self.hyperprior)
 
+    def recorded(self, name: str) -> Float[Array, "flight"]:
+        """One number of every flight in SI, nan if it was not recorded."""
+        return recorded(self.flights, name)
+
+    def groups(self, per: str) -> list[str]:
+        """The group each flight belongs to, as in `groups`."""
+        return groups(self.flights, self.found, per)
+
     def with_terms(self, *terms: Term) -> "Model":
         """A copy with more terms."""
         return replace(self, terms=(*self.terms, *terms))
@@ -216,7 +224,7 @@ def fleet_term(quantity: str) -> str:
 
 def shared_names(model: Model) -> list[str]:
     """The terms that other rockets of the same ledger also have: for the fleet and for motor types."""
-    motors = dict.fromkeys(groups(model.flights, model.found, "motor"))
+    motors = dict.fromkeys(model.groups("motor"))
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
     known |= {fleet_term(quantity) for quantity in QUANTITIES}
     return [name for name in model.names if name in known]
@@ -233,5 +241,5 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     [1]"""
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     names = set(model.names)
-    alone = np.array([f"apogee on {own}" not in names for own in groups(model.flights, model.found, "day")])
+    alone = np.array([f"apogee on {own}" not in names for own in model.groups("day")])
     return np.asarray(np.hypot(flight, day * alone))
