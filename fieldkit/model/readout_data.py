@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
@@ -69,20 +68,6 @@ def own_sd(flights: Sequence[Flight], raw: Float[Array, "flight readout"]) -> Fl
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = found / np.where(raw > 0, raw, np.nan)
     return np.where(IS_LOGARITHMIC, relative, found)
-
-
-def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
-
-    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
-    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
-    """
-    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])
-    if not shown:
-        return np.zeros(len(flights))
-    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
-    return np.asarray(own[np.array(shown)[last]])
 
 
 def _speed_from_average(raw: Array, acceleration: Float[Array, "flight"]) -> Array:
