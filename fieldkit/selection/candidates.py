@@ -165,7 +165,7 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows. [1]"""
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
-    first = names.index(place.since) if place.since in names else 0
+    first = names.index(place.since) if place.since and place.since in names else 0  # a plan may have no name
     since = np.array(model.flight_index) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
     if effect.lacks:
