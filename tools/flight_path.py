@@ -57,7 +57,7 @@ def passes(*, holders: bool = False) -> list[Pass]:
 
     motors = catalogue()
     pairs = [(flight, motors.resolve(flight.motor)) for flight in flown]
-    planned = [(plan, motors.resolve(plan.motor)) for plan in (_flight(0, ""), _flight(2, ""))]
+    planned = [(plan, motors.resolve(plan.motor)) for plan in map(_plan, flown[:3:2])]
     places = [Place(name) for name in effects()] + [Place("", pattern) for pattern in PATTERNS]
     places += [Place(name, EACH_GROUP) for name, effect in effects().items() if effect.each]
     sys.setprofile(note)
@@ -74,15 +74,19 @@ def stops(made: list[Pass]) -> list[str]:
     return [file for file, _ in groupby(visited)]
 
 
-def _flight(number: int, name: str | None = None) -> Flight:
-    """A flight with all that effects and patterns ask for; a plan if it has an empty name."""
+def _plan(flight: Flight) -> Flight:
+    return flight.with_changes(flight_id="plan", apogee=None)
+
+
+def _flight(number: int) -> Flight:
+    """A flight with all that effects and patterns ask for."""
     return Flight(
-        str(number) if name is None else name,
+        str(number),
         rocket="Astra",
         config="AB"[number % 2],
         motor=("C6-5", "D12-5")[number % 3 == 0],
         dry_mass=0.08,
-        apogee=None if name == "" else 200.0 + 5 * number,
+        apogee=200.0 + 5 * number,
         wind=2.0 + 0.2 * number,
         site="mead",
         temperature=290.0 + number,
