@@ -34,7 +34,7 @@ IMPULSES = (4.0, 160.0)
 """Total impulse of the motors that fly. [N s]"""
 THRUST_TO_WEIGHT = (6.0, 18.0)
 """Bounds of the average thrust-to-weight ratio at lift-off. [1]"""
-LOWEST = 20.0
+MIN_APOGEE = 20.0
 """Minimum apogee; rockets below it are drawn again. [m]"""
 DIAMETER_KNOWN = 0.75
 """Fraction of rockets with a recorded diameter. [1]"""
@@ -103,7 +103,7 @@ def _rocket(
         history = _flown(rng, both, recipe, hyperprior, common)
         if history is not None:
             return history
-    raise RuntimeError(f"{name}: none of {TRIES} rockets flew above {LOWEST:g} m")
+    raise RuntimeError(f"{name}: none of {TRIES} rockets flew above {MIN_APOGEE:g} m")
 
 
 @cache
@@ -174,7 +174,7 @@ def _flown(
     tail = hyperprior.tail
     higher = rng.standard_t(tail, len(both)) * apogee_scatter(model) * scatter_scale
     apogee = float(readings["true"][0, -1] * np.exp(higher[-1]))
-    if not np.all(np.nan_to_num(readings["apogee"][0]) > LOWEST) or apogee < LOWEST:
+    if not np.all(np.nan_to_num(readings["apogee"][0]) > MIN_APOGEE) or apogee < MIN_APOGEE:
         return None
     noisy = _read(rng, model, readings, reading_scale, scatter_scale)
     noisy[recipe.flights // 2, 0] *= recipe.outlier

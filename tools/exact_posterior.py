@@ -28,7 +28,7 @@ from studies.exact.integrated import Draws, integrate
 from studies.exact.likelihood import Problem, normals_of, parameters, problem
 
 NAMES = ("apogee", "apogee, speed", "all ten")
-ENOUGH = 50.0
+MIN_EFFECTIVE_DRAWS = 50.0
 """Minimum number of effective draws of a valid integral. [1]"""
 BLOCK = 25
 """Number of flights integrated together."""
@@ -86,7 +86,7 @@ def density_medians(density: Mixture) -> np.ndarray:
 
 def summary(rows: dict[str, np.ndarray]) -> dict[str, float]:
     """Means over the flights with valid integrals."""
-    kept = rows["size"] >= ENOUGH
+    kept = rows["size"] >= MIN_EFFECTIVE_DRAWS
     gap = (rows["log_density_exact"] - rows["log_density"])[kept]
     means = {name: float(values[kept].mean()) for name, values in rows.items() if name not in ("rank", "size")}
     errors = {}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from zipfile import ZipFile
 
-MOST = 6
+FOLDERS_LISTED = 6
 """Number of folders to list per archive."""
 
 
@@ -26,7 +26,7 @@ def told(archive: Path) -> str:
     folders: Counter[str] = Counter()
     for path, size in contents(archive):
         folders["/".join(path.split("/")[:2])] += size
-    largest = ", ".join(f"{folder} {size / 1e6:.1f}" for folder, size in folders.most_common(MOST))
+    largest = ", ".join(f"{folder} {size / 1e6:.1f}" for folder, size in folders.most_common(FOLDERS_LISTED))
     return f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB; unpacked: {largest} MB"
 
 

@@ -15,7 +15,7 @@ from unittest.mock import patch
 from bench.faults.ledgers import Outcome, fieldkit, season, unsound
 from fieldkit.ledger import backups
 
-ENOUGH = 10_000
+BACKUPS_RETAINED = 10_000
 """Number of backups retained here, so that rotation is not mistaken for a loss. [1]"""
 
 
@@ -25,7 +25,7 @@ def restores_beside_writers(folder: Path, writers: int, each: int, restores: int
     file = folder / "ledger.db"
     season(file)
     outcome = Outcome("histories", f"{writers} writers beside {restores} restores")
-    with patch.object(backups, "MAX_BACKUPS", ENOUGH):
+    with patch.object(backups, "MAX_BACKUPS", BACKUPS_RETAINED):
         assert fieldkit(file, "tag", "1", "mine")[0] == 0  # the backup to be restored is made before this change
         context = multiprocessing.get_context("fork")
         running = [context.Process(target=_add, args=(file, place, each)) for place in range(writers)]

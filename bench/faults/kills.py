@@ -48,7 +48,7 @@ from fieldkit.paths import capture_folder
 
 MEASURED = 5
 """Number of trials without a kill, whose median duration sets the range of kill times. [1]"""
-LONG = 10.0
+MAX_MEASURING_TIME = 10.0
 """A command that takes this long is measured once. [s]"""
 
 
@@ -175,7 +175,7 @@ class _Bench:
     def _moments(self, trials: int) -> Iterator[float | None]:
         """Time of the kill in each trial, on a fresh ledger; None for trials that are only measured. [s]"""
         self.lengths.clear()
-        while len(self.lengths) < MEASURED and sum(self.lengths) < LONG:
+        while len(self.lengths) < MEASURED and sum(self.lengths) < MAX_MEASURING_TIME:
             self._fresh()
             yield None
         length = statistics.median(self.lengths)

@@ -29,7 +29,7 @@ READOUTS = (
 )
 GROSS, HONEST = 0.05, 3.0
 """An error is severe if it exceeds this fraction of the truth [1] and this number of standard deviations [1]."""
-LEAST = {"apogee_to_eject": 2.0, "eject_altitude": 20.0, "burn_time": 0.5}
+MIN_DENOMINATORS = {"apogee_to_eject": 2.0, "eject_altitude": 20.0, "burn_time": 0.5}
 """Smallest denominators of relative errors, for readouts near zero. [SI]"""
 
 
@@ -52,12 +52,12 @@ class Miss:
     @property
     def relative(self) -> float:
         """The error as a fraction of the truth."""
-        return abs(self.error) / max(abs(self.truth), LEAST.get(self.readout, 0.0))
+        return abs(self.error) / max(abs(self.truth), MIN_DENOMINATORS.get(self.readout, 0.0))
 
     @property
     def relative_sd(self) -> float:
         """The standard deviation as a fraction of the truth."""
-        return self.sd / max(abs(self.truth), LEAST.get(self.readout, 0.0))
+        return self.sd / max(abs(self.truth), MIN_DENOMINATORS.get(self.readout, 0.0))
 
     @property
     def grave(self) -> bool:

@@ -90,7 +90,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
     known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
     known, unknown = known_well(known)
-    pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
+    pressed = forces(climb, log.push, _elevation(clocks, lift), free) if lift and burnt else None
     return Recorded(
         events,
         known,

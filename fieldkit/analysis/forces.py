@@ -6,7 +6,7 @@ Derivation: Newton's second law for a vertical path: thrust and drag per mass ar
 import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
-from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
+from fieldkit.analysis.channels import CHANNEL_TITLES, Push
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step
@@ -49,7 +49,6 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
     return MeasuredClimb(
         cut(ascent.time),
         cut(ascent.height),
-        cut(ascent.heights).std(axis=0),
         cut(ascent.speed),
         cut(ascent.speeds).std(axis=0),
         cut(ascent.acceleration),
@@ -59,7 +58,7 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
     )
 
 
-def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
+def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: float) -> Forces | None:
     """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection or apogee.
 
     An axial accelerometer measures it directly. Otherwise it is the smoothed vertical acceleration plus gravity, which
@@ -88,7 +87,6 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
     shows = ~burning & (speed > _MIN_DRAG_SPEED) & (density > _MIN_DENSITY)
     dynamic = np.where(shows, 0.5 * density * speed**2, np.nan)
     area = -felt / dynamic
-    area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
     return Forces(
         time - climb.time[0],
         climb.height[flown],
@@ -98,7 +96,6 @@ def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevatio
         felt_sd,
         burning,
         area,
-        area_sd,
         window,
         source,
     )

@@ -40,14 +40,14 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
     crossing = np.flatnonzero(lasting[1:] & (felt[1:] >= bar) & (felt[:-1] < bar))
     if crossing.size == 0:
         return None
-    first = crossing[_sustained(crossing, felt, level, bar)]
+    first = crossing[_sustained(crossing, felt, bar)]
     share = (bar - felt[first]) / (felt[first + 1] - felt[first])
     return Event(
         float(time[first] + share * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
     )
 
 
-def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: float, bar: float) -> int:
+def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float) -> int:
     """Index of the crossing that begins the boost: the first after which most of the acceleration is above the bar."""
     for place, index in enumerate(crossing):
         if np.mean(felt[index + 1 :] > bar) > 0.6:

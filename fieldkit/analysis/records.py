@@ -31,12 +31,11 @@ class MeasuredClimb:
     """The smoothed ascent from lift-off to apogee at regular time steps.
 
     `time` [s] is on the log's clock. Heights are above the pad [m], speeds vertical [m/s], accelerations vertical and
-    net of gravity [m/s^2]; each has its standard deviation. `burning` is true up to top speed.
+    net of gravity [m/s^2]; both have standard deviations. `burning` is true up to top speed.
     """
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
-    height_sd: Float[Array, "time"]
     speed: Float[Array, "time"]
     speed_sd: Float[Array, "time"]
     acceleration: Float[Array, "time"]
@@ -63,7 +62,6 @@ class Forces:
     push_sd: Float[Array, "time"]
     burning: Flags
     drag_area: Float[Array, "time"]
-    drag_area_sd: Float[Array, "time"]
     window: float | None
     source: str
 

@@ -128,4 +128,4 @@ def _climb(
     if time.size < MIN_SAMPLES:
         return None
     none = np.zeros(time.size)
-    return MeasuredClimb(time, height, none, speed, none, pull, none, time <= burnout, SOURCE)
+    return MeasuredClimb(time, height, speed, none, pull, none, time <= burnout, SOURCE)

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from fieldkit.capture.protocol import known_devices
+
 ALTUS_METRUM = 0xFFFE
 ALTOS_PRODUCTS: Mapping[int, str] = {
     0x0B: "TeleMetrum",
@@ -59,7 +61,6 @@ class Port:
     @property
     def device(self) -> str:
         """The protocol that the numbers identify, empty if they do not."""
-        from fieldkit.capture.protocol import known_devices
 
         named = (name for name, protocol in known_devices().items() if (self.vendor, self.product) in protocol.usb)
         return next(named, "")

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.errors import AmbiguousMotor, BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
@@ -114,7 +114,6 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
     positive."""
     if reading.liftoff_mass is None or flight.dry_mass is not None or not flight.motor:
         return flight
-    from fieldkit.errors import AmbiguousMotor, UnknownMotor
     from fieldkit.motors import catalogue
 
     try:

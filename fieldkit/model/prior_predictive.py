@@ -126,7 +126,7 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, name
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
     setup = flown_field(rng, table, declared, drag_area, alpha)
-    setup, bends = bent(rng, named, setup, declared)
+    setup, bends = bent(rng, named, setup, count)
     flown = fly(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row))
     shown = shown_by(bends, flown.readouts())
     readouts = np.stack([shown[name] for name in READOUT_NAMES], axis=-1)
@@ -235,6 +235,7 @@ def flown_field(
         burn_stretch=np.exp(np.clip(0.06 * rng.standard_t(TAIL, size=count), -LONGEST_STRETCH, LONGEST_STRETCH)),
         rail_length=declared["rail_length"],
         rail_angle=declared["rail_angle"] + rng.normal(0.0, np.radians(1.5), count),
+        recorded_wind=declared["wind"],
         wind=declared["wind"] * np.exp(0.2 * rng.normal(size=count)) * rng.uniform(size=count),
         delay=np.maximum(
             (declared["delay"] * (1 + 0.1 * rng.normal(size=count)) + DELAY_SPREAD * rng.normal(size=count)) * early,

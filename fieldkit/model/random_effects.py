@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
@@ -40,20 +39,17 @@ def _words(effect: Effect) -> str:
     return f"{square}normal, {prior.mean:g} and {prior.sd:g}{ends}{grown} [{effect.unit}]"
 
 
-def bent(
-    rng: np.random.Generator, names: Sequence[str], setup: Setup, declared: Mapping[str, Float[Array, "flight"]]
-) -> tuple[Setup, Bends]:
-    """The setup as changed by the named effects, and the effects that will act on the readings.
+def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: int) -> tuple[Setup, Bends]:
+    """The setup of a number of flights as changed by the named effects, and the effects that will act on the readings.
 
-    Without names, no random number is drawn. Effects that depend on a declared field read it from `declared`.
+    Without names, no random number is drawn.
     """
     bends: list[tuple[Effect, Array]] = []
     for effect in known_effects(names).values():
-        count = len(next(iter(declared.values())))
         strength = effect.strength(drawn(rng, effect.prior, count))
         if effect.grows:
             strength = strength * rng.integers(MOST_FLOWN + 1, size=count)
-        setup = effect.bend_setup(setup, strength, _flights(effect, declared))
+        setup = effect.bend_setup(setup, strength)
         bends.append((effect, strength))
     return setup, tuple(bends)
 
@@ -71,10 +67,3 @@ def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "f
     while (beyond := (values < prior.low) | (values > prior.high)).any():
         values[beyond] = rng.normal(prior.mean, prior.sd, int(beyond.sum()))
     return np.asarray(values)
-
-
-def _flights(effect: Effect, declared: Mapping[str, Array]) -> list[Flight]:
-    """Flights with the fields that an effect needs, and nothing else."""
-    if not effect.needs:
-        return []
-    return [Flight().with_changes(**{effect.needs: float(value)}) for value in declared[effect.needs]]

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
@@ -34,10 +33,10 @@ def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: 
     """The observed readouts of flights; those of flights marked in `used_in_fit` are seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
-        raw = _speed_from_average(raw, flights)
+        own = own_sd(flights, raw)
+        raw = _speed_from_average(raw, recorded(flights, "avg_accel"))
         seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & np.asarray(used_in_fit, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    own = own_sd(flights)
     sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
     return Data(values, np.where(seen, sd, 1.0), seen, np.ones(seen.shape))
 
@@ -58,38 +57,23 @@ def reading_sd(
     return np.where(IS_LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
 
 
-def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
+def own_sd(flights: Sequence[Flight], raw: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
     """The recorded standard deviation of each readout, as compared; nan if there is none. [1] or [s]
 
-    For a readout compared by its logarithm it is the relative standard deviation.
+    `raw` are the readouts in SI. For a readout compared by its logarithm it is the relative standard deviation.
     """
     found = np.stack(
         [np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED_READOUTS], axis=-1
     )
-    raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = found / np.where(raw > 0, raw, np.nan)
     return np.where(IS_LOGARITHMIC, relative, found)
 
 
-def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
-
-    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
-    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
-    """
-    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])
-    if not shown:
-        return np.zeros(len(flights))
-    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
-    return np.asarray(own[np.array(shown)[last]])
-
-
-def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:
-    """Top speed from average acceleration and burn time, if only those were recorded."""
+def _speed_from_average(raw: Array, acceleration: Float[Array, "flight"]) -> Array:
+    """Top speed from average acceleration [m/s^2] and burn time, if only those were recorded."""
     speed, burn = OBSERVED_READOUTS.index("top_speed"), OBSERVED_READOUTS.index("burn_time")
-    derived = recorded(flights, "avg_accel") * raw[:, burn]
+    derived = acceleration * raw[:, burn]
     raw = raw.copy()
     raw[:, speed] = np.where(np.isnan(raw[:, speed]), derived, raw[:, speed])
     return raw

@@ -12,12 +12,12 @@ from typing import Literal
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
-from fieldkit.model.readout_data import measured_in_samples
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
-from fieldkit.physics.setups import dry_masses, recorded
+from fieldkit.physics.setups import recorded, typical_diameters
 from fieldkit.shapes import Array, Float
 
 OPENING = "opening of the parachute"
@@ -85,6 +85,14 @@ class Model:
         """The random effects of single flights."""
         return scatter_of(self.hyperprior)
 
+    def recorded(self, name: str) -> Float[Array, "flight"]:
+        """One number of every flight in SI, nan if it was not recorded."""
+        return recorded(self.flights, name)
+
+    def groups(self, per: str) -> list[str]:
+        """The group each flight belongs to, as in `groups`."""
+        return groups(self.flights, self.found, per)
+
     def with_terms(self, *terms: Term) -> "Model":
         """A copy with more terms."""
         return replace(self, terms=(*self.terms, *terms))
@@ -108,13 +116,12 @@ class Model:
 def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
     """Frontal area of the body; without a diameter, the typical area of a rocket of this dry mass. [m^2]
 
-    The mass is the mean over the first `flown` flights, by default over all; for a rocket never flown, each plan has
-    its own. The rule of thumb d = 60 mm (m / 0.4 kg)^0.2 is a fit to the drag of 34 rockets from 36 g to 3.8 kg in a
-    public launch ledger (jdsmith39/RocketLaunchJournal, flights to 2017), with Cd as in `CD`.
+    The typical diameter is the mean over the first `flown` flights, by default over all; for a rocket never flown, each
+    plan has its own.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
-    guess = 0.060 * (dry_masses(flights) / 0.4) ** 0.2
+    guess = typical_diameters(flights)
     guess = guess if flown == 0 else guess[:flown].mean()
     diameter = recorded(flights, "diameter")
     result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), guess, diameter) ** 2
@@ -203,6 +210,20 @@ def _quantity_terms(
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
 
 
+def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
+    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
+
+    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
+    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
+    """
+    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
+    own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])
+    if not shown:
+        return np.zeros(len(flights))
+    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
+    return np.asarray(own[np.array(shown)[last]])
+
+
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:
     """Days with more than one of the first `flown` flights; the effect of a day with one flight is part of its
     scatter."""
@@ -216,7 +237,7 @@ def fleet_term(quantity: str) -> str:
 
 def shared_names(model: Model) -> list[str]:
     """The terms that other rockets of the same ledger also have: for the fleet and for motor types."""
-    motors = dict.fromkeys(groups(model.flights, model.found, "motor"))
+    motors = dict.fromkeys(model.groups("motor"))
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
     known |= {fleet_term(quantity) for quantity in QUANTITIES}
     return [name for name in model.names if name in known]
@@ -233,5 +254,5 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     [1]"""
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     names = set(model.names)
-    alone = np.array([f"apogee on {own}" not in names for own in groups(model.flights, model.found, "day")])
+    alone = np.array([f"apogee on {own}" not in names for own in model.groups("day")])
     return np.asarray(np.hypot(flight, day * alone))

@@ -78,7 +78,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         setup = setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -steeper, steeper))
     strengths = _strengths(model, values)
     for effect, strength in strengths:
-        setup = effect.bend_setup(setup, strength, model.flights)
+        setup = effect.bend_setup(setup, strength)
     return setup, strengths
 
 

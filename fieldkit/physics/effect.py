@@ -4,13 +4,12 @@ An effect changes the setup before the flight, the acceleration during it, or th
 in `models/effects/`, each of which defines `EFFECT`; no other code needs to know about them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
 from fieldkit.shapes import Array, Flags, Float
@@ -19,7 +18,7 @@ Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "
 """The category of an effect: the path through the wind, leaving the rail, the delay and parachute, the air, the mass,
 the motor, the drag law, change with use, or the instrument. Prior probability is split equally between families."""
 Strength = Float[Array, "*#draw"]
-BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
+BendSetup = Callable[[Setup, Strength], Setup]
 Readings = Mapping[str, Float[Array, "*#draw"]]
 BendReading = Callable[[Readings, Strength], Readings]
 
@@ -116,10 +115,10 @@ class Effect:
         """The strength that corresponds to a fitted value."""
         return np.sqrt(np.maximum(fitted, 0.0)) if self.squared else fitted
 
-    def bend_setup(self, setup: Setup, strength: Strength, flights: Sequence[Flight]) -> Setup:
+    def bend_setup(self, setup: Setup, strength: Strength) -> Setup:
         """The setup, and the forces in it, as changed by this effect at a strength."""
         if self.setup is not None:
-            setup = self.setup(setup, strength, flights)
+            setup = self.setup(setup, strength)
         if self.acceleration is not None:
             setup = setup.with_changes(forces=(*setup.forces, (self.acceleration, strength)))
         return setup

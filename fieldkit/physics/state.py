@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.physics.atmosphere import WIND_EXPONENT, Air
 from fieldkit.physics.thrust_steps import Burns
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,8 @@ class Setup:
     the ratio of coast drag to burn drag [1]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from
     the charge to an open parachute (half a second is an assumption) [s]; `descent_speed` is the speed under it [m/s].
     `altimeter_gain` is the ratio of displayed to true height [1]. `forces` are the accelerations that effects add in
-    flight. `stride` multiplies the step length of a slanted path [1].
+    flight. `recorded_wind` [m/s] and `temperature_recorded` are for effects; the simulator does not read them. `stride`
+    multiplies the step length of a slanted path [1].
     """
 
     burns: Burns
@@ -70,6 +71,8 @@ class Setup:
     opening_time: Float[Array, "*#draw"] = _for_all(0.5)
     descent_speed: Float[Array, "*#draw"] = _for_all(5.0)
     altimeter_gain: Float[Array, "*#draw"] = _for_all(1.0)
+    recorded_wind: Float[Array, "*#draw"] = _for_all(0.0)
+    temperature_recorded: Flags = field(default_factory=lambda: np.zeros((), bool))
     forces: tuple[tuple[Force, Float[Array, "*#draw"]], ...] = ()
     gravity: float = 9.80665
     pad_holds: bool = True
@@ -117,13 +120,18 @@ class Setup:
         air = replace(self.air, density=change(self.air.density), temperature=change(self.air.temperature))
         forces = tuple((force, change(strength)) for force, strength in self.forces)
         arrays = {name: change(getattr(self, name)) for name in PER_DRAW}
-        return replace(self, air=air, forces=forces, **arrays)
+        none: dict[str, Any] = {name: np.zeros(1, getattr(self, name).dtype) for name in RECORDED}
+        return replace(self, air=air, forces=forces, **arrays, **none)
 
 
+RECORDED = ("recorded_wind", "temperature_recorded")
+"""The entries that only effects read, before the flight; a flat setup has none of them."""
 PER_DRAW = tuple(
-    f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride")
+    f.name
+    for f in fields(Setup)
+    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", *RECORDED)
 )
-"""The entries of a setup with one value per draw."""
+"""The entries with one value per draw that the simulator reads."""
 
 
 @dataclass(frozen=True, slots=True)

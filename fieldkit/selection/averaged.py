@@ -31,20 +31,6 @@ MAX_FORWARD = 24
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
-    """Leave-one-out forecasts of every flight.
-
-    `refits` counts the repeated fits among all `folds`; `probability` is the probability of each set without each
-    flight.
-    """
-
-    forecasts: Forecasts
-    probability: dict[Members, Float[Array, "flight"]]
-    refits: int
-    folds: int
-
-
-@dataclass(frozen=True, slots=True)
 class Ahead:
     """Forecasts of every flight from the earlier ones, by the plain model and averaged.
 
@@ -69,7 +55,7 @@ class _Said:
     log_weight: Float[Array, "flight"]
 
 
-def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
+def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Forecasts:
     """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
 
     If the importance weights are unreliable, the fit is repeated without the flight.
@@ -78,7 +64,6 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Le
     said = [_sampled(one) for one in some]
     log_weight = np.stack([one.log_weight for one in said])
     chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
-    refits = 0
     for number, (one, own) in enumerate(zip(some, said, strict=True)):
         on_progress("flights left out", number / len(some))
         assert one.sampled is not None
@@ -86,14 +71,7 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Le
         rows = np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY))
         if len(rows):
             said[number] = _refitted(one, own, rows.tolist())
-        refits += len(rows)
-    log_weight = np.stack([one.log_weight for one in said])
-    chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
-    by_set: dict[Members, Array] = {}
-    for one, own_chance in zip(some, chance, strict=True):
-        by_set[one.members] = by_set.get(one.members, 0.0) + own_chance
-    folds = int(posterior.hypotheses[0].fit.data.seen.any(axis=1).sum()) * len(some)
-    return LeftOut(_mixed(said, posterior.hypotheses[0].fit.model.hyperprior.tail), by_set, refits, folds)
+    return _mixed(said, posterior.hypotheses[0].fit.model.hyperprior.tail)
 
 
 def _sampled(one: Hypothesis) -> _Said:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.rocket_model import Model, Term, groups
+from fieldkit.model.rocket_model import Model, Term
 from fieldkit.physics.effect import Effect, effects, spoken
-from fieldkit.physics.setups import delays, recorded
+from fieldkit.physics.setups import delays
 from fieldkit.shapes import Array, Flags, Float
 
 EACH_GROUP = "each"
@@ -81,7 +81,7 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     prior = effect.prior
     places = [place]
     if place.where == EACH_GROUP:
-        kinds = dict.fromkeys(groups(model.flights, model.found, effect.per))
+        kinds = dict.fromkeys(model.groups(effect.per))
         places = [Place(place.effect, kind, place.since) for kind in kinds if kind]
     weights = [(one, place_weight(one, model)) for one in places]
     return tuple(
@@ -125,11 +125,11 @@ def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
 def _can_act(effect: Effect, model: Model) -> bool:
     if effect.needs_delay and not np.isfinite(delays(model.flights, model.found)).any():
         return False
-    if effect.lacks and np.isfinite(recorded(model.flights, effect.lacks)).all():
+    if effect.lacks and np.isfinite(model.recorded(effect.lacks)).all():
         return False
     if not effect.needs:
         return True
-    column = recorded(model.flights, effect.needs)
+    column = model.recorded(effect.needs)
     return bool(np.nanmax(np.abs(column), initial=0.0) > 0)
 
 
@@ -140,11 +140,11 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
     if effect.everywhere:
         yield Place(name)
     if effect.per:
-        group = groups(model.flights, model.found, effect.per)
+        group = model.groups(effect.per)
         if effect.each and len(set(group)) > 1:
             yield Place(name, EACH_GROUP)
         elif len(set(group)) > 1:
-            acts = np.isnan(recorded(model.flights, effect.lacks)) if effect.lacks else np.ones(len(group), bool)
+            acts = np.isnan(model.recorded(effect.lacks)) if effect.lacks else np.ones(len(group), bool)
             yield from (Place(name, kind) for kind in dict.fromkeys(np.array(group)[acts].tolist()) if kind)
 
 
@@ -152,7 +152,7 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
     """Flights of each group at which an effect may start, with a flight used in the fit on either side."""
     if not effect.starts_anywhere:
         return
-    group = groups(model.flights, model.found, effect.per) if effect.per else [""] * len(model.flights)
+    group = model.groups(effect.per) if effect.per else [""] * len(model.flights)
     several = len(set(group)) > 1
     for kind in dict.fromkeys(group):
         rows = [row for row, own in enumerate(group) if own == kind and used_in_fit[row]]
@@ -165,12 +165,12 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows. [1]"""
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
-    first = names.index(place.since) if place.since in names else 0
+    first = names.index(place.since) if place.since and place.since in names else 0  # a plan may have no name
     since = np.array(model.flight_index) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
     if effect.lacks:
-        weight = weight * np.isnan(recorded(model.flights, effect.lacks))
+        weight = weight * np.isnan(model.recorded(effect.lacks))
     if not place.where:
         return np.asarray(weight)
-    inside = [group == place.where for group in groups(model.flights, model.found, effect.per)]
+    inside = [group == place.where for group in model.groups(effect.per)]
     return np.asarray(weight * np.array(inside, float))

@@ -15,7 +15,7 @@ from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
-from fieldkit.selection.averaged import LeftOut, left_out
+from fieldkit.selection.averaged import left_out
 from fieldkit.selection.candidates import Averaged, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
 from fieldkit.selection.patterns import pattern_candidates
@@ -80,7 +80,6 @@ class Diagnosis:
     after: Score
     forecasts_before: Forecasts
     forecasts_after: Forecasts
-    folds: LeftOut
 
     @property
     def effect(self) -> str:
@@ -150,11 +149,10 @@ def diagnose(
         ranking=_ranking(posterior, families, truth, seen),
         verdict=said,
         averaged=averaged(forecast_by),
-        before=score(before.forecasts, truth, seen),
-        after=score(after.forecasts, truth, seen),
-        forecasts_before=before.forecasts,
-        forecasts_after=after.forecasts,
-        folds=after,
+        before=score(before, truth, seen),
+        after=score(after, truth, seen),
+        forecasts_before=before,
+        forecasts_after=after,
     )
 
 

@@ -14,7 +14,6 @@ from fieldkit.flight import READOUTS
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.physics.setups import recorded
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
@@ -121,7 +120,7 @@ def _others(
     rows = {}
     for name in (column.name for column in READOUTS if column.name not in OBSERVED_READOUTS):
         with np.errstate(invalid="ignore", divide="ignore"):
-            miss = np.log(recorded(plain.model.flights, name) / shown_plain[name][0])
+            miss = np.log(plain.model.recorded(name) / shown_plain[name][0])
             shift = np.log(readings[name][0] / readings[name][1])
         rows[name] = _other(name, miss, shift, along, diagnosis.data.seen[:, 0])
     return rows

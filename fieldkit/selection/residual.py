@@ -8,7 +8,6 @@ import numpy as np
 from fieldkit.flight import CONDITIONS
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.model.rocket_model import groups
 from fieldkit.physics.setups import recorded
 from fieldkit.scoring.score import forecasts_of
 from fieldkit.selection.diagnose import Diagnosis
@@ -217,7 +216,7 @@ def holm(p: Sequence[float]) -> list[float]:
 def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
     """The groups each flight belongs to."""
     model = diagnosis.model
-    return {name: groups(model.flights, model.found, name) for name in ("motor", "config", "site")}
+    return {name: model.groups(name) for name in ("motor", "config", "site")}
 
 
 def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:

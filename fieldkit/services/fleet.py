@@ -9,10 +9,13 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.shared_prior import Message, SharedPrior
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed
@@ -20,7 +23,6 @@ from fieldkit.services.provenance import flight_digest, motor_digest
 
 if TYPE_CHECKING:
     from fieldkit.inference.laplace.fleet import RocketFit
-    from fieldkit.model.shared_prior import SharedPrior
 
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
@@ -102,10 +104,8 @@ def _written(made: "RocketFit") -> dict[str, Any]:
 
 
 def _read(kept: Mapping[str, Any]) -> "RocketFit":
-    import numpy as np
 
     from fieldkit.inference.laplace.fleet import RocketFit
-    from fieldkit.model.shared_prior import Message, SharedPrior
 
     names = tuple(kept["names"])
     message = Message(names, np.array(kept["precision"]), np.array(kept["shift"]))

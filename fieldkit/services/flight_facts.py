@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.shapes import Array, Float
 
@@ -41,7 +41,6 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
     """The posterior from a single flight. Raises FieldkitError if there is none."""
     import numpy as np
 
-    from fieldkit.errors import ImpossibleFlight
     from fieldkit.inference.network.flights import infer
     from fieldkit.services.inferred import FlightInference, draws
 
@@ -59,7 +58,6 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
     """The forecast saved before a flight, or else a forecast from the other flights. Raises FieldkitError if there is
     none."""
-    from fieldkit.errors import ImpossibleFlight
     from fieldkit.services.forecasts import forecast_from_others
     from fieldkit.services.saved_forecasts import of_flight
 

@@ -15,6 +15,7 @@ from textual.reactive import Reactive
 from textual.widget import Widget
 from textual.widgets import Input
 
+from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
@@ -35,7 +36,6 @@ class Page:
 @cache
 def pages() -> dict[str, Page]:
     """Every page by the name of its module, in the order of their numbers."""
-    from fieldkit.tui import screens
 
     found: dict[str, Page] = {}
     for module in iter_modules(screens.__path__):

@@ -10,6 +10,7 @@ from threading import RLock
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.errors import FieldkitError
+from fieldkit.paths import motor_folder
 from fieldkit.settings import Settings, change_settings, read_settings
 
 if TYPE_CHECKING:
@@ -86,7 +87,6 @@ class Resources:
     @cached_property
     def _motors(self) -> "Catalogue":
         from fieldkit.motors.own import known_motors
-        from fieldkit.paths import motor_folder
 
         motors, errors = known_motors(motor_folder())
         self.complaints += errors

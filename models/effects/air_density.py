@@ -1,15 +1,13 @@
 """Air density: the site is higher, or the day hotter, than recorded."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases the air density at the pad by this fraction."""
     return setup.with_changes(air=replace(setup.air, density=setup.air.density * (1 + strength)))
 

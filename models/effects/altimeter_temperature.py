@@ -3,15 +3,12 @@
 Most barometric altimeters assume standard air and read low on a hot day; the plain model expects that.
 """
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Corrects the heights by this fraction of the error due to the day's temperature."""
     return setup.with_changes(altimeter_gain=setup.altimeter_gain ** (1 - strength))
 

@@ -3,17 +3,14 @@
 Every rocket has some of it: the base accounts for an eighth to a fifth of Cd, and the plume fills a tenth to all of it.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases the drag in the coast by this fraction."""
     return setup.with_changes(power_off_drag=setup.power_off_drag * (1 + strength))
 

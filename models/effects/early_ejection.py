@@ -3,15 +3,12 @@
 Motors ordinarily scatter by a tenth of the delay; this effect is larger.
 """
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Shortens the delay by this fraction."""
     return setup.with_changes(delay=setup.delay * (1 - strength))
 

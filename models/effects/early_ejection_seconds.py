@@ -1,16 +1,13 @@
 """Early ejection in seconds: delays drilled shorter by the same time, whatever their rating."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Shortens the delay by this time, down to zero. [s]"""
     return setup.with_changes(delay=np.maximum(setup.delay - strength, 0.0))
 

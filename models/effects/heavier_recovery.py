@@ -1,15 +1,12 @@
 """Heavier recovery: from some flight on, the rocket carries a larger parachute, a longer cord or a tracker that was not
 weighed."""
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases the dry mass by this fraction."""
     return setup.with_changes(dry_mass=setup.dry_mass * (1 + strength))
 

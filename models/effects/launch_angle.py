@@ -1,16 +1,13 @@
 """Launch angle: the rail is off vertical, and nobody recorded it."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Adds this launch angle perpendicular to the recorded one. [deg]"""
     angle = np.hypot(setup.rail_angle, np.radians(strength))
     return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -angle, angle))

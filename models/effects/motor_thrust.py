@@ -1,14 +1,11 @@
 """Motor thrust: a motor type or a whole lot has more or less thrust than its certificate."""
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases thrust and impulse by this fraction."""
     return setup.with_changes(thrust_factor=setup.thrust_factor * (1 + strength))
 

@@ -1,16 +1,13 @@
 """Rail friction: buttons or lugs bind and slow the rocket on the rail."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Slows the rocket by this acceleration until it leaves the rail. [m/s^2]"""
     return setup.with_changes(rail_friction=setup.rail_friction + strength)
 

@@ -1,14 +1,11 @@
 """Slow lot: from some flight on, motors of another lot burn longer at the same impulse."""
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Lengthens the burn by this fraction at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
 

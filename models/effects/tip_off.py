@@ -5,11 +5,8 @@ and the restoring moment of the fins grows with the square of the speed, so the 
 speed.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.rail import rail_exit_speed
 from fieldkit.physics.state import Setup
@@ -21,7 +18,7 @@ MAX_ANGLE = 60.0
 """Upper limit of the angle, for rockets that barely leave the rail. [deg]"""
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Turns the path off the rail by this angle at the reference speed, always to the same side, perpendicular to a
     recorded launch angle. [deg]"""
     slower = (REFERENCE_SPEED / np.maximum(rail_exit_speed(setup), 1.0)) ** 2

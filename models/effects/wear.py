@@ -1,14 +1,11 @@
 """Wear: dents, scratches and loose fins make drag grow flight by flight."""
 
-from collections.abc import Sequence
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases drag by this fraction."""
     return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
 

@@ -3,16 +3,14 @@
 Hot air is less dense, so the rocket flies higher; a barometric altimeter also reads low by the same fraction.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Makes the air at the pad warmer by this temperature and adjusts the reading of an altimeter that assumes standard
     air. [K]
     """

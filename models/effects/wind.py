@@ -4,20 +4,14 @@ The rocket is a point mass whose axis follows the relative wind. The strength sc
 rocket turns fully and immediately, at 0 not at all.
 """
 
-from collections.abc import Sequence
-
-import numpy as np
-
-from fieldkit.flight import Flight
 from fieldkit.physics.effect import Effect, Prior
-from fieldkit.physics.setups import recorded
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 
-def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Scales the declared wind by how strongly the rocket turns into it."""
-    return setup.with_changes(wind=strength * np.nan_to_num(recorded(flights, "wind"), nan=0.0))
+def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
+    """Scales the recorded wind by how strongly the rocket turns into it."""
+    return setup.with_changes(wind=strength * setup.recorded_wind)
 
 
 EFFECT = Effect(

@@ -36,7 +36,7 @@ MIN_SEPARATION_SDS = 2.0
 OWN_DRAG = "another drag of configuration A"
 
 
-def _more_drag(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+def _more_drag(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
 
 
@@ -225,7 +225,7 @@ def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> 
     """The readouts of a flight at each strength."""
     count = len(strengths)
     setup = field_setup([flight] * count, [_found(flight)] * count, np.full(count, area), 1.0)
-    setup = effect.bend_setup(setup, strengths, [flight] * count)
+    setup = effect.bend_setup(setup, strengths)
     return effect.bend_reading(fly(setup).readouts(), strengths)
 
 

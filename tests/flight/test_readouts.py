@@ -20,8 +20,10 @@ from fieldkit.inference.network.field_ensemble import FieldPosterior, infer_fiel
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, observe, own_sd, reading_sd
 from fieldkit.motors import own
+from fieldkit.physics.setups import recorded
 from fieldkit.presentation.export import csv_table, document
 from fieldkit.services.manual_entry import enter
+from fieldkit.shapes import Array
 from tests.presentation.test_export import as_json, flights
 from tests.samples import SAMPLES, any_motor
 
@@ -206,9 +208,14 @@ def test_json_of_a_flight_has_what_is_recorded_of_its_readouts() -> None:
     assert csv_table([FLIGHT]).splitlines()[0].count("apogee_m,apogee_sd_m,top_speed_mps,") == 1
 
 
+def raw(flights: list[Flight]) -> Array:
+    """The readouts that a fit compares, in SI."""
+    return np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
+
+
 def test_a_fit_takes_the_standard_deviation_of_a_readout_where_there_is_one() -> None:
     bare = FLIGHT.with_changes(sd={})
-    own = own_sd([FLIGHT, bare])
+    own = own_sd([FLIGHT, bare], raw([FLIGHT, bare]))
     apogee, coast, speed = (OBSERVED_READOUTS.index(name) for name in ("apogee", "coast_to_apogee", "top_speed"))
     assert own[0, apogee] == pytest.approx(0.5 / 281.3)
     assert own[0, coast] == pytest.approx(0.1 / 5.2)
@@ -218,7 +225,9 @@ def test_a_fit_takes_the_standard_deviation_of_a_readout_where_there_is_one() ->
     assert data.sd[0, apogee] == own[0, apogee]
     assert data.sd[1, apogee] == pytest.approx(reading_sd(np.exp(data.values))[1, apogee])
     late = Flight(apogee=100.0, apogee_to_eject=-1.0, sd={"apogee_to_eject": 0.3})
-    assert own_sd([late])[0, ~IS_LOGARITHMIC] == [0.3], "a readout about zero is compared by its difference"
+    assert own_sd([late], raw([late]))[0, ~IS_LOGARITHMIC] == [0.3], (
+        "a readout about zero is compared by its difference"
+    )
 
 
 def test_a_vague_apogee_moves_a_forecast_less_than_a_sure_one(

@@ -15,6 +15,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
+from fieldkit.selection.candidates import Place
 from tests import seasons
 
 CHECK_SHAPES = False
@@ -116,6 +117,15 @@ def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, 
     (alone,), (*_, beside) = predict(flown, planned[:1], draws=30), predict(flown, planned[::-1], draws=30)
     assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
+
+
+@pytest.mark.parametrize("place", [Place("mass_offset"), Place("wear"), Place("mass_offset", "", "4")])
+def test_a_plan_without_a_name_is_forecast_like_one_with_a_name(place: Place) -> None:
+    flown, motor = season({}), catalogue().resolve("F24")
+    (named,), (unnamed,) = (
+        predict(flown, [(PLAN.with_changes(flight_id=name), motor)], [place], draws=100) for name in ("plan", "")
+    )
+    np.testing.assert_array_equal(unnamed.apogee, named.apogee)
 
 
 def made(known: float, luck: float, draws: int = 4096) -> Prediction:

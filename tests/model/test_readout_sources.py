@@ -8,8 +8,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
-from fieldkit.model.readout_data import measured_in_samples
-from fieldkit.model.rocket_model import base_model
+from fieldkit.model.rocket_model import base_model, measured_in_samples
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 

@@ -50,7 +50,7 @@ def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> di
     effect = EFFECTS[name]
     found = [catalogue().resolve(flight.motor) for flight in flights]
     area = 0.5 * np.pi / 4 * np.array([flight.diameter or 0.0 for flight in flights]) ** 2
-    setup = effect.bend_setup(field_setup(flights, found, area), np.asarray(strength, float), flights)
+    setup = effect.bend_setup(field_setup(flights, found, area), np.asarray(strength, float))
     result = fly(setup)
     figures = {field.name: getattr(result, field.name) for field in fields(FlightResult)}
     return figures | dict(effect.bend_reading(result.readouts(), np.asarray(strength, float)))
@@ -191,7 +191,7 @@ def test_tip_off_falls_with_the_square_of_the_speed_off_the_rail() -> None:
     setup = field_setup(FLIGHTS, found, np.full(3, 0.002))
     speed = rail_exit_speed(setup)
     np.testing.assert_allclose(speed, fly(setup).rail_speed, rtol=0.03)
-    angle = EFFECTS["tip_off"].bend_setup(setup, np.asarray(3.0), FLIGHTS).rail_angle
+    angle = EFFECTS["tip_off"].bend_setup(setup, np.asarray(3.0)).rail_angle
     np.testing.assert_allclose(np.degrees(angle) * speed**2, 3.0 * 15.0**2, rtol=1e-9)
 
 

@@ -66,8 +66,8 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
     monkeypatch.setattr("fieldkit.tui.screens.import_files.folder_text", lambda folder: folder.name)
-    monkeypatch.setattr("fieldkit.paths.motor_folder", lambda: Path("/home/flyer/motors"))
-    monkeypatch.setattr("fieldkit.paths.settings_file", lambda: Path("/home/flyer/settings.json"))
+    monkeypatch.setattr("fieldkit.tui.setup.setup_lists.motor_folder", lambda: Path("/home/flyer/motors"))
+    monkeypatch.setattr("fieldkit.tui.setup.setup_lists.settings_file", lambda: Path("/home/flyer/settings.json"))
     monkeypatch.setattr("fieldkit.tui.resources.Resources.name", "/home/flyer/ledger.db")
     return tmp_path / "ledger.db"
 

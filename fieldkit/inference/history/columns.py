@@ -86,7 +86,7 @@ def of_history(
     used = max(int(data.seen.any(axis=1).sum()), 1)
     kinds = {per: groups(history.flights, history.found, per) for per in ("motor", "config", "site", "day")}
     wind, temperature, diameter = (recorded(flown, name) for name in ("wind", "temperature", "diameter"))
-    residual = _residuals(selection, left_out, data)
+    residual = _residuals(left_out, data)
     apogee = residual[data.seen[:, 0], 0] if data.seen[:, 0].any() else np.zeros(1)
     centered = apogee - apogee.mean()
     variance = max(float((centered**2).mean()), 1e-9)
@@ -116,7 +116,7 @@ def of_history(
     }
 
 
-def _residuals(linear: LinearFit, left_out: LeaveOneOut, data: Data) -> Float[Array, "flight readout"]:
+def _residuals(left_out: LeaveOneOut, data: Data) -> Float[Array, "flight readout"]:
     """Standardized leave-one-out residuals; nan if not observed."""
     weight = np.exp(left_out.log_weight - np.logaddexp.reduce(left_out.log_weight, axis=0))
     return np.where(data.seen, np.einsum("sf,sfo->fo", weight, left_out.residual), np.nan)

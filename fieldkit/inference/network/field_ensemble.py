@@ -58,7 +58,6 @@ class FieldPosterior:
     """
 
     drag_area: Float[Array, "flight"]
-    drag_area_sd: Float[Array, "flight"]
     cd: Float[Array, "flight"]
     cd_sd: Float[Array, "flight"]
     alpha: Float[Array, "flight"]
@@ -115,7 +114,6 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
     alpha_mean, alpha_sd = alpha.moments()
     return FieldPosterior(
         drag_area,
-        drag_area_sd,
         cd,
         cd_sd,
         alpha_mean,

@@ -6,7 +6,11 @@ from pathlib import Path
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.importing import HEAD, ColumnChoice
+from fieldkit.importing.recognize import table_of
+from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
 from fieldkit.importing.tables.mapping import choice_for, edit, forget, is_of_flights, read_choice, remembered
+from fieldkit.importing.tables.text import decode, first_names, first_row, rows
+from fieldkit.services.imports.gather import read_file
 
 __all__ = ["TableColumns", "edit", "forget", "in_words", "list_mappings", "table_columns"]
 
@@ -39,8 +43,6 @@ class TableColumns:
 def table_columns(path: Path, of: str = "") -> TableColumns:
     """The columns of the table in a file; `of` overrides the detected kind of its rows. Raises FieldkitError for a file
     without a table."""
-    from fieldkit.importing.recognize import table_of
-    from fieldkit.services.imports.gather import read_file
 
     head = table_of(read_file(path), path.name)[:HEAD]
     if of != "flights":
@@ -68,8 +70,6 @@ def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
 
 def _of_flights(head: bytes) -> TableColumns:
     """The columns of a table of flights."""
-    from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
-    from fieldkit.importing.tables.text import decode, first_names, first_row, rows
 
     names, first = table_names(head), first_names(head)
     if not shape(first):
@@ -85,7 +85,6 @@ def _of_flights(head: bytes) -> TableColumns:
 
 def _looks_of_flights(head: bytes) -> bool:
     """Whether a column of a table belongs to flights."""
-    from fieldkit.importing.tables.flight_headings import role_of, table_names
 
     return any(role_of(name, strict=False).field for name in table_names(head))
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fieldkit import units
+from fieldkit.analysis import columns
 from fieldkit.analysis.labels import sensor_of
+from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import MEASURED, Column, Flight
 from fieldkit.importing.reading import Intake
 
@@ -52,7 +54,6 @@ class FlightView:
     @property
     def curve(self) -> "FlightCurve | None":
         """Height, speed and acceleration of the whole flight for plotting; None without samples."""
-        from fieldkit.analysis.whole_flight import flight_curve
 
         return flight_curve(self.recorded) if self.recorded else None
 
@@ -106,7 +107,6 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
 
 def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
     """The values that a simulation states for its flight, as if they were stored."""
-    from fieldkit.analysis import columns
 
     fields, _ = columns(recorded, {})
     flight = Flight().with_changes(**fields, flight_id=f"simulation {number}")

@@ -3,6 +3,7 @@
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, SENSORS, Flight
 from fieldkit.flight.plausibility import beyond_motor
+from fieldkit.motors import catalogue
 
 _READOUT_DETAILS = ("sd", "source")
 """Fields of a flight that describe its readouts."""
@@ -13,7 +14,6 @@ def within_motor(flight: Flight) -> tuple[Flight, list[str]]:
     readouts stay; they are checked elsewhere."""
     if not flight.motor or flight.dry_mass is None or not set(SENSORS) & set(flight.source.values()):
         return flight, []
-    from fieldkit.motors import catalogue
 
     try:
         motor = catalogue().resolve(flight.motor).motor

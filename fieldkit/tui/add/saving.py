@@ -7,6 +7,7 @@ from fieldkit.tui.add.add_form import READ, Answered, Draft, Saved
 from fieldkit.tui.add.add_sheet import Sheet
 from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.dialogs import AskYes
 
 DUPLICATE = "Duplicate: it is already in the ledger."
 
@@ -37,7 +38,6 @@ class Saving:
         self._front(card=False)
 
     def _saved(self, said: Answered, saved: Saved) -> None:
-        from fieldkit.tui.widgets.dialogs import AskYes
 
         if saved.confirm:
             self._page.app.push_screen(AskYes(saved.confirm), partial(self._confirmed, said))

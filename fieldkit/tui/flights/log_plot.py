@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fieldkit import units
 from fieldkit.flight import BY_NAME
 
 if TYPE_CHECKING:
@@ -64,7 +65,6 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
     """The log of a flight as traces, or the reason there is nothing to draw."""
     import numpy as np
 
-    from fieldkit import units
     from fieldkit.quantities import spelled, unit_of
     from fieldkit.services.replay import recording_of
 

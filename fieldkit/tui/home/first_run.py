@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
@@ -103,7 +104,6 @@ def _forecast_made(page: PageScreen, made: "Prediction") -> None:
 
 
 def _load_demo(page: PageScreen) -> int:
-    from fieldkit.paths import REFERENCE_FLIGHTS
     from fieldkit.services.imports import bring_in
 
     return len(bring_in(page.resources.ledger, [REFERENCE_FLIGHTS], lambda name: None).ids)

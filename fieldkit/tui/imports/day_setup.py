@@ -3,7 +3,10 @@
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.importing.manual_entry import read_changes
+from fieldkit.services.manual_entry import planned_answers
 from fieldkit.tui.imports.given_form import QUESTIONS, ask_given
 
 if TYPE_CHECKING:
@@ -21,7 +24,6 @@ def setup_of_day(resources: "Resources") -> dict[str, str]:
 
 def waiting_setup(resources: "Resources") -> dict[str, str]:
     """The same while a saved forecast has no flight yet; otherwise empty."""
-    from fieldkit.services.manual_entry import planned_answers
 
     return setup_of_day(resources) if planned_answers(resources.ledger) else {}
 
@@ -33,8 +35,6 @@ def is_open(flights: tuple[Flight, ...]) -> bool:
 
 def ask_setup(page: "PageScreen", known: Mapping[str, str], store: Callable[[dict[str, object]], None]) -> None:
     """Ask for values that a log lacks, with what is `known` filled in; `store` gets them as fields of a flight."""
-    from fieldkit.errors import BadValue
-    from fieldkit.importing.manual_entry import read_changes
 
     def answered(given: dict[str, str]) -> None:
         try:

@@ -10,6 +10,7 @@ from textual.content import Content
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.importing.manual_entry import read_changes
 from fieldkit.quantities import in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
@@ -65,7 +66,6 @@ class ReadOptions:
 
     def defaults(self) -> dict[str, object]:
         """Values that files lack, as fields of a flight. Raises BadValue."""
-        from fieldkit.importing.manual_entry import read_changes
 
         return read_changes(Flight(), self.given)
 

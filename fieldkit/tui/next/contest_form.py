@@ -1,5 +1,6 @@
 """The form of a contest day on the screen Decide: announcements, declarations, and the size of the site."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.importing.manual_entry import Question
@@ -43,7 +44,6 @@ def units(system: str) -> dict[str, str]:
 
 def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
     """The day and the site from the answers of the form."""
-    from dataclasses import replace
 
     from fieldkit.planning.contest_day import Day
 

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.paths import data_file
 from fieldkit.quantities import measure
 from fieldkit.tui.next import decision_plots
 from fieldkit.tui.next.answer import Answer
+from fieldkit.tui.next.landing_plots import of_landing
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
@@ -49,7 +51,6 @@ class Decision:
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
         from fieldkit.motors import Found
-        from fieldkit.paths import data_file
         from fieldkit.planning.delay import delays, drill_of
         from fieldkit.presentation.planning_text import delays_in_words
 
@@ -100,7 +101,6 @@ class Decision:
         from fieldkit.planning.check import safety_text
         from fieldkit.planning.planned_flight import planned_flight
         from fieldkit.presentation.landing_text import landing_in_words
-        from fieldkit.tui.next.landing_plots import of_landing
 
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one.said, one.down, one.fall, one.rail, self.site, self.system)
@@ -185,7 +185,6 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
 
 def rule_of(year: int) -> "Season":
     """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
     return season(year, data_file("seasons"))

@@ -11,6 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.paths import data_file
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.add.fields import Form
@@ -192,7 +193,6 @@ class PlanScreen(PageScreen):
 
     def action_season(self, by: int) -> None:
         """The next or previous season."""
-        from fieldkit.paths import data_file
         from fieldkit.planning.contest import seasons
 
         years = seasons(data_file("seasons"))

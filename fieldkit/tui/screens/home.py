@@ -10,10 +10,13 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.widget import Widget
 
+from fieldkit.flight import Flight
 from fieldkit.tui.help import Help
+from fieldkit.tui.home import first_run
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
+from fieldkit.tui.home.weather_form import ask_weather
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
@@ -21,7 +24,6 @@ from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.flight import Flight
     from fieldkit.services.launch_day import ListedFlight, Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
     from fieldkit.tui.widgets.groups import Group
@@ -169,8 +171,6 @@ class HomeScreen(PageScreen):
     @on(Table.Chosen)
     async def _chosen(self, message: Table.Chosen) -> None:
         if isinstance(message.key, Step):
-            from fieldkit.tui.home import first_run
-
             await first_run.take(self, message.key)
         elif self._flight not in self.app.screen_stack:
             self._flight.turn_to(message.key)
@@ -188,7 +188,6 @@ class HomeScreen(PageScreen):
     async def action_plan(self) -> None:
         """Change the plan: rocket, mass, weather."""
         await self.settled("change", "ask", "overview")
-        from fieldkit.flight import Flight
         from fieldkit.tui.next.plan_form import ask_plan, keep_plan
 
         ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
@@ -196,8 +195,6 @@ class HomeScreen(PageScreen):
     async def action_day_weather(self) -> None:
         """Type the weather of the day."""
         await self.settled("change", "ask", "overview")
-        from fieldkit.flight import Flight
-        from fieldkit.tui.home.weather_form import ask_weather
 
         ask_weather(self, self._view.weather if self._view is not None else Flight())
 

@@ -14,7 +14,9 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.errors import CaptureTrouble, FieldkitError
 from fieldkit.flight import BY_NAME
+from fieldkit.paths import capture_folder
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
@@ -164,8 +166,6 @@ class CaptureScreen(PageScreen):
     def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
         """All events of a capture, each reported to the screen; the last one is returned."""
         from fieldkit import capture
-        from fieldkit.errors import CaptureTrouble, FieldkitError
-        from fieldkit.paths import capture_folder
 
         try:
             if port is not None:
@@ -275,7 +275,6 @@ class CaptureScreen(PageScreen):
         if text is None:
             return
         from fieldkit.capture.protocol import known_device
-        from fieldkit.errors import FieldkitError
 
         try:
             if text.strip():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
+from fieldkit.paths import motor_folder
 from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
@@ -117,7 +118,6 @@ def _import(page: PageScreen, text: str | None) -> None:
 
     def work() -> "list[Motor]":
         from fieldkit.motors.own import import_file
-        from fieldkit.paths import motor_folder
 
         return import_file(Path(text.strip()).expanduser(), motor_folder())
 

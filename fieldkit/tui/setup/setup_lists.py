@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
+from fieldkit.paths import motor_folder, settings_file
 from fieldkit.quantities import SYSTEMS, measure, written
 from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
@@ -84,7 +85,6 @@ def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
 def settings_listed(settings: Settings, ledger: str) -> ListContents:
     """The settings, and the paths of files."""
-    from fieldkit.paths import motor_folder, settings_file
 
     target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
     ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.flight.start import start_among
 
 if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
     from fieldkit.flight.start import Start
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
@@ -45,7 +46,6 @@ class LedgerNames:
 
     def length(self, rocket: str, config: str) -> float | None:
         """Length of a configuration from its design; None if none was imported. [m]"""
-        from fieldkit.flight.start import start_among
 
         known = [one for one in self.designs if one.rocket == rocket]
         start = start_among(known, Flight(rocket=rocket, config=config))
@@ -70,7 +70,6 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
 
 def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite, ...]:
     """The sites of some flights with their saved properties, and saved sites without flights."""
-    from fieldkit.flight.site import Site
 
     saved = {site.name: site for site in known}
     flown = {group.names[0]: group for group in groups}

@@ -65,7 +65,6 @@ def forces(track: ClimbTrack, *, smoothed: bool = False) -> Forces:
         track.push_sd,
         track.burning,
         none,
-        none,
         None if smoothed else track.window,
         "acceleration",
     )

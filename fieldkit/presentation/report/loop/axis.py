@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import BY_NAME
-from fieldkit.model.rocket_model import groups
 from fieldkit.physics.effect import effects
-from fieldkit.physics.setups import recorded
 from fieldkit.presentation.condition_axis import in_units
 from fieldkit.selection.residual import columns_of
 from fieldkit.services.findings import Findings
@@ -35,7 +33,7 @@ def axis(found: Findings, system: str = "SI") -> Axis:
         effect = effects()[trial.candidate.place.effect]
         if effect.needs:
             column = BY_NAME[effect.needs]
-            return Axis(*in_units(column.header, recorded(diagnosis.model.flights, column.name), system))
+            return Axis(*in_units(column.header, diagnosis.model.recorded(column.name), system))
         if trial.candidate.place.where and not trial.candidate.place.since:
             return _grouped(found, effect.per)
         if effect.grows or trial.candidate.place.since:
@@ -53,6 +51,6 @@ def _numbered(found: Findings, name: str, system: str) -> Axis:
 
 def _grouped(found: Findings, per: str) -> Axis:
     model = found.diagnosis.model
-    own = groups(model.flights, model.found, per)
+    own = model.groups(per)
     names = list(dict.fromkeys(own))
     return Axis(per, np.array([names.index(name) for name in own], float), names)

@@ -1,0 +1,24 @@
+"""A reader can follow a rocket's flights through a forecast: few functions hand them on, in few files."""
+
+import pytest
+
+from tools.flight_path import passes, stops
+
+pytestmark = pytest.mark.fast
+
+MAX_STOPS = 30
+MAX_FILES = 12
+
+
+def test_the_flights_of_a_forecast_stop_at_few_files() -> None:
+    made = passes()
+    visited = stops(made)
+    assert {"fieldkit/forecast/kinds.py", "fieldkit/model/rocket_model.py"} <= set(visited)
+    assert len(visited) <= MAX_STOPS, made
+    assert len(set(visited)) <= MAX_FILES, visited
+
+
+def test_objects_that_hold_the_flights_travel_further() -> None:
+    held = stops(passes(holders=True))
+    assert "fieldkit/inference/laplace/fit.py" in held
+    assert len(held) > len(stops(passes()))
