@@ -52,13 +52,6 @@ class Trials:
         return np.asarray(self.log_bayes + self.log_share)
 
 
-def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
-    """Readouts used for the evidence: the apogee, and every readout of any flight."""
-    some = np.asarray(seen.any(axis=0))
-    some[0] = True
-    return np.flatnonzero(some)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weights:
     """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
@@ -93,12 +86,10 @@ class _Weights:
 
 
 def _weights(fit: Fit) -> _Weights:
-    used = used_readouts(fit.data.seen)
     told = fit.told
-    sharp = told.sharpness[:, :, used[:, None], used]
-    slope = told.slope[:, used]
+    used, sharp, slope = told.readouts, told.sharpness, told.slope
     prior_mean = np.array([term.mean for term in fit.model.terms])
-    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    miss = told.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
     usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
     return _Weights(
         fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
