@@ -80,7 +80,7 @@ class Setup:
         """Shape that all entries broadcast to."""
         arrays = [getattr(self, name) for name in PER_DRAW]
         arrays += [self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
-        return np.broadcast_shapes(*(np.shape(a) for a in arrays))
+        return np.broadcast_shapes(*{np.shape(a) for a in arrays})
 
     def with_changes(self, **changes: Any) -> "Setup":
         """The same setup with some entries changed."""
