@@ -47,7 +47,8 @@ class Setup:
     the ratio of coast drag to burn drag [1]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from
     the charge to an open parachute (half a second is an assumption) [s]; `descent_speed` is the speed under it [m/s].
     `altimeter_gain` is the ratio of displayed to true height [1]. `forces` are the accelerations that effects add in
-    flight. `stride` multiplies the step length of a slanted path [1].
+    flight. `stride` multiplies the step length of a slanted path [1]. `closed_coast` is whether a vertical coast
+    without forces is computed in closed form rather than in steps.
     """
 
     burns: Burns
@@ -74,6 +75,7 @@ class Setup:
     gravity: float = 9.80665
     pad_holds: bool = True
     stride: float = 1.0
+    closed_coast: bool = True
 
     @property
     def draw_shape(self) -> tuple[int, ...]:
@@ -121,7 +123,9 @@ class Setup:
 
 
 PER_DRAW = tuple(
-    f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride")
+    f.name
+    for f in fields(Setup)
+    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", "closed_coast")
 )
 """The entries of a setup with one value per draw."""
 
