@@ -22,7 +22,8 @@ def strength_posterior(
     bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
     spread = 1 / np.sqrt(precision)
     near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
-    bayes = bayes - _log_mass(mean, sd, low, high)
+    bounded = np.isfinite(low) | np.isfinite(high)
+    bayes[..., bounded] -= _log_mass(mean[bounded], sd[bounded], low[bounded], high[bounded])
     if near.any():
         ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
         bayes[near] += _log_mass(middle[near], spread[near], *ends)
