@@ -126,9 +126,9 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     shift, best, count = weights.shift(linear, columns), weights.best, len(columns.number)
     flat = shift.reshape(-1, count)
     first, taken, back = weights.absorbed(shift)
-    a = (flat * first).sum(axis=1) - (taken * back).sum(axis=1)
+    a = np.einsum("ec,sec->sc", flat, first) - np.einsum("stc,stc->sc", taken, back)
     b = weights.pulled.reshape(len(first), -1) @ flat
-    prior = columns.mean, columns.sd, columns.low, columns.high
+    prior = columns.mean, columns.sd, columns.low, columns.high, columns.log_prior_mass
     bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
@@ -217,7 +217,8 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     gram = trials.shift[:, some].T @ trials.weighed[:, some]
     b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
     a = np.diagonal(gram)
-    alone = strength_posterior(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
+    unbounded = np.full(len(some), np.inf)
+    alone = strength_posterior(a, b, mean, sd, -unbounded, unbounded, np.zeros(len(some)))[0]
     p, q = a + 1 / sd**2, b + mean / sd**2
     det = p[:, None] * p[None, :] - gram**2
     det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])

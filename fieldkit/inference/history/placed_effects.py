@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from fieldkit.inference.history.bounded_strength import log_mass
 from fieldkit.inference.history.response import started
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import Effect, effects
@@ -33,7 +34,8 @@ class Directions:
     """Directions in which strengths move the readouts, one entry each.
 
     `number` is the number of the candidate, `family` its name in a verdict, and `moves` the property or effect that a
-    strength changes, as named in a response. `weight` is how strongly it acts on each flight.
+    strength changes, as named in a response. `weight` is how strongly it acts on each flight. `log_prior_mass` is that
+    of the strength's prior between its bounds.
     """
 
     number: tuple[int, ...]
@@ -46,6 +48,7 @@ class Directions:
     low: Float[Array, "direction"]
     high: Float[Array, "direction"]
     unit: Float[Array, "direction"]
+    log_prior_mass: Float[Array, "direction"]
 
     def shift(
         self, moved: Mapping[str, Float[Array, "flight readout"]], readouts: Int[Integers, "used"]
@@ -112,4 +115,8 @@ def _of_term(number: int, candidate: PlacedEffect, term: Term, names: Mapping[in
 
 def _stacked(some: Sequence[_Direction]) -> Directions:
     numbers, families, moves, weights, *rest = zip(*some, strict=True)
-    return Directions(numbers, families, moves, np.stack(weights, axis=-1), *(np.array(one, float) for one in rest))
+    log_share, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
+    within = log_mass(mean, sd, low, high)
+    return Directions(
+        numbers, families, moves, np.stack(weights, axis=-1), log_share, mean, sd, low, high, unit, within
+    )
