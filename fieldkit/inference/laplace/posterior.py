@@ -7,7 +7,7 @@ factors on a grid, weighted by their evidence.
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import erf, log, pi, sqrt
+from math import erf, isfinite, log, pi, sqrt
 
 import numpy as np
 
@@ -223,7 +223,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
     """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time."""
     total = np.zeros(len(mean))
     for i, term in enumerate(model.terms):
-        if np.isfinite(term.low) or np.isfinite(term.high):
+        if isfinite(term.low) or isfinite(term.high):
             total -= log(_mass(term.low, term.high, term.mean, term.sd))
             middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
             near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd
