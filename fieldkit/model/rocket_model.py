@@ -253,6 +253,8 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     """Standard deviation of the log apogee of single flights in addition to the effect of scatter in thrust and drag.
     [1]"""
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
+    if not day:
+        return np.full(len(model.flights), flight)
     names = set(model.names)
     alone = np.array([f"apogee on {own}" not in names for own in model.groups("day")])
     return np.asarray(np.hypot(flight, day * alone))

@@ -64,7 +64,7 @@ def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *,
     """
     fires = np.maximum(eject_time, track.time)
     ever = bool(np.isfinite(fires).any())
-    closed = track.position.shape[0] == 1 and not setup.forces
+    closed = track.position.shape[0] == 1 and not setup.forces and setup.closed_coast
     points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
     last = next(points)
     charge = [np.full(len(fires), np.nan)] * 2

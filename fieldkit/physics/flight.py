@@ -4,7 +4,7 @@ Derivation: burn, coast and descent in turn, whose modules name the sources of t
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast, parachute
 from fieldkit.physics.descent import Sinking, sink
 from fieldkit.physics.forces import planar
 from fieldkit.physics.state import FlightResult, Setup
-from fieldkit.shapes import Array, Float, Integers
+from fieldkit.shapes import Array, Flags, Float, Integers
 
 CHUNK = 16384
 """Number of draws simulated together: few enough for their state to fit in the processor's cache."""
@@ -42,18 +42,33 @@ def apogees(setup: Setup) -> Float[Array, "*draw"]:
 
 
 def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
-    """Rows that are simulated together, and their part of the setup: vertical flights are separated from others, and
-    rows with the same motor are grouped. Grouping affects only the speed of the computation, not the results."""
+    """Rows that are simulated together, and their part of the setup.
+
+    Vertical flights are separated from others, flights with an effect's force from those without, and rows with the
+    same motor are grouped. Grouping affects only the speed of the computation, not the results.
+    """
     flat = setup.flat(setup.draw_shape)
-    aslant, rank = planar(flat), flat.burns.lengths.argsort().argsort()
-    small = np.min_scalar_type(2 * len(rank))
-    kind = rank.astype(small)[flat.motor] + aslant * small.type(len(rank))
-    order = np.argsort(np.broadcast_to(kind, flat.draws), kind="stable")
-    upright = flat.draws - int(np.broadcast_to(aslant, flat.draws).sum())
-    cuts = [*range(0, upright, CHUNK), *range(upright, flat.draws, CHUNK), flat.draws]
+    if flat.forces:
+        flat = flat.with_changes(closed_coast=False)
+    group = planar(flat) + 2 * _forced(flat)
+    motors, rank = len(flat.burns.lengths), flat.burns.lengths.argsort().argsort()
+    kind = np.broadcast_to(group * motors + rank[flat.motor], flat.draws).astype(np.min_scalar_type(4 * motors))
+    order = np.argsort(kind, kind="stable")
+    edges = np.searchsorted(kind[order], motors * np.arange(5)).tolist()
+    cuts = [*chain.from_iterable(range(first, last, CHUNK) for first, last in pairwise(edges)), flat.draws]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         for first, last in pairwise(cuts):
-            yield order[first:last], flat.part(order[first:last])
+            part = flat.part(order[first:last])
+            acting = tuple((force, strength) for force, strength in part.forces if strength.any())
+            yield order[first:last], part.with_changes(forces=acting)
+
+
+def _forced(flat: Setup) -> Flags:
+    """The draws on which a force of an effect acts; one flag if all are the same."""
+    acts = np.zeros(1, bool)
+    for _, strength in flat.forces:
+        acts = acts | (strength != 0)
+    return acts
 
 
 def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apogee, Array]:

@@ -48,7 +48,8 @@ class Setup:
     the charge to an open parachute (half a second is an assumption) [s]; `descent_speed` is the speed under it [m/s].
     `altimeter_gain` is the ratio of displayed to true height [1]. `forces` are the accelerations that effects add in
     flight. `recorded_wind` [m/s] and `temperature_recorded` are for effects; the simulator does not read them. `stride`
-    multiplies the step length of a slanted path [1].
+    multiplies the step length of a slanted path [1]. `closed_coast` is whether a vertical coast without forces is
+    computed in closed form rather than in steps.
     """
 
     burns: Burns
@@ -77,13 +78,14 @@ class Setup:
     gravity: float = 9.80665
     pad_holds: bool = True
     stride: float = 1.0
+    closed_coast: bool = True
 
     @property
     def draw_shape(self) -> tuple[int, ...]:
         """Shape that all entries broadcast to."""
         arrays = [getattr(self, name) for name in PER_DRAW]
         arrays += [self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
-        return np.broadcast_shapes(*(np.shape(a) for a in arrays))
+        return np.broadcast_shapes(*{np.shape(a) for a in arrays})
 
     def with_changes(self, **changes: Any) -> "Setup":
         """The same setup with some entries changed."""
@@ -129,7 +131,7 @@ RECORDED = ("recorded_wind", "temperature_recorded")
 PER_DRAW = tuple(
     f.name
     for f in fields(Setup)
-    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", *RECORDED)
+    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", "closed_coast", *RECORDED)
 )
 """The entries with one value per draw that the simulator reads."""
 

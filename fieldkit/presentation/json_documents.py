@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fieldkit.forecast.evaluation.comparison import ScoreReport
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_changes
 from fieldkit.scoring.proper_scores import crps, pit
@@ -16,7 +14,11 @@ from fieldkit.selection.force.log_evidence import document as testimony_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import CANDIDATE_EVALUATION, Compared, Findings
-from fieldkit.services.scores import LedgerScores
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.evaluation.comparison import ScoreReport
+    from fieldkit.forecast.evaluation.forward_in_time import Forecast
+    from fieldkit.services.scores import LedgerScores
 
 FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
 MIDDLES = {
@@ -141,8 +143,10 @@ def _gain(compared: Compared) -> dict[str, Any]:
     return {"mae_m": finite(compared.gain), "interval90": finite(compared.gain_interval)}
 
 
-def score_document(found: ScoreReport) -> dict[str, Any]:
+def score_document(found: "ScoreReport") -> dict[str, Any]:
     """The scores of forecasts replayed forward in time."""
+    from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage
+
     return {
         "flights": [_forecast(row) for row in found.rows],
         "errors": [asdict(way) for way in found.ways],
@@ -153,7 +157,7 @@ def score_document(found: ScoreReport) -> dict[str, Any]:
     }
 
 
-def scores_document(found: LedgerScores) -> dict[str, Any]:
+def scores_document(found: "LedgerScores") -> dict[str, Any]:
     """The scores of flights with an earlier one of their rocket; under `first_flights` of first flights, under `kept`
     of saved forecasts, with the same keys."""
     own = score_document(found.first) | {
@@ -168,7 +172,7 @@ def scores_document(found: LedgerScores) -> dict[str, Any]:
     return whole
 
 
-def _forecast(row: Forecast) -> dict[str, Any]:
+def _forecast(row: "Forecast") -> dict[str, Any]:
     rivals = {name: quantiles(draws, LEVELS).tolist() for name, draws in row.rivals.items()}
     return {
         "rocket": row.rocket,

@@ -6,15 +6,13 @@ no choice has to be repeated without each flight. Only the set of hypotheses was
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log
 
 import numpy as np
 
 from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
 from fieldkit.inference.laplace.leave_one_out import own_variance
-from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing
-from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.inference.laplace.posterior import growing
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
@@ -96,10 +94,7 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
         )
         for column, part in zip(columns, parts, strict=True):
             column[:, row] = part[scales]
-        unseen = len(OBSERVED_READOUTS) * log(
-            UNOBSERVED_SD
-        )  # the contribution of a flight without readouts to the evidence
-        log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
+        log_weight[row] = one.log_prior + one.correction + again.log_evidence
     mean, known, own, weight = columns
     return _Said(mean, known, own, weight, log_weight)
 

@@ -74,13 +74,14 @@ def _misses(plain: Fit) -> Float[Array, "flight readout"]:
 
 def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
     """The part of a shift that the plain model cannot absorb, in expected standard deviations of each readout."""
-    best = int(np.argmax(plain.log_weight))
-    usable = plain.data.seen & np.isfinite(plain.tangent.values)
-    slope, noise = plain.told.slope, plain.told.noise[best]
-    shift = np.where(usable, shift, 0.0)
-    pull = np.einsum("fot,fop,fp->t", slope, plain.told.sharpness[best], shift)
+    best, told = int(np.argmax(plain.log_weight)), plain.told
+    usable = (plain.data.seen & np.isfinite(plain.tangent.values))[:, told.readouts]
+    shown = np.where(usable, shift[:, told.readouts], 0.0)
+    pull = np.einsum("fot,fop,fp->t", told.slope, told.sharpness[best], shown)
     offset = plain.covariance[best] @ pull
-    return np.asarray((shift - slope @ offset) / np.sqrt(np.diagonal(noise, axis1=1, axis2=2)))
+    left = np.zeros(shift.shape)
+    left[:, told.readouts] = (shown - told.slope @ offset) / np.sqrt(np.diagonal(told.noise[best], axis1=1, axis2=2))
+    return left
 
 
 def _along(

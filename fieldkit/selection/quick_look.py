@@ -13,11 +13,11 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.flight.start import repeated
 from fieldkit.inference.history.columns import families
-from fieldkit.inference.history.evidence import Trials, used_readouts
+from fieldkit.inference.history.evidence import Trials
 from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
-from fieldkit.inference.laplace.posterior import solve
+from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, trained_prior, untrained_effects
 from fieldkit.model.hyperprior import certified
 from fieldkit.motors import Found

@@ -53,7 +53,7 @@ def screened(
     columns = _columns(families, near)
     found = {}
     for name, family in families.items():
-        scored = [_scored(one, columns, near) for one in family]
+        scored = _scored(family, columns, near)
         whole = np.logaddexp.reduce([score for score, _ in scored])
         if worth is None or whole > worth.get(name, -np.inf):
             found[name] = _worth_a_fit(scored, float(whole))
@@ -104,12 +104,17 @@ def _moved(tangent: Tangent, near: Fit) -> tuple[Array, Array]:
     return shift, np.where(usable, tangent.slope[..., -1], 0.0)
 
 
-def _scored(one: Candidate, columns: Columns, near: Fit) -> tuple[float, Candidate]:
-    """A candidate's log posterior weight from its best start, up to a constant of its family, and the starts to
+def _scored(family: Sequence[Candidate], columns: Columns, near: Fit) -> list[tuple[float, Candidate]]:
+    """Every candidate's log posterior weight from its best start, up to a constant of its family, with the starts to
     keep."""
-    scores = [_gain(one, *_added(one, start, columns, near), start, near) + one.log_share for start in one.starts]
-    kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
-    return max(scores), replace(one, starts=tuple(kept))
+    pairs = [(one, start) for one in family for start in one.starts]
+    gains = iter(_gains(pairs, columns, near).tolist())
+    found = []
+    for one in family:
+        scores = [next(gains) + one.log_share for _ in one.starts]
+        kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
+        found.append((max(scores), replace(one, starts=tuple(kept))))
+    return found
 
 
 def _added(
@@ -142,39 +147,73 @@ def _plain_slope(term: Term, near: Fit) -> Float[Array, "flight readout"]:
     return np.where(usable, near.tangent.slope[..., row] * term.weight[:, None], 0.0)
 
 
-def _gain(
-    one: Candidate,
-    slope: Float[Array, "flight readout own"],
-    shift: Float[Array, "flight readout"],
-    start: float,
-    near: Fit,
-) -> float:
-    """Log Bayes factor of a model with the candidate against the one without, for linear readouts. [nat]
+def _gains(pairs: Sequence[tuple[Candidate, float]], columns: Columns, near: Fit) -> Float[Array, "pair"]:
+    """Log Bayes factors of models with a candidate, around a start each, against the one without. [nat]"""
+    found = np.empty(len(pairs))
+    counts = np.array([len(one.terms) for one, _ in pairs])
+    for count in np.unique(counts):
+        rows = np.flatnonzero(counts == count).tolist()
+        found[rows] = _gains_of_size([pairs[row] for row in rows], columns, near)
+    return found
+
+
+def _gains_of_size(pairs: Sequence[tuple[Candidate, float]], columns: Columns, near: Fit) -> Float[Array, "pair"]:
+    """As `_gains`, for candidates with the same number of terms (`own`) and readouts that are linear in them.
 
     Around the start `x0` the readouts are the smaller model's plus `shift + slope (x - x0)`.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
-    own_mean = np.array([term.mean for term in one.terms])
-    expected = shift + slope @ (own_mean - _begins(one, start))
-    weighed = sharpness @ slope  # scale flight readout own
-    ties = np.einsum("fot,sfok->stk", told.slope, weighed, optimize=True)
-    miss = told.miss - expected
-    before, _ = _left(told.miss, sharpness, told.slope, covariance)
-    after, moved = _left(miss, sharpness, told.slope, covariance)
-    score = np.einsum("sfok,fo->sk", weighed, miss) - np.einsum("stk,st->sk", ties, moved)
-    explained = np.einsum("stk,stu,sul->skl", ties, covariance, ties, optimize=True)
-    information = np.einsum("fok,sfol->skl", slope, weighed, optimize=True) - explained
-    precision = information + np.diag([1 / term.sd**2 for term in one.terms])
-    raised = (score * np.linalg.solve(precision, score[..., None])[..., 0]).sum(axis=1)
-    log_det = np.linalg.slogdet(precision)[1] + 2 * sum(np.log(term.sd) for term in one.terms)
+    slope, expected = _stacked(pairs, columns, near)
+    flights, used, count, own = slope.shape
+    absorbed = told.slope.reshape(flights * used, -1).T
+    entries = (sharpness @ slope.reshape(flights, used, -1)).reshape(len(scales), flights * used, -1)
+    ties = absorbed @ entries  # scale term pair*own
+    miss = told.miss[..., None] - expected
+    before, _ = _left(told.miss[..., None], sharpness, absorbed, covariance)
+    after, moved = _left(miss, sharpness, absorbed, covariance)
+    weighed = entries.reshape(*entries.shape[:2], count, own)
+    known = ties.reshape(*ties.shape[:2], count, own)
+    flat = slope.reshape(-1, count, own)
+    score = (weighed * miss.reshape(-1, count, 1)).sum(axis=1) - (known * moved[..., None]).sum(axis=1)
+    absorbing = (covariance @ ties).reshape(known.shape)
+    information = np.stack(
+        [
+            (weighed * flat[..., i, None]).sum(axis=1) - (absorbing * known[..., i, None]).sum(axis=1)
+            for i in range(own)
+        ],
+        axis=-2,
+    )
+    sds = np.array([[term.sd for term in one.terms] for one, _ in pairs])
+    precision = information + np.eye(own) / sds[:, None] ** 2
+    raised = (score * np.linalg.solve(precision, score[..., None])[..., 0]).sum(axis=-1)
+    log_det = np.linalg.slogdet(precision)[1] + 2 * np.log(sds).sum(axis=-1)
     gain = 0.5 * (before - after + raised - log_det)
-    return float(np.logaddexp.reduce(near.log_weight[scales] + gain) - near.log_evidence)
+    return np.asarray(np.logaddexp.reduce(near.log_weight[scales, None] + gain, axis=0) - near.log_evidence)
 
 
-def _left(miss: Array, sharpness: Array, slope: Array, covariance: Array) -> tuple[Array, Array]:
+def _stacked(
+    pairs: Sequence[tuple[Candidate, float]], columns: Columns, near: Fit
+) -> tuple[Float[Array, "flight used pair own"], Float[Array, "flight used pair"]]:
+    """The derivatives of the used readouts with respect to the terms of each candidate, and their shift at the means of
+    those terms."""
+    used, slopes, shifts = near.told.readouts, [], []
+    for one, start in pairs:
+        slope, shift = _added(one, start, columns, near)
+        away = np.array([term.mean for term in one.terms]) - _begins(one, start)
+        slopes.append(slope[:, used])
+        shifts.append(shift[:, used] + slopes[-1] @ away)
+    return np.stack(slopes, axis=2), np.stack(shifts, axis=2)
+
+
+def _left(
+    miss: Float[Array, "flight used pair"],
+    sharpness: Float[Array, "scale flight used used"],
+    absorbed: Float[Array, "term entry"],
+    covariance: Float[Array, "scale term term"],
+) -> tuple[Float[Array, "scale pair"], Float[Array, "scale term pair"]]:
     """Squared standardized residuals after the smaller model's terms are refitted, and the shift of its terms."""
-    weighed = (sharpness @ miss[..., None])[..., 0]
-    pull = weighed.reshape(len(weighed), -1) @ slope.reshape(miss.size, -1)
-    moved = (covariance @ pull[..., None])[..., 0]
-    return (miss * weighed).sum(axis=(1, 2)) - (pull * moved).sum(axis=1), moved
+    weighed = (sharpness @ miss).reshape(len(sharpness), absorbed.shape[1], -1)
+    pull = absorbed @ weighed
+    moved = covariance @ pull
+    return (miss.reshape(absorbed.shape[1], -1) * weighed).sum(axis=1) - (pull * moved).sum(axis=1), moved

@@ -5,7 +5,6 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.services.replay import recording_of
 
 MAX_LOGS = 6
 """Number of the latest logs to read, which take up to half a second each."""
@@ -21,6 +20,10 @@ def recorded_logs(
     flights = [flight for flight, teaches in zip(diagnosis.model.flights, seen, strict=True) if teaches]
     logged = [flight for flight in flights if flight.log or "log_format" in flight.extra]
     latest = logged[-MAX_LOGS:]
+    if not logged:
+        return {}
+    from fieldkit.services.replay import recording_of  # imports everything that reads logs
+
     found: dict[str, Recorded | str] = {flight.flight_id: OLDER_LOGS_NOTE for flight in logged[:-MAX_LOGS]}
     for number, (flight, id) in enumerate(zip(latest, ledger.ids(latest), strict=True)):
         on_progress(f"the log of {id}", number / len(latest))

@@ -39,6 +39,7 @@ def weighed(result: Fit, rng: np.random.Generator) -> Drawn:
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     usable = result.data.seen & np.isfinite(flown) & np.isfinite(result.tangent.values)
     miss = np.where(usable, result.data.values - flown, 0.0)
+    miss = miss[..., result.told.readouts]
     misfit = np.einsum("dfo,dfop,dfp->d", miss, result.told.sharpness[which], miss)
     sds = term_sds(model)[which]
     prior = -0.5 * (((terms - mean) / sds) ** 2).sum(axis=1) - np.log(sds).sum(axis=1)

@@ -14,23 +14,24 @@ _ERFC = np.frompyfunc(erfc, 1, 1)
 
 
 def strength_posterior(
-    a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array
+    a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array, log_prior_mass: Array
 ) -> tuple[Array, Array, Array]:
-    """Log Bayes factor, posterior mean and standard deviation of a strength."""
+    """Log Bayes factor, posterior mean and standard deviation of a strength; `log_prior_mass` is that of its prior
+    between the bounds."""
     precision = a + 1 / sd**2
     middle = (b + mean / sd**2) / precision
     bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
     spread = 1 / np.sqrt(precision)
     near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
-    bayes = bayes - _log_mass(mean, sd, low, high)
+    bayes = bayes - log_prior_mass
     if near.any():
         ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
-        bayes[near] += _log_mass(middle[near], spread[near], *ends)
+        bayes[near] += log_mass(middle[near], spread[near], *ends)
         middle[near] = np.clip(middle[near], *ends)
     return bayes, middle, spread
 
 
-def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
+def log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
     """Log of the mass of a normal distribution between two bounds."""
     above, below = (high - mean) / sd, (low - mean) / sd
     mirrored = below > 0  # where both would be near 1

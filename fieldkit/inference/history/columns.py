@@ -161,7 +161,8 @@ def _sum(trials: Trials, rows: Sequence[int], which: str = "log_bayes") -> float
 
 def _leaders(trials: Trials) -> dict[str, int]:
     """The strongest trial of each family."""
-    return {name: max(rows, key=lambda row: float(trials.weight[row])) for name, rows in families(trials).items()}
+    weight = trials.weight.tolist()
+    return {name: max(rows, key=weight.__getitem__) for name, rows in families(trials).items()}
 
 
 def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Array]:

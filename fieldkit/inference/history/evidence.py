@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.inference.history.bounded_strength import strength_posterior
 from fieldkit.inference.history.linear_fit import LinearFit
-from fieldkit.inference.history.placed_effects import Direction, PlacedEffect, directions
+from fieldkit.inference.history.placed_effects import Directions, Placed, PlacedEffect, directions
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
@@ -52,13 +52,6 @@ class Trials:
         return np.asarray(self.log_bayes + self.log_share)
 
 
-def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
-    """Readouts used for the evidence: the apogee, and every readout of any flight."""
-    some = np.asarray(seen.any(axis=0))
-    some[0] = True
-    return np.flatnonzero(some)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weights:
     """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
@@ -80,25 +73,34 @@ class _Weights:
         """The most likely pair of scales."""
         return int(np.argmax(self.log_weight))
 
-    def stacked(self, columns: Sequence[Direction]) -> Float[Array, "flight readout column"]:
-        """Shifts of the observed readouts."""
-        shifts = [column.shift[: len(self.usable)][:, self.used] for column in columns]
-        return np.where(self.usable[..., None], np.stack(shifts, axis=-1), 0.0)
+    def shift(self, linear: LinearFit, columns: Directions) -> Float[Array, "flight readout column"]:
+        """Shifts of the observed readouts by each direction."""
+        shift = columns.shift(linear.moved, self.used)[: len(self.usable)]
+        return np.where(self.usable[..., None], shift, 0.0)
+
+    def absorbed(
+        self, shift: Float[Array, "flight readout column"]
+    ) -> tuple[
+        Float[Array, "scale entry column"], Float[Array, "scale term column"], Float[Array, "scale term column"]
+    ]:
+        """The inverse covariance of single flights times shifts, its sum along the terms, and the change of the terms
+        that absorbs it."""
+        first = (self.sharp @ shift).reshape(len(self.sharp), self.usable.size, -1)
+        taken = self.slope.reshape(self.usable.size, -1).T @ first
+        return first, taken, self.fit.covariance @ taken
 
     def weighed(self, shift: Float[Array, "flight readout column"]) -> Float[Array, "scale flight readout column"]:
         """The inverse covariance of all readouts times shifts (Woodbury's identity)."""
-        first = self.sharp @ shift
-        back = self.fit.covariance @ np.einsum("fot,sfoc->stc", self.slope, first, optimize=True)
-        return np.asarray(first - self.sharp @ np.einsum("fot,stc->sfoc", self.slope, back, optimize=True))
+        first, _, back = self.absorbed(shift)
+        moved = (self.slope.reshape(self.usable.size, -1) @ back).reshape(len(back), *shift.shape)
+        return np.asarray(first.reshape(moved.shape) - self.sharp @ moved)
 
 
 def _weights(fit: Fit) -> _Weights:
-    used = used_readouts(fit.data.seen)
     told = fit.told
-    sharp = told.sharpness[:, :, used[:, None], used]
-    slope = told.slope[:, used]
+    used, sharp, slope = told.readouts, told.sharpness, told.slope
     prior_mean = np.array([term.mean for term in fit.model.terms])
-    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    miss = told.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
     usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
     return _Weights(
         fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
@@ -107,55 +109,61 @@ def _weights(fit: Fit) -> _Weights:
 
 def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
     """The evidence for every candidate added to a linear fit."""
-    single, several = directions(linear, candidates)
+    return weigh_placed(linear, directions(candidates))
+
+
+def weigh_placed(linear: LinearFit, placed: Placed) -> Trials:
+    """As `weigh`, for candidates as directions."""
     weights = _weights(linear.fit)
     plans = len(linear.model.flights) - linear.flown
-    parts = [_single(linear, weights, single)] if single else []
-    return _joined([*parts, *(_several(weights, columns, plans) for columns in several)], weights.usable.size, plans)
+    parts = [_single(linear, weights, placed.single)] if placed.single else []
+    several = (_several(linear, weights, columns, plans) for columns in placed.several)
+    return _joined([*parts, *several], weights.usable.size, plans)
 
 
-def _single(linear: LinearFit, weights: _Weights, columns: Sequence[Direction]) -> Trials:
+def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials:
     """Candidates with one strength."""
-    shift, best = weights.stacked(columns), weights.best
-    weighed = weights.weighed(shift)
-    a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
-    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
-    prior = [np.array([getattr(column, name) for column in columns]) for name in ("mean", "sd", "low", "high")]
+    shift, best, count = weights.shift(linear, columns), weights.best, len(columns.number)
+    flat = shift.reshape(-1, count)
+    first, taken, back = weights.absorbed(shift)
+    a = np.einsum("ec,sec->sc", flat, first) - np.einsum("stc,stc->sc", taken, back)
+    b = weights.pulled.reshape(len(first), -1) @ flat
+    prior = columns.mean, columns.sd, columns.low, columns.high, columns.log_prior_mass
     bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
     share = np.exp(joint - log_bayes)
     middle = (share * mean).sum(axis=0)
-    own_a = np.einsum("foc,foc->fc", shift, weighed[best])
-    own_b = np.einsum("foc,fo->fc", shift, weights.pulled[best])
+    weighed = first[best].reshape(shift.shape) - weights.sharp[best] @ (weights.slope @ back[best])
+    own_a = (shift * weighed).sum(axis=1)
+    own_b = (shift * weights.pulled[best][..., None]).sum(axis=1)
     without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
-    taken = np.einsum("fot,foc->tc", weights.slope, weights.sharp[best] @ shift, optimize=True)
-    ahead = np.stack([column.shift[linear.flown :, 0] for column in columns], axis=-1)
+    ahead = columns.shift(linear.moved, np.zeros(1, int))[linear.flown :, 0]
     return Trials(
-        candidate=tuple(column.number for column in columns),
-        family=tuple(column.family for column in columns),
-        log_share=np.array([column.log_share for column in columns]),
+        candidate=columns.number,
+        family=columns.family,
+        log_share=columns.log_share,
         log_bayes=log_bayes,
         robust=log_bayes - np.maximum(bayes[best] - without, 0.0).max(axis=0),
         mean=middle,
         sd=np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
         prior_mean=prior[0],
         prior_sd=prior[1],
-        unit=np.array([column.unit for column in columns]),
-        shift=shift.reshape(-1, len(columns)),
-        weighed=weighed[best].reshape(-1, len(columns)),
+        unit=columns.unit,
+        shift=flat,
+        weighed=weighed.reshape(flat.shape),
         pull=b[best],
-        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ linear.fit.covariance[best] @ taken,
+        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ back[best],
     )
 
 
-def _several(weights: _Weights, columns: Sequence[Direction], plans: int) -> Trials:
+def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: int) -> Trials:
     """A candidate with a separate strength in each of several groups; its strength is their root mean square."""
-    shift = weights.stacked(columns)
+    shift, sds = weights.shift(linear, columns), columns.sd
     weighed = weights.weighed(shift)
-    a = np.einsum("foc,sfod->scd", shift, weighed, optimize=True)
-    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
-    sds = np.array([column.sd for column in columns])
+    flat = shift.reshape(-1, len(sds))
+    a = flat.T @ weighed.reshape(len(weighed), *flat.shape)
+    b = weights.pulled.reshape(len(weighed), -1) @ flat
     precision = a + np.diag(1 / sds**2)
     covariance = np.linalg.inv(precision)
     middle = (covariance @ b[..., None])[..., 0]
@@ -166,9 +174,9 @@ def _several(weights: _Weights, columns: Sequence[Direction], plans: int) -> Tri
     size = float(np.sqrt((middle[best] ** 2).mean()))
     along = middle[best] / max(size, 1e-9)
     return Trials(
-        candidate=(columns[0].number,),
-        family=(columns[0].family,),
-        log_share=np.array([columns[0].log_share]),
+        candidate=columns.number[:1],
+        family=columns.family[:1],
+        log_share=columns.log_share[:1],
         log_bayes=log_bayes,
         robust=log_bayes,
         mean=np.array([size]),
@@ -209,7 +217,8 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     gram = trials.shift[:, some].T @ trials.weighed[:, some]
     b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
     a = np.diagonal(gram)
-    alone = strength_posterior(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
+    unbounded = np.full(len(some), np.inf)
+    alone = strength_posterior(a, b, mean, sd, -unbounded, unbounded, np.zeros(len(some)))[0]
     p, q = a + 1 / sd**2, b + mean / sd**2
     det = p[:, None] * p[None, :] - gram**2
     det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])

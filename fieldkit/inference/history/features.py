@@ -11,10 +11,10 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
-from fieldkit.inference.history.evidence import Trials, weigh
+from fieldkit.inference.history.evidence import Trials, weigh_placed
 from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
 from fieldkit.inference.history.moments import Moments, moments
-from fieldkit.inference.history.placed_effects import PlacedEffect
+from fieldkit.inference.history.placed_effects import Placed, PlacedEffect, directions
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
@@ -52,13 +52,14 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedHistory:
     """The part of a history that does not change while readouts are typed: the models with both hyperpriors, the
-    candidates, and the response of its flights."""
+    candidates, also as directions, and the response of its flights."""
 
     history: History
     response: FlightResponse
     selection: Model
     forecast: Model
     candidates: tuple[PlacedEffect, ...]
+    placed: Placed
 
     @property
     def flown(self) -> tuple[Flight, ...]:
@@ -73,7 +74,7 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
     model = history_model(*both, history.selection, declared=False)
     forecast = history_model(*both, history.forecast, history.shared, declared=True)
     candidates = candidates_of(_on_one_new_motor(model, count), history.used_in_fit)
-    return PreparedHistory(history, response, model, forecast, tuple(candidates))
+    return PreparedHistory(history, response, model, forecast, tuple(candidates), directions(candidates))
 
 
 def _on_one_new_motor(model: Model, flown: int) -> Model:
@@ -100,11 +101,11 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
     history, response, candidates = ready.history, ready.response, ready.candidates
     data = history_data(flown, history.used_in_fit, history.selection)
     selection = linear_fit(ready.selection, data, response)
-    trials = weigh(selection, candidates)
+    trials = weigh_placed(selection, ready.placed)
     forecast_data = history_data(flown, history.used_in_fit, history.forecast)
     plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
-    beside_forecast = weigh(plain, candidates)
+    beside_forecast = weigh_placed(plain, ready.placed)
     baseline, unrobust = moments(robustly), moments(plain)
     left_out = leave_one_out(selection.fit)
     columns = of_history(history, selection, plain, robustly, data, left_out)
@@ -122,6 +123,8 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
     }
     each = of_effects(trials, beside_forecast, names)
     values = [columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT]
-    whole = np.stack([np.broadcast_to(value, baseline.apogee.shape) for value in values], axis=-1)
+    whole = np.empty((len(baseline.apogee), len(values)))
+    for column, value in enumerate(values):
+        whole[:, column] = value
     features = np.clip(np.nan_to_num(whole, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
     return HistorySummary(features, baseline, selection, robustly, trials, candidates, data, left_out)

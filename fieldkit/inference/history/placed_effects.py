@@ -1,16 +1,16 @@
 """Candidates for a model in a linear fit: directions in which strengths move the readouts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.bounded_strength import log_mass
 from fieldkit.inference.history.response import started
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import Effect, effects
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
 START_SD = 0.25
 """Relative standard deviation of a strength around each of its starts. [1]"""
@@ -29,14 +29,50 @@ class PlacedEffect(Protocol):
     def log_share(self) -> float: ...
 
 
-@dataclass(frozen=True, slots=True)
-class Direction:
-    """One direction in which a strength moves the readouts."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Directions:
+    """Directions in which strengths move the readouts, one entry each.
 
+    `number` is the number of the candidate, `family` its name in a verdict, and `moves` the property or effect that a
+    strength changes, as named in a response. `weight` is how strongly it acts on each flight. `log_prior_mass` is that
+    of the strength's prior between its bounds.
+    """
+
+    number: tuple[int, ...]
+    family: tuple[str, ...]
+    moves: tuple[str, ...]
+    weight: Float[Array, "flight direction"]
+    log_share: Float[Array, "direction"]
+    mean: Float[Array, "direction"]
+    sd: Float[Array, "direction"]
+    low: Float[Array, "direction"]
+    high: Float[Array, "direction"]
+    unit: Float[Array, "direction"]
+    log_prior_mass: Float[Array, "direction"]
+
+    def shift(
+        self, moved: Mapping[str, Float[Array, "flight readout"]], readouts: Int[Integers, "used"]
+    ) -> Float[Array, "flight used direction"]:
+        """The change of some readouts of every flight by a unit of each strength."""
+        kinds = list(dict.fromkeys(self.moves))
+        every = np.stack([moved[kind][:, readouts] for kind in kinds], axis=-1)
+        return np.asarray(every[..., [kinds.index(kind) for kind in self.moves]] * self.weight[:, None])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Candidates as directions: all with one strength together, and each with several strengths separately."""
+
+    single: Directions | None
+    several: tuple[Directions, ...]
+
+
+class _Direction(NamedTuple):
     number: int
     family: str
+    moves: str
+    weight: Float[Array, "flight"]
     log_share: float
-    shift: Float[Array, "flight readout"]
     mean: float
     sd: float
     low: float
@@ -44,35 +80,43 @@ class Direction:
     unit: float
 
 
-def directions(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[list[Direction], list[list[Direction]]]:
-    """Directions of candidates with one strength, and for those with several, all directions of each."""
+def directions(candidates: Sequence[PlacedEffect]) -> Placed:
+    """Candidates as directions."""
     names = {id(effect): name for name, effect in effects().items()}
-    moved = linear.moved
-    single: list[Direction] = []
-    several: list[list[Direction]] = []
+    single: list[_Direction] = []
+    several: list[list[_Direction]] = []
     for number, candidate in enumerate(candidates):
-        found: list[Direction] = []
-        for term in candidate.terms:
-            if not isinstance(term.bends, Effect):
-                shift = term.weight[:, None] * moved[term.bends]
-                found.append(_direction(number, candidate, term, shift))
-                continue
-            name = names[id(term.bends)]
-            if not term.bends.starts:
-                shift = term.weight[:, None] * moved[started(name, 0)]
-                found.append(_direction(number, candidate, term, shift))
-                continue
-            density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
-            for place, start in enumerate(term.bends.starts):
-                shift = term.weight[:, None] * moved[started(name, place)]
-                part = candidate.log_share + float(np.log(density[place] / sum(density)))
-                single.append(Direction(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start))
-        if len(found) == 1:
-            single.append(found[0])
-        elif found:
-            several.append(found)
-    return single, several
+        own = [one for term in candidate.terms for one in _of_term(number, candidate, term, names)]
+        if len(candidate.terms) == 1:
+            single += own
+        elif own:
+            several.append(own)
+    return Placed(_stacked(single) if single else None, tuple(_stacked(own) for own in several))
 
 
-def _direction(number: int, candidate: PlacedEffect, term: Term, shift: Array) -> Direction:
-    return Direction(number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0)
+def _of_term(number: int, candidate: PlacedEffect, term: Term, names: Mapping[int, str]) -> Iterator[_Direction]:
+    """The direction of a term, or one around each start of an effect's strength."""
+    whole = _Direction(
+        number, candidate.effect, "", term.weight, candidate.log_share, term.mean, term.sd, term.low, term.high, 1.0
+    )
+    if not isinstance(term.bends, Effect):
+        yield whole._replace(moves=term.bends)
+        return
+    name = names[id(term.bends)]
+    if not term.bends.starts:
+        yield whole._replace(moves=started(name, 0))
+        return
+    density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
+    for place, start in enumerate(term.bends.starts):
+        part = candidate.log_share + float(np.log(density[place] / sum(density)))
+        around = whole._replace(moves=started(name, place), log_share=part, unit=start)
+        yield around._replace(mean=1.0, sd=START_SD, low=-np.inf, high=np.inf)
+
+
+def _stacked(some: Sequence[_Direction]) -> Directions:
+    numbers, families, moves, weights, *rest = zip(*some, strict=True)
+    log_share, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
+    within = log_mass(mean, sd, low, high)
+    return Directions(
+        numbers, families, moves, np.stack(weights, axis=-1), log_share, mean, sd, low, high, unit, within
+    )

@@ -157,11 +157,11 @@ def log_likelihood(
     model, near = fit.model, fit.tangent
     usable = fit.data.seen & np.isfinite(near.values)
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
-    told = flight_evidence(model, fit.data, near)
-    square = _squares(miss, told.sharpness[scales])
+    told = flight_evidence(model, fit.data, near, which=scales)
+    square = _squares(miss[..., told.readouts], told.sharpness)
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
-    likelihood = constant - 0.5 * told.log_det[scales] - (nu + count) / 2 * np.log1p(square / nu)
+    likelihood = constant - 0.5 * told.log_det - (nu + count) / 2 * np.log1p(square / nu)
     return np.where(count > 0, likelihood, 0.0)
 
 

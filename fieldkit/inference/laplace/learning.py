@@ -218,7 +218,10 @@ def _scatter_squares(result: Fit) -> Mapping[str, float]:
     offset = result.mean - np.array([term.mean for term in model.terms])
     left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
     usable = (np.abs(told.slope).sum(axis=-1) > 0) | (np.abs(told.miss) > 0)
-    slope = np.where(usable[..., None], result.tangent.scatter_slope, 0.0)[None] * scale[:, None, None, None]
+    slope = (
+        np.where(usable[..., None], result.tangent.scatter_slope[:, told.readouts], 0.0)[None]
+        * scale[:, None, None, None]
+    )
     gain = np.swapaxes(slope, -1, -2) @ told.sharpness
     mean = (gain @ left[..., None])[..., 0]
     spread = gain @ told.slope

@@ -51,7 +51,10 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     weighed = _applied(sharper, missed)
     distance = (missed * weighed).sum(axis=-1)
     own = -0.5 * (distance + 2 * told.log_det - log_det)
-    residual = _applied(told.noise, weighed) / np.sqrt(((told.noise @ sharper) * told.noise).sum(axis=-1))
+    residual = np.zeros((len(told.noise), *result.data.seen.shape))
+    residual[..., told.readouts] = _applied(told.noise, weighed) / np.sqrt(
+        ((told.noise @ sharper) * told.noise).sum(axis=-1)
+    )
     log_weight = result.log_weight[:, None] - own
 
     apogee = near.slope[:, 0]

@@ -31,23 +31,27 @@ def flight_weights(result: Fit) -> Float[Array, "flight"]:
 def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
     """Expected precision of every residual relative to an ordinary one, from a fit. [1]"""
     nu = result.model.hyperprior.tail
-    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
+    square = np.tensordot(result.weights, standardized_squares(result), 1)
     return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
 
 
 def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
-    """Posterior mean square of every residual, over its variance before outliers count for less. [1]
+    """Posterior mean square of every residual, over its variance before outliers count for less; 0 if unobserved. [1]
 
     With the noise N = S S' + D of a flight's readouts, D the part of the residuals, and the difference r that the terms
     leave, the residual has the mean D N^-1 r and the covariance D - D N^-1 D + D N^-1 A C A' N^-1 D.
     """
-    told, data, variance = result.told, result.data, residual_variance(result.model, result.data)
-    own = np.where(data.seen, variance / data.trust, 0.0)
+    told, data, used = result.told, result.data, result.told.readouts
+    variance = residual_variance(result.model, data)[..., used]
+    own = np.where(data.seen[:, used], variance / data.trust[:, used], 0.0)
     offset = result.mean - np.array([term.mean for term in result.model.terms])
     left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
     gain = own[..., None] * told.sharpness  # D N^-1
     mean = (gain @ left[..., None])[..., 0]
     spread = gain @ told.slope
-    known = np.einsum("sfot,stu,sfou->sfo", spread, result.covariance, spread, optimize=True)
+    flat = spread.reshape(len(spread), -1, spread.shape[-1])
+    known = ((flat @ result.covariance) * flat).sum(axis=-1).reshape(mean.shape)
     unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
-    return np.asarray((mean**2 + unexplained + known) / variance)
+    found = np.zeros((len(variance), *data.seen.shape))
+    found[..., used] = (mean**2 + unexplained + known) / variance
+    return found

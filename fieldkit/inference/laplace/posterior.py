@@ -7,21 +7,21 @@ factors on a grid, weighted by their evidence.
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import erf, log, pi, sqrt
+from math import erf, isfinite, log, pi, sqrt
 
 import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
-from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
+from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 UNOBSERVED_SD = 1e3
 """Standard deviation of readouts that were not observed."""
-
-
+SCALED_BY = ("", "scatter", "reading")
+"""What may scale the standard deviation of a term, in the order of the factors in `term_sds`."""
 NEGLIGIBLE_TAIL_SDS = 7.0
 """At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
 
@@ -29,9 +29,9 @@ NEGLIGIBLE_TAIL_SDS = 7.0
 def term_sds(model: Model) -> Float[Array, "scale term"]:
     """Marginal prior standard deviation of every term for every pair of scales, in the unit of the term."""
     scatter, reading, _ = model.hyperprior.scales()
-    by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
-    sds = [term.sd * by[term.scaled_by] for term in model.terms]
-    return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
+    factors = np.stack([np.ones_like(scatter), scatter, reading], axis=-1)
+    by = [SCALED_BY.index(term.scaled_by) for term in model.terms]
+    return np.asarray(np.array([term.sd for term in model.terms]) * factors[:, np.array(by, int)])
 
 
 def prior_precision(
@@ -64,15 +64,17 @@ def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight re
 class FlightEvidence:
     """The information in each flight's readouts, linearized at a point.
 
-    `slope` and `miss` are zero for readouts that cannot be compared; `miss` is the difference from the expectation at
-    the prior means. `noise` is the covariance of each flight's readouts given the terms, `sharpness` its inverse, and
-    `log_det` the logarithm of its determinant, with the 2 pi of a normal density and without unobserved readouts.
+    Axis `used` runs over the readouts in `readouts`: those observed on any flight, and the apogee. `slope` and `miss`
+    are zero for readouts that cannot be compared; `miss` is the difference from the expectation at the prior means.
+    `noise` is the covariance of each flight's readouts given the terms, `sharpness` its inverse, and `log_det` the
+    logarithm of its determinant, with the 2 pi of a normal density and without unobserved readouts.
     """
 
-    slope: Float[Array, "flight readout term"]
-    miss: Float[Array, "flight readout"]
-    noise: Float[Array, "scale flight readout readout"]
-    sharpness: Float[Array, "scale flight readout readout"]
+    readouts: Int[Integers, "used"]
+    slope: Float[Array, "flight used term"]
+    miss: Float[Array, "flight used"]
+    noise: Float[Array, "scale flight used used"]
+    sharpness: Float[Array, "scale flight used used"]
     log_det: Float[Array, "scale flight"]
 
 
@@ -129,11 +131,9 @@ def solve(
     """
     told = flight_evidence(model, data, near, flight_weight, which)
     scales, terms = len(told.noise), len(model.terms)
-    used = np.flatnonzero(told.slope.any(axis=(0, 2)) | told.miss.any(axis=0))
-    sharpness = told.sharpness[..., used[:, None], used]
-    slope, miss = told.slope[:, used].reshape(-1, terms), told.miss[:, used].ravel()
-    weighed = (sharpness @ told.slope[:, used]).reshape(scales, len(slope), terms)
-    missed = (sharpness @ told.miss[:, used, None]).reshape(scales, len(slope))
+    slope, miss = told.slope.reshape(-1, terms), told.miss.ravel()
+    weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
+    missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
     found = _concluded(model, data, near, told, (slope.T @ weighed, missed @ slope, missed @ miss), which)
     if flight_weight is None:
         return found
@@ -176,44 +176,46 @@ def flight_evidence(
 ) -> FlightEvidence:
     """The information in each flight's readouts, linear around a point; `flight_weight` and `which` as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
-    usable = data.seen & np.isfinite(near.values)
-    slope = np.where(usable[..., None], near.slope, 0.0)
-    miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
-    noise = _noise(model, data, near, usable, which)
+    readouts = used_readouts(data.seen)
+    seen = data.seen[:, readouts]
+    values = near.values[:, readouts]
+    usable = seen & np.isfinite(values)
+    slope = np.where(usable[..., None], near.slope[:, readouts], 0.0)
+    miss = np.where(usable, data.values[:, readouts] - values, 0.0) + slope @ (near.at - prior_mean)
+    noise = _noise(model, data, near, usable, readouts, which)
     if flight_weight is not None:
         wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
-        noise = noise * wider[:, :, None] * wider[:, None, :]
-    sharpness, log_det = _inverses(noise, usable)
-    unseen, seen = (part.sum(axis=-1) for part in (~data.seen, data.seen))
-    return FlightEvidence(slope, miss, noise, sharpness, log_det - 2 * log(UNOBSERVED_SD) * unseen + log(2 * pi) * seen)
+        noise *= wider[:, :, None] * wider[:, None, :]
+    sharpness, log_det = inverses(noise)
+    known = seen.sum(axis=-1)
+    unknown = len(readouts) - known
+    constant = log(2 * pi) * known - 2 * log(UNOBSERVED_SD) * unknown
+    return FlightEvidence(readouts, slope, miss, noise, sharpness, log_det + constant)
 
 
-def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags) -> tuple[Array, Array]:
-    """As `inverses`, but faster if no flight has the last readouts, those of logs, which are independent of the
-    rest."""
-    last, width = int(np.flatnonzero(usable.any(axis=0)).max(initial=-1)) + 1, noise.shape[-1]
-    if last == width:
-        return inverses(noise)
-    part, log_det = inverses(noise[..., :last, :last])
-    sharpness = np.zeros_like(noise)
-    sharpness[..., :last, :last] = part
-    unseen = np.arange(last, width)
-    sharpness[..., unseen, unseen] = 1 / UNOBSERVED_SD**2
-    return sharpness, log_det + 2 * (width - last) * log(UNOBSERVED_SD)
+def used_readouts(seen: Flags) -> Int[Integers, "used"]:
+    """The readouts that the evidence needs: the apogee, and every readout observed on any flight."""
+    some = np.asarray(seen.any(axis=0))
+    some[0] = True
+    return np.flatnonzero(some)
 
 
 def _noise(
-    model: Model, data: Data, near: Tangent, usable: Flags, which: Int[Integers, "scale"] | None
-) -> Float[Array, "scale flight readout readout"]:
-    """Covariance of each flight's readouts for every pair of scales."""
+    model: Model,
+    data: Data,
+    near: Tangent,
+    usable: Flags,
+    readouts: Int[Integers, "used"],
+    which: Int[Integers, "scale"] | None,
+) -> Float[Array, "scale flight used used"]:
+    """Covariance of each flight's used readouts for every pair of scales."""
     rows = slice(None) if which is None else which
     scatter_scale = model.hyperprior.scales()[0][rows]
-    spread = np.where(usable[..., None], near.scatter_slope, 0.0)
+    spread = np.where(usable[..., None], near.scatter_slope[:, readouts], 0.0)
     noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
-    diagonal = np.arange(len(OBSERVED_READOUTS))
-    noise[..., diagonal, diagonal] += np.where(
-        usable, residual_variance(model, data)[rows] / data.trust, UNOBSERVED_SD**2
-    )
+    diagonal = np.arange(len(readouts))
+    variance = residual_variance(model, data)[rows][..., readouts]
+    noise[..., diagonal, diagonal] += np.where(usable, variance / data.trust[:, readouts], UNOBSERVED_SD**2)
     return np.asarray(noise)
 
 
@@ -221,7 +223,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
     """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time."""
     total = np.zeros(len(mean))
     for i, term in enumerate(model.terms):
-        if np.isfinite(term.low) or np.isfinite(term.high):
+        if isfinite(term.low) or isfinite(term.high):
             total -= log(_mass(term.low, term.high, term.mean, term.sd))
             middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
             near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd

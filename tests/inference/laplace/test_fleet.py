@@ -58,7 +58,7 @@ def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
         rows.append(design)
         miss.append(told.miss.ravel())
         blocks = np.zeros((told.miss.size, told.miss.size))
-        width = len(OBSERVED_READOUTS)
+        width = len(told.readouts)
         for flight in range(FLIGHTS):
             part = slice(flight * width, (flight + 1) * width)
             blocks[part, part] = told.noise[0, flight]
