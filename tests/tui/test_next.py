@@ -280,6 +280,20 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
 # Notices
 
 
+async def test_a_cluster_is_searched_for_forecast_and_saved_with_what_is_not_modeled(file: Path) -> None:
+    async with opened(file, (100, 40)) as pilot:
+        await press(pilot, "4", "slash", *typed("2 x Estes E12"), "enter", "_")
+        assert "on Estes 2 x E12" in told(pilot, "#title")
+        assert "failed ignitions are not modeled" in told(pilot, "#more")
+        await press(pilot, "enter")
+        assert "Saved forecast: Estes 2 x E12" in words(pilot)
+        await press(pilot, "d", "_")
+        assert "failed ignitions are not modeled" in words(pilot)
+    with Ledger.open(file) as ledger:
+        kept = ledger.predictions()[-1]
+    assert kept.payload["motor"].startswith("Estes 2 x E12")
+
+
 def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:
     assert shortened("/home/anna/my logs/mine.eng: found no motor") == "mine.eng: found no motor"
     assert (

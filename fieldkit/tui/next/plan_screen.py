@@ -165,13 +165,13 @@ class PlanScreen(PageScreen):
         day = day_of(ledger, self._season)
         decision = replace(self._decision, site=site_of(ledger, plan.site), system=settings.units)
         if view == 0:
-            return decision.delay()
+            return decision.noted(decision.delay())
         if view == 1:
-            return decision.ballast(settings.target, AIMS[self._aim], self._season, day)
+            return decision.noted(decision.ballast(settings.target, AIMS[self._aim], self._season, day))
         if view == 2:
-            return decision.contest(ledger, self._season, SHARES[self._share], day)
+            return decision.noted(decision.contest(ledger, self._season, SHARES[self._share], day))
         if view == 3:
-            return decision.landing()
+            return decision.noted(decision.landing())
         if view == 4:
             return decision.saved_forecasts(ledger, self.resources.motors)
         return decision.fared(ledger, self.resources.motors)
