@@ -173,8 +173,9 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 
 def widest_motor(rocket: Rocket, plan: Flight) -> float | None:
-    """The mount of a rocket as in `mount_of`; for one that has not flown, its body diameter, an upper bound. [m]"""
-    return mount_of(rocket, plan.config) or plan.diameter
+    """The mount of a rocket as in `mount_of`; for one that has not flown, that of its kit, else its body diameter, an
+    upper bound. [m]"""
+    return mount_of(rocket, plan.config) or rocket.mount or plan.diameter
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
