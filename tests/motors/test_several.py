@@ -192,7 +192,7 @@ def test_a_cluster_is_planned_as_a_complex_rocket(tmp_path: Path, capsys: pytest
     assert main([*ledger, "landing", *body, "--wind", "3m/s", "--json"]) == 0
     lines = {line["check"]: line for line in json.loads(capsys.readouterr().out)["safety"]}
     assert lines["complex rocket"]["verdict"] == "caution"
-    assert "3 motors" in lines["complex rocket"]["text"]
+    assert "3 motors, forecast as if every one lights" in lines["complex rocket"]["text"]
 
 
 def test_a_search_for_a_cluster_shows_its_sums(capsys: pytest.CaptureFixture[str]) -> None:
