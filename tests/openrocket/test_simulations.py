@@ -156,8 +156,8 @@ def simulated(
 ) -> FlightResult:
     """A simulation by the physics of the field; the delay is the motor's own unless one is given [s].
 
-    Boosters weigh what `_booster_mass` says unless a mass is given [kg], and the Cd under thrust is the stored one unless
-    one is given [1].
+    Boosters weigh what `_booster_mass` says unless a mass is given [kg], and the Cd under thrust is the stored one
+    unless one is given [1].
     """
     row, found = EXAMPLES[name][place], _motor(name, place, booster_mass)
     cd = read_design(design(name, EXAMPLES[name], dry_mass=0.1), "example.ork").simulations[place].cd

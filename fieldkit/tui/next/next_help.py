@@ -22,8 +22,8 @@ NEXT_HELP = Help(
         ("delay", "The delay on sale that fires nearest to apogee."),
         (
             "✗ a motor",
-            "Does not fit: too wide, too weak, slow off the rail, without a suitable delay, too high for the ceiling, or "
-            "no longer made; its card says why.",
+            "Does not fit: too wide, too weak, slow off the rail, without a suitable delay, too high for the ceiling, "
+            "or no longer made; its card says why.",
         ),
         ("90%", "Nine flights in ten should fall between these two."),
         (
