@@ -72,6 +72,7 @@ fieldkit compare flight-dd2afbb08f sample_logs/perfectflite__drogue_and_main.pf2
 fieldkit remeasure --dry-run
 # a field you fly from: plans use its elevation and its limits
 fieldkit sites "North field" --elevation 212m --size 400m --ceiling 900m
+fieldkit kits "Big Bertha" --dry-mass 80g --diameter 41.6mm --mount 18mm
 fieldkit predictions
 fieldkit report 2 --out card.pdf
 fieldkit backups

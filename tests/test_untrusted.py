@@ -215,6 +215,7 @@ COMMANDS: dict[str, list[str]] = {
     "redo": [],
     "mappings": [],
     "sites": [ROCKET, "--elevation", "212m"],
+    "kits": ["Big Bertha", "--dry-mass", "80g"],
     "remeasure": [],
     "report": ["2", "--out", "card.md"],
     "ork": ["DESIGN"],

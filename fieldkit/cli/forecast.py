@@ -19,11 +19,12 @@ from fieldkit.cli.screen import complain, measured, print_json, print_table, pro
 from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
     from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
@@ -59,7 +60,8 @@ def predict(
     with open_ledger(context) as ledger:
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("use --flights or --motor, not both")
-        plans = planned_table(flights, check) if flights is not None else [_plan(ledger, given, check)]
+        known = check.catalogue.complaint_of_several if not quick else check
+        plans = planned_table(flights, known) if flights is not None else [_plan(ledger, given, check.catalogue, known)]
         if quick:
             _print_quick(ledger, check, plans, json=json)
             return
@@ -68,6 +70,8 @@ def predict(
         lines = safety_of(ledger, check.catalogue, predictions, given)
         down = way_down(ledger, check.catalogue, predictions) if json else []
         starts = ledger.starts(plans[0].rocket) if flights is None else []
+    for note in dict.fromkeys(note for one in predictions for note in one.found.notes):
+        remark(note)
     if json:
         documents = [
             forecast_record(one) | fell | about_plan(one, own)
@@ -100,13 +104,15 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
         say(forecast_line(one, system()))
 
 
-def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":
+def _plan(
+    ledger: "Ledger", given: dict[str, str | None], motors: "Catalogue", check: "Callable[[str], str | None]"
+) -> "Flight":
     """The flight described by the options; missing values are as last flown. Raises BadValue."""
     from fieldkit.errors import BadValue
 
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
-    plan = plan_from_options(ledger, check.catalogue, given)
+    plan = plan_from_options(ledger, motors, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")
     return plan
@@ -117,8 +123,6 @@ def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
     from fieldkit.presentation.forecast_text import in_words
     from fieldkit.quantities import in_system
 
-    for note in prediction.found.notes:
-        remark(note)
     for line in prediction.left_out:
         if line not in said:
             complain(in_system(line, system()))

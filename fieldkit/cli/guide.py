@@ -88,7 +88,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
     from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
     from fieldkit.services.planning import shortlist
 
-    mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config)
+    mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
     adapter = adapter or mount is None
     mount = mount or widest_motor(plan.rocket, plan.flight)
     if mount is None:

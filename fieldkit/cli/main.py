@@ -45,6 +45,7 @@ GROUPS = {
     "landing": ("landing", "track"),
     "daysheet": ("daysheet",),
     "sites": ("sites",),
+    "kits": ("kits",),
     "simulate": ("simulate",),
     "paper": ("paper",),
     "study": ("study",),

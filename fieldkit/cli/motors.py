@@ -1,7 +1,6 @@
 """`fieldkit motors`: search motors, show their data, and add your own."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +13,7 @@ from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.motors import Catalogue, Motor
+    from fieldkit.motors import Motor
 
 app = typer.Typer()
 
@@ -113,7 +112,7 @@ def motors(
         _about(json)
         return
     else:
-        found = _searched(known_motors(), " ".join(search or ()))
+        found = known_motors().search(" ".join(search or ()))
     if shortlist_for is not None and found:
         _put_by(context, shortlist_for, found)
     if json:
@@ -122,17 +121,6 @@ def motors(
         raise UnknownMotor(f"found no motor for {' '.join(search or ())!r}, expected a name such as F24-4W")
     else:
         _list(found)
-
-
-def _searched(known: "Catalogue", text: str) -> "list[Motor]":
-    """The motors that a text could mean, or the cluster that it names."""
-    from fieldkit.errors import UnknownMotor
-    from fieldkit.motors.several import names_several
-
-    if names_several(text):
-        with suppress(UnknownMotor):
-            return [known.resolve_several(text).motor]
-    return known.search(text)
 
 
 takes_plan(motors, ("config", "site"))

@@ -100,13 +100,14 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
     """
     from fieldkit.errors import NoFlights
     from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.kits import kit_of_rocket
 
     kit = kit_named(given)
     name = given.get("rocket") or (kit.name if kit else None)
     try:
         return which_rocket(ledger, name)
     except NoFlights:
-        if not (kit or given.get("dry_mass") or given.get("lift_off_mass")):
+        if not (kit or (name and kit_of_rocket(name)) or given.get("dry_mass") or given.get("lift_off_mass")):
             raise
     return name or NEW_ROCKET
 

@@ -4,6 +4,7 @@ import gzip
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
@@ -90,7 +91,10 @@ class Catalogue:
         return None
 
     def search(self, text: str) -> list[Motor]:
-        """Every motor that a text could mean, best first; see `fieldkit.motors.search.search`."""
+        """Every motor that a text could mean, best first, see `fieldkit.motors.search.search`; the cluster it names."""
+        if names_several(text):
+            with suppress(UnknownMotor):
+                return [self.resolve_several(text).motor]
         return search.search(self.listings, text)
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":

@@ -56,7 +56,9 @@ _CORE = re.compile(
 _DELAY = re.compile(r"(\d+(?:\.\d+)?|P)([A-Z]{0,2})")
 _ONE_MOTOR = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
 _SEVERAL_MOTORS = re.compile(rf"(?<![\w./-])\d*{_ONE_MOTOR}(?![\w.]).*?(?<![\w.])\d*{_ONE_MOTOR}(?![\w.])")
-_CLUSTER = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE_MOTOR}(?!\w)")
+_CLUSTER = re.compile(
+    rf"(?:(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)|[A-Z][^\d/@+]*\s(?:[2-9]|1[0-2])\s*[X×*]\s*)(?:HP-)?\d*{_ONE_MOTOR}(?!\w)"
+)
 
 
 _NEW_PROPELLANTS = ("NT", "NW")
@@ -98,7 +100,7 @@ def maker_of(text: str) -> str:
 
 
 def is_cluster(text: str) -> bool:
-    """Whether a text names several motors: a cluster (`3 B6-4`), stages (`D12-0/A8-5`) or both."""
+    """Whether a text names several motors: a cluster (`3 B6-4`, `Estes 3 x B6-4`), stages (`D12-0/A8-5`) or both."""
     tidied = tidy(text)
     return bool(_CLUSTER.match(tidied) or _SEVERAL_MOTORS.search(tidied))
 

@@ -132,8 +132,8 @@ def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
 def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
-            f"{text.strip()}: found several motors; clusters and stages are not modeled as one motor "
-            "in forecasts, expected a single one such as C6-5; fieldkit simulate flies several"
+            f"{text.strip()}: found several motors, expected a single one such as C6-5: flights on clusters and stages "
+            "are used in no fit"
         )
     name = _parsed(listings, f"{maker} {text}" if maker else text)
     candidates = _fitting(listings, name, name.maker)

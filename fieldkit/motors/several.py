@@ -28,6 +28,8 @@ STAGES_NOTE = (
 DROP_TIME = 1e-3
 """Time within which a booster drops. [s]"""
 _COUNT = r"(?:(\d{1,2})\s*[x×*]?\s+|(\d{1,2})\s*[x×*]\s*)?"
+_MAKER_FIRST = re.compile(r"^\s*([^\W\d_][^\d/@+]*?)\s+(\d{1,2}\s*[x×*])\s*(?=\w)", re.IGNORECASE)
+"""A cluster named as printed, `Estes 3 x C6`: maker, count."""
 _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGNORECASE)
 _FRACTION = "\N{FRACTION SLASH}"
 """Replaces the slash of a class such as 1/2A while stages are split."""
@@ -37,7 +39,7 @@ MAX_STAGES = 3
 """Maximum number of stages, the largest number checked against other programs. [1]"""
 
 
-_SEVERAL_MARKS = re.compile(r"^\s*\d{1,2}\s*[x×*]\s*\w|\s\+\s|@\s*\d", re.IGNORECASE)
+_SEVERAL_MARKS = re.compile(rf"^\s*\d{{1,2}}\s*[x×*]\s*\w|{_MAKER_FIRST.pattern}|\s\+\s|@\s*\d", re.IGNORECASE)
 
 
 def names_several(text: str) -> bool:
@@ -96,7 +98,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
     delay: float | None = None
     notes: list[str] = []
     for group in re.split(r"\s*\+\s*", text.strip()):
-        named = _GROUP.fullmatch(group)
+        named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", group))
         if named is None:
             raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")
         found = resolve(named[3])
@@ -207,11 +209,14 @@ def _spent(parts: Sequence[tuple[Motor, float]], time: Array) -> Array:
 
 
 def _named(parts: Sequence[tuple[Motor, float]]) -> str:
-    counted: dict[tuple[str, float], int] = {}
+    """The motors of a cluster as they can be typed after the first one's maker: `C6 + 2 x Quest B6@1.5`."""
+    counted: dict[tuple[str, str, float], int] = {}
     for motor, start in parts:
-        counted[motor.designation, start] = counted.get((motor.designation, start), 0) + 1
-    names = [
-        f"{f'{count} x ' if count > 1 else ''}{name}{f'@{start:g}' if start else ''}"
-        for (name, start), count in counted.items()
-    ]
+        key = motor.maker, motor.designation, start
+        counted[key] = counted.get(key, 0) + 1
+    first = parts[0][0].maker
+    names: list[str] = []
+    for (maker, name, start), count in counted.items():
+        own = "" if not names and maker == first else f"{maker} "
+        names.append(f"{f'{count} x ' if count > 1 else ''}{own}{name}{f'@{start:g}' if start else ''}")
     return " + ".join(names)

@@ -44,8 +44,9 @@ class SafetyCheck:
         return in_units(self.finding, "SI")
 
     def words(self, system: str = "SI", *, source: bool = True) -> str:
-        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with rule and `source` unless it is ok."""
-        rule = f". The rule: {self.rule}" if self.rule and self.failed else ""
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with the rule unless it is ok, and with `source`
+        if it failed."""
+        rule = f". The rule: {self.rule}" if self.rule and self.verdict != "ok" else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
         doubt = " (unverified)" if self.mark == "U" else ""
         found = in_units(self.finding, system)

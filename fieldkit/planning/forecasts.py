@@ -30,6 +30,8 @@ class Rocket:
     shared: SharedPrior | None = None
     implausible: tuple[str, ...] = ()
     """One line for each flight that no rocket can have flown and that is excluded from forecasts."""
+    mount: float | None = None
+    """Diameter of the motor mount of the kit that it is named after; None if not known. [m]"""
 
     @property
     def flights(self) -> list[Flight]:

@@ -9,6 +9,10 @@ from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 from fieldkit.motors.motor import Motor
 
+KIT_KEYS = ("dry_mass_g", "diameter_mm", "mount_mm")
+"""The figures of a kit in the file."""
+LARGEST_FIGURE = 1e6
+"""The figures of a kit are below this, in g or mm: a thousand kilograms or meters is a typing error."""
 DIAMETER_TOLERANCE = 0.0006
 """Largest difference between two diameters of the same mount. [m]"""
 
@@ -21,6 +25,11 @@ class Kit:
     dry_mass: float | None
     diameter: float | None
     mount: float | None
+
+    @property
+    def figures(self) -> tuple[float | None, float | None, float | None]:
+        """Dry mass [kg], diameter [m] and mount [m], in the order of `KIT_KEYS`."""
+        return self.dry_mass, self.diameter, self.mount
 
 
 def read_kits(file: Path) -> Mapping[str, Kit]:
@@ -37,7 +46,7 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
             raise BadValue(
                 f"{file.name}: found {name!r} without values, expected [{name}] with dry_mass_g and diameter_mm"
             )
-        figures = [_figure(file, name, table, key) for key in ("dry_mass_g", "diameter_mm", "mount_mm")]
+        figures = [_figure(file, name, table, key) for key in KIT_KEYS]
         kits[name.casefold()] = Kit(name, *figures)
     return kits
 
@@ -63,6 +72,6 @@ def _figure(file: Path, kit: str, table: Mapping[str, object], key: str) -> floa
     value = table.get(key)
     if value is None:
         return None
-    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < 1e6:
+    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < LARGEST_FIGURE:
         raise BadValue(f"{file.name}, {kit}, {key}: found {value!r}, expected a number above zero")
     return float(value) * 1e-3

@@ -16,6 +16,7 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import Motor
+from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays, tolerance
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
@@ -73,6 +74,11 @@ class Wanted:
 def label(motor: Motor) -> str:
     """Maker and designation: `AeroTech F24W`."""
     return f"{motor.maker} {motor.designation}"
+
+
+def _found(motor: Motor) -> Found:
+    """A motor without a delay, with the note on a cluster."""
+    return Found(motor, None, (CLUSTER_NOTE,) if motor.parts else ())
 
 
 def lifts(motor: Motor, dry_mass: float) -> bool:
@@ -167,8 +173,9 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 
 def widest_motor(rocket: Rocket, plan: Flight) -> float | None:
-    """The mount of a rocket as in `mount_of`; for one that has not flown, its body diameter, an upper bound. [m]"""
-    return mount_of(rocket, plan.config) or plan.diameter
+    """The mount of a rocket as in `mount_of`; for one that has not flown, that of its kit, else its body diameter, an
+    upper bound. [m]"""
+    return mount_of(rocket, plan.config) or rocket.mount or plan.diameter
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
@@ -198,7 +205,7 @@ def guide(
     if not motors:
         return []
     draws = draws or (SLANTED_PATH_DRAWS if plan.wind or plan.rail_angle else DRAWS)
-    planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
+    planned = [(plan.with_changes(motor=label(motor), delay=None), _found(motor)) for motor in motors]
 
     def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)

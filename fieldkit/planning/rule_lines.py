@@ -274,7 +274,7 @@ def complex_line(held: Governed) -> SafetyCheck:
     name = "complex rocket"
     if not held.build.complex:
         return SafetyCheck(name, "ok", "one motor, one stage", "")
-    text = f"{len(held.build.motors)} motors"
+    text = f"{len(held.build.motors)} motors, forecast as if every one lights"
 
     def judge(rule: Rule) -> SafetyCheck:
         row = rule.row(held.build.impulse, held.altitude)

@@ -117,7 +117,8 @@ def predict_plans(
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
         starts, own = ledger.starts(rocket), [plans[row] for row in rows]
-        planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
+        wholes = [completed(plan, before, start_among(starts, plan)) for plan in own]
+        planned = [(plan, motors.resolve_several(plan.motor)) for plan in wholes]
         cds = design_cds(starts, [*before, *own])
         made = predict(
             history,

@@ -6,7 +6,7 @@ from datetime import date
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-from fieldkit.importing.manual_entry import read_answer
+from fieldkit.importing.manual_entry import answer_text, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.services.day_weather import WEATHER, WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 
@@ -59,6 +59,21 @@ def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
         drafts[WEATHER_DRAFT] = signed_now(weather)
     build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
     return ledger.change_drafts(drafts, "plan", build)
+
+
+def save_mass(ledger: Ledger, dry_mass: float) -> bool:
+    """Save the dry mass [kg] of the planned next flight; False if it is unchanged."""
+    mass = answer_text(Flight(dry_mass=dry_mass), "dry_mass")
+    plan = planned(ledger, ledger.flights()) or Flight()
+    build = {"rocket": plan.rocket, "config": plan.config}
+    return save_plan(ledger, build | (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0] | {"dry_mass": mass})
+
+
+def planned_mass(ledger: Ledger) -> float | None:
+    """The dry mass of the saved plan of the next flight; None if it has none. [kg]"""
+    text = (ledger.draft(PLAN_DRAFT) or {}).get("dry_mass", "")
+    mass = plan_changes({"dry_mass": text}).get("dry_mass") if text else None
+    return mass if isinstance(mass, float) else None
 
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:

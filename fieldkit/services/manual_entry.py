@@ -1,6 +1,7 @@
 """A flight being entered, at a prompt or on a screen: default answers, units, and saving."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
 
@@ -11,6 +12,7 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, a
 from fieldkit.ledger import Added, Ledger
 from fieldkit.motors import is_cluster
 from fieldkit.services.day_weather import typed_weather
+from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import without_delay
 from fieldkit.services.sites import site_of
 
@@ -76,7 +78,17 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
     last = ledger.latest(rocket, config)
     if last is None and question.name == "site":
         last = ledger.latest()
+    if last is None and question.name in ("dry_mass", "diameter"):
+        return _of_kit(flight.rocket, question.name)
     return answer_text(last, question.name) if last else ""
+
+
+def _of_kit(rocket: str, name: str) -> str:
+    """A figure of the kit that a rocket is named after; empty if there is none, or if its file is damaged."""
+    with suppress(BadValue):
+        if kit := kit_of_rocket(rocket):
+            return answer_text(Flight(dry_mass=kit.dry_mass, diameter=kit.diameter), name)
+    return ""
 
 
 def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> bool:

@@ -67,20 +67,22 @@ def _differences(prediction: StoredPrediction, flight: Flight, motors: Catalogue
 
 
 def resolved(motors: Catalogue, flight: Flight) -> Found | None:
-    """A flight's motor, None for a cluster or an unknown one."""
+    """A flight's motor or cluster, None for stages or an unknown one."""
     try:
-        return motors.resolve(flight.motor)
+        return motors.resolve_several(flight.motor)
     except UnknownMotor:
         return None
 
 
 def _motors(motors: Catalogue) -> Callable[[str], object]:
-    """The motor that a text names, without its delay; the text if there is none."""
+    """The motor that a text names, without its delay; the name of a cluster; the text if there is none."""
 
     @cache
     def motor_of(text: str) -> object:
         found = resolved(motors, Flight(motor=text))
-        return found.motor if found else text
+        if found is None:
+            return text
+        return f"{found.motor.maker} {found.motor.designation}" if found.motor.parts else found.motor
 
     return motor_of
 

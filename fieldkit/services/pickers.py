@@ -1,14 +1,17 @@
 """Answers offered by a form while typing: names from the ledger and the motor catalog, best match first."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date, timedelta
 from difflib import get_close_matches
 from itertools import chain, islice
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import TAGS
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, is_cluster
+from fieldkit.services.kits import kits as own_kits
 from fieldkit.services.sites import sites
 
 MAX_PICKS = 8
@@ -33,16 +36,19 @@ Source = Callable[[str], Sequence[OfferedAnswer]]
 
 @dataclass(frozen=True)
 class Names:
-    """The names that a ledger knows, by question, most recent first, and the motor catalog."""
+    """The names that a ledger knows, by question, most recent first, and the motor catalog; `kits` are those names of
+    rockets that only the flyer's kits have."""
 
     known: Mapping[str, tuple[str, ...]]
     motors: Catalogue
+    kits: tuple[str, ...] = ()
 
     def sources(self) -> dict[str, Source]:
         """The picker for each question about names."""
         own: dict[str, Source] = {
             name: among([OfferedAnswer(one) for one in self.known[name]]) for name in NAME_QUESTIONS
         }
+        own["rocket"] = among([OfferedAnswer(one, "kit" if one in self.kits else "") for one in self.known["rocket"]])
         return own | {
             "motor": self._motors,
             "tags": among([OfferedAnswer(tag) for tag in TAGS]),
@@ -75,7 +81,11 @@ def names_of(ledger: Ledger, motors: Catalogue) -> Names:
     """The names that a ledger knows."""
     known = {name: tuple(ledger.names(name)) for name in (*NAME_QUESTIONS, "motor")}
     known["site"] = tuple(dict.fromkeys([*known["site"], *(site.name for site in sites(ledger))]))
-    return Names(known, motors)
+    kits = {}
+    with suppress(BadValue):  # a damaged file is reported where the kits are listed
+        kits = {kit.name: kit for kit in own_kits() if kit.name not in known["rocket"]}
+    known["rocket"] = (*known["rocket"], *kits)
+    return Names(known, motors, tuple(kits))
 
 
 def among(picks: Sequence[OfferedAnswer]) -> Source:

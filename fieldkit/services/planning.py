@@ -9,11 +9,10 @@ from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import Rocket
-from fieldkit.planning.kits import read_kits
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown, start_of
+from fieldkit.services.kits import kit_of_rocket, kits
 from fieldkit.services.plausible_flights import implausible_flights, plausible
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
@@ -23,7 +22,7 @@ SHORTLIST = "shortlist"
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
-    """A rocket's flights, designs and settings in a ledger, read once."""
+    """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue."""
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
@@ -33,6 +32,7 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         starts=tuple(ledger.starts(name)),
         shared=fleet_prior(ledger, motors, name),
         implausible=tuple(implausible_flights(ledger.flights(name), motors)),
+        mount=kit.mount if (kit := kit_of_rocket(name)) else None,
     )
 
 
@@ -56,14 +56,14 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
 
 def has_kits() -> bool:
     """Whether the flyer has kits. Raises BadValue for a damaged file of them."""
-    return bool(read_kits(data_file("kits.toml")))
+    return bool(kits())
 
 
 def _of_kit(plan: Flight) -> Flight:
     """A plan with the mass and the diameter of the kit that its rocket is named after, if it has none of its own."""
     if not plan.rocket or None not in (plan.dry_mass, plan.diameter):
         return plan
-    kit = read_kits(data_file("kits.toml")).get(plan.rocket.casefold())
+    kit = kit_of_rocket(plan.rocket)
     known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter} if kit else {}
     return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
 

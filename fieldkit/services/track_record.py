@@ -70,7 +70,7 @@ def _beside(one: SavedForecast, known: Sequence[Simulated], motors: Catalogue) -
     assert one.flight is not None
     made: Parts = one.made.payload.get("made_from", {})
     knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == USED_IN_FIT}
-    motor = motors.resolve(str(one.made.payload.get("motor") or one.flight.motor))
+    motor = motors.resolve_several(str(one.made.payload.get("motor") or one.flight.motor))
     (planned,) = simulate([(as_planned(one.flight, made), motor)])
     likely = np.array(one.made.payload.get("likely_m", one.interval), float)
     plan = Simulated(one.flight, motor, planned.simulated)

@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.motors.motor import impulse
-from fieldkit.motors.several import Booster
+from fieldkit.motors.several import Booster, names_several
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
@@ -186,17 +186,13 @@ def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[s
     assert "--booster-mass" in capsys.readouterr().err
 
 
-def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is_not(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_cluster_is_planned_as_a_complex_rocket(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
     body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]
     assert main([*ledger, "landing", *body, "--wind", "3m/s", "--json"]) == 0
     lines = {line["check"]: line for line in json.loads(capsys.readouterr().out)["safety"]}
     assert lines["complex rocket"]["verdict"] == "caution"
-    assert "3 motors" in lines["complex rocket"]["text"]
-    assert main([*ledger, "predict", *body]) == 1
-    assert "fieldkit simulate flies several" in capsys.readouterr().err
+    assert "3 motors, forecast as if every one lights" in lines["complex rocket"]["text"]
 
 
 def test_a_search_for_a_cluster_shows_its_sums(capsys: pytest.CaptureFixture[str]) -> None:
@@ -232,7 +228,62 @@ def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
     assert made["flights"] == 0
 
 
-@pytest.mark.parametrize("command", ["landing", "delay"])
+@pytest.mark.parametrize("motor", ["D12-0/C6-7", "4 x D12-0/C6-7"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["predict"],
+        ["landing"],
+        ["delay"],
+        ["ballast", "--target", "800ft"],
+        ["contest", "--season", "2026"],
+        ["daysheet", "--out", "x.pdf"],
+    ],
+)
+def test_no_plan_flies_stages(
+    command: list[str], motor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--motor", motor, "--dry-mass", "200g", "--diameter", "50mm"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *command, *body]) == 1
+    assert "expected fieldkit simulate with --booster-mass" in capsys.readouterr().err
+
+
+def test_a_forecast_of_a_cluster_is_that_of_the_planning_commands_and_is_compared_with_its_flight(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]
+    plans = tmp_path / "plans.csv"
+    plans.write_text("flight_id,rocket,dry_mass_g,diameter_mm,motor\n1,Trio,200,50,3 x C6\n")
+    assert main([*ledger, "predict", "--flights", str(plans), "--json"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err.count("failed ignitions are not modeled") == 1
+    (made,) = json.loads(shown.out)["predictions"]
+    body[1] = "3 x C6"  # a delay could end the coast before apogee
+    assert main([*ledger, "delay", *body, "--json"]) == 0
+    assert made["coast_s"] == pytest.approx(json.loads(capsys.readouterr().out)["coast_s"]["p50"], rel=0.02)
+    assert main([*ledger, "add", "--flight-id", "1", *body, "--apogee", "190m", "--tags", "cluster"]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "predictions", "--json"]) == 0
+    (kept,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert kept["flown"]["apogee_m"] == 190
+
+
+@pytest.mark.parametrize("text", ["Estes 3 x C6", "Estes C6 + 2 x Quest B6@1.5", "2 x AeroTech F24W + AeroTech E15W@1"])
+def test_a_cluster_may_be_named_as_it_is_printed(text: str) -> None:
+    motor = catalogue().resolve_several(text).motor
+    again = catalogue().resolve_several(f"{motor.maker} {motor.designation}").motor
+    assert (again.designation, again.parts) == (motor.designation, motor.parts)
+    assert [one.designation for one in catalogue().search(text)] == [motor.designation]
+
+
+def test_no_motor_sold_is_read_as_several() -> None:
+    assert [
+        motor.designation for motor in catalogue().motors if names_several(f"{motor.maker} {motor.designation}")
+    ] == []
+
+
+@pytest.mark.parametrize("command", ["predict", "landing", "delay"])
 def test_a_plan_on_a_cluster_says_what_is_not_modeled(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -227,6 +227,12 @@ def test_25_degrees_are_too_much_for_high_power_alone() -> None:
     assert verdict == {"F24W": "ok", "H128W": "unsafe"}
 
 
+def test_a_line_without_a_figure_to_hold_is_in_the_words_of_the_rule_too() -> None:
+    line = rule_lines.angle_line(held("C6"), None)
+    assert line.verdict == "unknown"
+    assert "The rule: “pointed to within 30 degrees of the vertical”" in line.words()
+
+
 def test_an_f_in_a_field_of_300_feet_is_not_well() -> None:
     line = rule_lines.field_line(held("F24W"), 300 * FOOT)
     assert line.verdict == "unsafe"

@@ -84,7 +84,7 @@ def test_a_table_of_plans_may_have_clusters_and_a_bad_motor_is_named(
     assert "failed ignitions are not modeled" in capsys.readouterr().err
     sheet = text_of(out.read_bytes())
     assert "3 x C6-5" in sheet
-    assert "complex rocket: caution" in sheet
+    assert "complex rocket: caution: 3 motors, forecast as if every one lights" in sheet
     table.write_text(f"{header}1,Trio,200,50,3 x ZZ9-5\n")
     assert main([*ledger, "daysheet", "--flights", str(table), "--out", str(out), "--force"]) == 1
     assert "row 2, motor" in capsys.readouterr().err

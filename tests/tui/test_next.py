@@ -221,13 +221,23 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
         card = told(pilot, "#title")
         assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in told(pilot, "#more")
         await press(pilot, *["down"] * 3)
-        assert "Astra B on Quest" in shown(pilot)
+        assert "Astra B on" in shown(pilot)
         assert told(pilot, "#title") != card
         for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "alpha", "true"):
             assert what in shown(pilot)
         assert "kg/m³" in told(pilot, "#more")  # below the edge of the terminal
         await press(pilot, "b")
         assert "Astra A on" in shown(pilot)
+
+
+async def test_motors_that_are_not_safe_and_sensible_come_last_and_say_why(file: Path) -> None:
+    async with opened(file, (100, 60)) as pilot:
+        await press(pilot, "4", "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
+        assert "rail exit speed" in told(pilot, "#more").partition("ejection")[0]
+        table = pilot.app.screen.query_one(Table)
+        marks = [table.cells(key)[0].startswith("✗") for key in table.keys]
+        assert marks == sorted(marks)
+        assert any(marks)
 
 
 async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path) -> None:
@@ -278,6 +288,20 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
 
 
 # Notices
+
+
+async def test_a_cluster_is_searched_for_forecast_and_saved_with_what_is_not_modeled(file: Path) -> None:
+    async with opened(file, (100, 40)) as pilot:
+        await press(pilot, "4", "slash", *typed("2 x Estes E12"), "enter", "_")
+        assert "on Estes 2 x E12" in told(pilot, "#title")
+        assert "failed ignitions are not modeled" in told(pilot, "#more")
+        await press(pilot, "enter")
+        assert "Saved forecast: Estes 2 x E12" in words(pilot)
+        await press(pilot, "d", "_")
+        assert "failed ignitions are not modeled" in words(pilot)
+    with Ledger.open(file) as ledger:
+        kept = ledger.predictions()[-1]
+    assert kept.payload["motor"].startswith("Estes 2 x E12")
 
 
 def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:

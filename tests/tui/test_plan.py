@@ -101,6 +101,22 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
 
+async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "p")
+        await press(pilot, *["down"] * 7, *typed("50g"))
+        await press(pilot, "ctrl+s")
+        assert "alone weighs 61 g" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("520g"), "ctrl+s", "_")
+        await front(pilot, "Contest")
+        assert "contest mass: ok: 520 g" in said(pilot)
+        await press(pilot, "escape", "_")
+        assert "459 g without motor" in words(pilot)
+        await press(pilot, "u", "_", "d", "_")
+        await front(pilot, "Contest")
+        assert "contest mass: ok: 508.6 g" in said(pilot)
+
+
 async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "6", "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")

@@ -10,8 +10,11 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
+    from fieldkit.motors import Motor
     from fieldkit.planning.contest_day import Day
 
+MAX_MASS = 1e3
+"""A mass above this is a typing error. [kg]"""
 DAY = (
     Question("target", "Announced target", "The apogee announced that day, such as 785ft. Empty: the season's own."),
     Question("window", "Announced window", "Seconds announced that day, such as 37-40. Empty: the season's own."),
@@ -20,10 +23,31 @@ DAY = (
     Question("length", "Rocket length", "From nose to fins, in mm or with its unit: for the season's limit."),
 )
 
+WEIGHED = Question(
+    "lift_off_mass", "Lift-off mass", "On the scale with this motor: sets the dry mass of the plan. Empty: as planned."
+)
+
 
 def questions(site: "Site") -> tuple[Question, ...]:
     """The questions about the day; about the site only if it has a name to save it under."""
-    return DAY + (site_form.ROOM if site.name else ())
+    return (*DAY, *(site_form.ROOM if site.name else ()), WEIGHED)
+
+
+def read(motor: "Motor", name: str, text: str, unit: str) -> object:
+    """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue."""
+    from fieldkit.errors import BadValue
+    from fieldkit.planning.contest_day import read_part
+    from fieldkit.units import parse
+
+    if name != WEIGHED.name:
+        return read_part(name, text, unit)
+    if not text.strip():
+        return None
+    mass = parse(text, "mass", unit) - motor.loaded_mass
+    if not 0 < mass < MAX_MASS:
+        loaded = f"{motor.maker} {motor.designation} alone weighs {motor.loaded_mass * 1e3:.0f} g"
+        raise BadValue(f"found {text!r}, expected more: {loaded}")
+    return mass
 
 
 def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:
@@ -39,7 +63,8 @@ def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:
 
 def units(system: str) -> dict[str, str]:
     """The units of numbers typed without one."""
-    return site_form.units(system) | {"target": unit_of(cards.APOGEE, system), "length": "mm"}
+    own = {"target": unit_of(cards.APOGEE, system), "length": "mm", WEIGHED.name: unit_of(cards.DRY_MASS, system)}
+    return site_form.units(system) | own
 
 
 def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
@@ -48,4 +73,5 @@ def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
     from fieldkit.planning.contest_day import Day
 
     day = Day(**{question.name: values[question.name] for question in DAY})
-    return day, replace(site, **{question.name: values[question.name] for question in questions(site)[len(DAY) :]})
+    room = site_form.ROOM if site.name else ()
+    return day, replace(site, **{question.name: values[question.name] for question in room})

@@ -1,7 +1,7 @@
 """Decisions for a plan on one motor, in words: delay, ballast, points, saved forecasts and their results."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
@@ -107,6 +107,12 @@ class Decision:
         words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
         answer = Answer(words, tuple(safety_text(one.lines, self.system)))
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
+
+    def noted(self, answer: Answer) -> Answer:
+        """An answer with what is not modeled of a cluster."""
+        from fieldkit.motors.several import CLUSTER_NOTE
+
+        return replace(answer, words=(*answer.words, f"  note      {CLUSTER_NOTE}")) if self.motor.parts else answer
 
     def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""

@@ -19,9 +19,6 @@ AT_ONCE = 40
 MAX_FORECAST_MOTORS = 200
 """Maximum number of motors to forecast in a search; a longer word narrows the search."""
 
-TOO_WEAK = "thrust to weight"
-"""The safety check that an underpowered motor fails."""
-
 
 @dataclass(slots=True)
 class MotorList:
@@ -59,10 +56,9 @@ class MotorList:
             self.exact.add(motor)
 
     def fits(self, motor: "Motor") -> bool:
-        """Whether the rocket can fly on it: it fits, and no forecast so far shows that it is too weak."""
+        """Whether it fits the mount and is safe and sensible by its forecast, if there is one yet."""
         one = self.known.get(motor)
-        weak = one is not None and any(line.name == TOO_WEAK for line in one.why_not)
-        return not weak and (self.plan is None or self.plan.wanted.fits(motor))
+        return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
 
     def ordered(self, target: float | None) -> "list[Motor]":
         """Those that fit first, by distance from the target [m], or by last use without a target."""

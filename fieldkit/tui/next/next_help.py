@@ -20,7 +20,11 @@ NEXT_HELP = Help(
         ("├─●─┤", "With c: the 90% interval, all motors on one scale; ◎ is the target."),
         ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
         ("delay", "The delay on sale that fires nearest to apogee."),
-        ("✗ a motor", "Found by the search but does not fit: too wide, too weak, or no longer made."),
+        (
+            "✗ a motor",
+            "Does not fit: too wide, too weak, slow off the rail, without a suitable delay, too high for the ceiling, "
+            "or no longer made; its card says why.",
+        ),
         ("90%", "Nine flights in ten should fall between these two."),
         (
             "hill",

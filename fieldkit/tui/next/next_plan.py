@@ -64,7 +64,8 @@ class Plan:
             return "no longer made"
         if self.full.dry_mass is not None and not lifts(motor, self.full.dry_mass):
             return "too weak to lift the rocket"
-        widest = "the widest flown is" if self.rocket.motors else "the body has"
+        unflown = "the mount of the kit has" if self.rocket.mount else "the body has"
+        widest = "the widest flown is" if self.rocket.motors else unflown
         return f"{motor.diameter * 1e3:g} mm, and {widest} {(self.wanted.mount or 0.0) * 1e3:g} mm"
 
     def next_build(self) -> Flight | None:

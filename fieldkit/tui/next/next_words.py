@@ -45,7 +45,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
 
     said = one.prediction
     fires = [f"{delay:g} s {seconds:+.1f}" for delay, seconds in one.ejections]
-    misfit = plan.misfit(one.motor)
+    misfit = plan.misfit(one.motor) or ", ".join(line.name for line in one.why_not)
     return [
         ("✗ fit", misfit),
         ("ejection", _ejection(said.median_eject)),

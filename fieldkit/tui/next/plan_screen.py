@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual.binding import Binding, BindingType
 from textual.containers import Container, VerticalScroll
@@ -160,19 +160,22 @@ class PlanScreen(PageScreen):
 
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.services.contest_day import day_of
+        from fieldkit.services.launch_day import planned_mass
         from fieldkit.services.sites import site_of
 
         ledger, plan = self.resources.ledger, self._decision.plan
+        if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
+            plan = plan.with_changes(dry_mass=mass)
         day = day_of(ledger, self._season)
-        decision = replace(self._decision, site=site_of(ledger, plan.site), system=settings.units)
+        decision = replace(self._decision, plan=plan, site=site_of(ledger, plan.site), system=settings.units)
         if view == 0:
-            return decision.delay()
+            return decision.noted(decision.delay())
         if view == 1:
-            return decision.ballast(settings.target, AIMS[self._aim], self._season, day)
+            return decision.noted(decision.ballast(settings.target, AIMS[self._aim], self._season, day))
         if view == 2:
-            return decision.contest(ledger, self._season, SHARES[self._share], day)
+            return decision.noted(decision.contest(ledger, self._season, SHARES[self._share], day))
         if view == 3:
-            return decision.landing()
+            return decision.noted(decision.landing())
         if view == 4:
             return decision.saved_forecasts(ledger, self.resources.motors)
         return decision.fared(ledger, self.resources.motors)
@@ -213,12 +216,11 @@ class PlanScreen(PageScreen):
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
 
     def _ask_day(self, season: int, known: "tuple[Day, Site]") -> None:
-        from fieldkit.planning.contest_day import read_part
-
         (day, site), system = known, self.resources.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
-        form = Form(title, contest_form.questions(site), texts, units, read_part)
+        read = partial(contest_form.read, self._decision.motor)
+        form = Form(title, contest_form.questions(site), texts, units, read)
         self.app.push_screen(form, partial(self._have_day, season, known))
 
     def _have_day(self, season: int, known: "tuple[Day, Site]", values: dict[str, object] | None) -> None:
@@ -226,14 +228,18 @@ class PlanScreen(PageScreen):
             return
         day, site = contest_form.answered(values, known[1])
         self._view = 2 if day != known[0] and self._view == 0 else self._view
+        weighed = cast("float | None", values[contest_form.WEIGHED.name])
 
         def work() -> None:
             from fieldkit.services.contest_day import keep_day
+            from fieldkit.services.launch_day import save_mass
             from fieldkit.services.sites import put_site
 
             keep_day(self.resources.ledger, season, day)
             if site != known[1]:
                 put_site(self.resources.ledger, site)
+            if weighed is not None:
+                save_mass(self.resources.ledger, weighed)
 
         self.change(work, lambda _: self.field_app.changed())
 

@@ -1,4 +1,4 @@
-"""Setup: motors, rockets, sites and settings, edited in place."""
+"""Setup: motors, rockets, sites, kits and settings, edited in place."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -11,12 +11,13 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
-from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
+from fieldkit.tui.setup.setup_help import SETUP_HELP
 from fieldkit.tui.setup.setup_lists import (
     MEANS,
     ListContents,
     builds_listed,
+    kits_listed,
     motors_listed,
     settings_listed,
     sites_listed,
@@ -29,61 +30,34 @@ from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
+    from fieldkit.planning.kits import Kit
     from fieldkit.tui.setup.setup_card import Facts, SetupCard
 
-KINDS = ("Motors", "Rockets", "Sites", "Settings")
+KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 
 EMPTY = (
     "No matching motor; / changes the search",
     "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
     "No sites yet.\n\n2 Add enter a flight with its site",
+    "No kits yet.\n\ni Add   save the mass, diameter and motor mount of a kit",
     "",
 )
 """Texts of empty lists."""
 
 
 class SetupScreen(PageScreen):
-    """Four lists in one table; left and right switch between them."""
+    """Five lists in one table; left and right switch between them."""
 
     NAME = "setup"
     TITLE = "Setup"
-    ABOUT = Help(
-        "Four lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
-        "and a name to search it, press i to add your own .eng or .rse file. Rockets and sites come from your flights: "
-        "press Enter to edit one in every flight that has it, u to undo. Settings: press Enter to change a value.",
-        (
-            ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),
-            ("burn s, grams", "Burn time of a motor, and its mass with propellant."),
-            ("delays s", "Ejection delays on sale; P is plugged: no charge."),
-            (
-                "rocket, config",
-                "A build of a rocket. Dry mass and diameter are those of its last flight.",
-            ),
-            ("last", "The last flight there, and for a build its last motor."),
-            ("elevation", "Elevation of the site above sea level; air density depends on it and on the weather."),
-            ("size, ceiling", "Size of the field, and its altitude limit."),
-            (
-                "units",
-                "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them.",
-            ),
-            ("theme", "field: any room. sun: black on white. night: red on black. terminal: its own. T changes it."),
-            ("target", "The target apogee for comparing motors on the Next page."),
-            ("sites", "Field size and ceiling are used in the safety checks of every plan at the site."),
-            ("rail", "Length and angle of your usual rail, for plans without one."),
-        ),
-        (
-            "fieldkit motors F24",
-            "fieldkit motors --import FILE.eng",
-            "fieldkit edit FLIGHT dry_mass=330g",
-            "fieldkit sites FIELD --size 400m",
-        ),
-    )
+    ABOUT = SETUP_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
         Binding("left", "turn(-1)", "Previous list", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
         Binding("slash", "search", "Search", key_display="/"),
-        Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
+        Binding("i", "add_one", "Add", tooltip="Add a kit to the kits, else the motors of a .eng or .rse file"),
+        Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
     ]
     DEFAULT_CSS = """
     SetupScreen #search { height: 1; }
@@ -105,6 +79,7 @@ class SetupScreen(PageScreen):
         self._kind = 0
         self._names = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
+        self._kits: Sequence[Kit] = ()
         self._in_hand: Facts
 
     def body(self) -> Iterable[Widget]:
@@ -126,7 +101,10 @@ class SetupScreen(PageScreen):
     def reload(self) -> None:
         """Read the rockets and sites of the flights."""
         self._show()
+        from fieldkit.services.kits import kits
+
         self.ask(self._read, self._have)
+        self.ask(kits, self._have_kits, "kits")
         self._search_now()
 
     def redraw(self) -> None:
@@ -147,6 +125,10 @@ class SetupScreen(PageScreen):
         self._names = names
         self._show()
 
+    def _have_kits(self, kits: "Sequence[Kit]") -> None:
+        self._kits = kits
+        self._show()
+
     @on(Input.Changed)
     def _search_now(self) -> None:
         text = self.query_one(Input).value
@@ -165,10 +147,10 @@ class SetupScreen(PageScreen):
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
-        self.query_one(Table).set_class(self._kind == 3, "-settings")
+        self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
         heads, keys, cells = self._list()
         table = self.query_one(Table)
-        table.enter, table.empty = ("Details", "Change", "Change", "Change")[self._kind], EMPTY[self._kind]
+        table.enter, table.empty = "Change" if self._kind else "Details", EMPTY[self._kind]
         table.show(heads, keys, cells)
         self.query_one(KeyBar).follow()
         self._beside()
@@ -201,6 +183,8 @@ class SetupScreen(PageScreen):
                 return setup_card.of_build(key, system, self._names.length(*key.names))
             case "Sites":
                 return setup_card.of_site(key, system)
+            case "Kits":
+                return setup_card.of_kit(key, system)
             case _:
                 return setup_card.of_setting(key, MEANS[key])
 
@@ -214,6 +198,8 @@ class SetupScreen(PageScreen):
                 return builds_listed(self._names, resources.settings.units, width)
             case "Sites":
                 return sites_listed(self._names, resources.settings.units, width)
+            case "Kits":
+                return kits_listed(self._kits, resources.settings.units)
             case _:
                 return settings_listed(resources.settings, resources.name)
 
@@ -235,7 +221,7 @@ class SetupScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
-        from fieldkit.tui.setup import setup_forms
+        from fieldkit.tui.setup import kit_form, setup_forms
 
         match KINDS[self._kind]:
             case "Motors":
@@ -244,10 +230,13 @@ class SetupScreen(PageScreen):
                 setup_forms.change_build(self, message.key)
             case "Sites":
                 setup_forms.change_site(self, message.key)
+            case "Kits":
+                kit_form.ask_kit(self, message.key)
             case _:
                 self._change_setting(message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
+        from fieldkit.tui.help import Help
         from fieldkit.tui.next import motor_facts
         from fieldkit.tui.widgets.dialogs import HelpScreen
 
@@ -271,11 +260,26 @@ class SetupScreen(PageScreen):
         else:
             self.complain(f"{name} cannot be changed here; ? explains how")
 
-    def action_import_motors(self) -> None:
-        """Add the motors of a file."""
-        from fieldkit.tui.setup.setup_forms import ask_motors
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Only kits are deleted here."""
+        return KINDS[self._kind] == "Kits" if action == "delete_kit" else super().check_action(action, parameters)
 
-        ask_motors(self)
+    def action_add_one(self) -> None:
+        """Add a kit, or the motors of a file."""
+        from fieldkit.tui.setup import kit_form, setup_forms
+
+        if KINDS[self._kind] == "Kits":
+            kit_form.ask_kit(self, None)
+        else:
+            setup_forms.ask_motors(self)
+
+    def action_delete_kit(self) -> None:
+        """Delete the kit under the cursor."""
+        from fieldkit.tui.setup.kit_form import ask_delete
+
+        kit = self.query_one(Table).current
+        if kit is not None:
+            ask_delete(self, kit)
 
     def copied(self) -> str:
         """The row under the cursor."""

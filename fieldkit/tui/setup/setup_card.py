@@ -22,6 +22,7 @@ from fieldkit.tui.widgets.rocket_drawing import caption, drawing
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
+    from fieldkit.planning.kits import Kit
 
 DRAWING_WIDTH = 56
 """Width of the drawn rocket: that of the narrowest card. [cell]"""
@@ -118,6 +119,19 @@ def of_site(place: LaunchSite, system: str) -> Facts:
     draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
+
+
+def of_kit(kit: "Kit", system: str) -> Facts:
+    """A kit, with its drawing if its diameter is known."""
+    unknown = "not known: Enter to set it"
+    pairs = [
+        ("dry mass", measure(cards.DRY_MASS, kit.dry_mass, system) or unknown),
+        ("diameter", measure(cards.DIAMETER, kit.diameter, system) or unknown),
+        ("mount", unknown if kit.mount is None else f"motors up to {kit.mount * 1e3:g} mm"),
+    ]
+    use = Hanging(((0, Content("Name a rocket after the kit, on Home or with p on Next: it starts with these.")),))
+    drawn = (_side_view(kit.diameter, None),) if kit.diameter else ()
+    return Facts((cards.lines(kit.name, pairs), use, *drawn))
 
 
 def of_setting(name: str, means: str) -> Facts:

@@ -14,6 +14,7 @@ from fieldkit.tui.widgets.table import Cells, Head
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
+    from fieldkit.planning.kits import Kit
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
@@ -81,6 +82,17 @@ def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
     heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
     heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
     return ListContents(heads, names.sites, cells)
+
+
+def kits_listed(kits: "Sequence[Kit]", system: str) -> ListContents:
+    """The flyer's kits."""
+    from fieldkit.tui.setup.kit_form import kit_text
+
+    def cells(kit: "Kit") -> list[str]:
+        return [kit.name, *(kit_text(kit, name, system) for name in ("dry_mass", "diameter", "mount"))]
+
+    heads = [Head("kit", 0), Head("dry mass", 9, True), Head("diameter", 9, True), Head("mount", 9, True)]
+    return ListContents(heads, kits, cells)
 
 
 def settings_listed(settings: Settings, ledger: str) -> ListContents:

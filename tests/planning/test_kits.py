@@ -1,0 +1,99 @@
+"""The flyer's kits are saved, changed, and deleted without touching what else is in their file."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
+from fieldkit.planning.kit_file import drop_kit, put_kit
+from fieldkit.planning.kits import Kit, read_kits
+from fieldkit.services.pickers import names_of
+from fieldkit.services.planning import rocket_of
+
+WRITTEN = """# kits of the club
+
+["Big Bertha"]  # blue
+dry_mass_g = 80
+diameter_mm = 41.6
+owner = "Ann"
+
+[Alpha]
+dry_mass_g = 30
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "kits.toml").write_text(WRITTEN)
+    return tmp_path / "kits.toml"
+
+
+def test_a_change_leaves_comments_other_keys_and_other_kits(file: Path) -> None:
+    put_kit(file, Kit("Big Bertha", 12.5, 0.0416, 0.018), "big bertha")
+    text = file.read_text(encoding="utf-8")
+    assert "# kits of the club" in text
+    assert 'owner = "Ann"' in text
+    kits = read_kits(file)
+    assert kits["big bertha"].figures == pytest.approx((12.5, 0.0416, 0.018))
+    assert kits["alpha"] == Kit("Alpha", 0.03, None, None)
+
+
+def test_a_kit_is_renamed_added_and_deleted(file: Path) -> None:
+    put_kit(file, Kit('The "B"', 0.08, None, None), "Big Bertha")
+    put_kit(file, Kit("Wren", None, 0.025, None))
+    assert [kit.name for kit in read_kits(file).values()] == ['The "B"', "Alpha", "Wren"]
+    put_kit(file, Kit("alpha", 0.03, None, None), "Alpha")
+    drop_kit(file, 'THE "b"')
+    assert [kit.name for kit in read_kits(file).values()] == ["alpha", "Wren"]
+
+
+@pytest.mark.parametrize(
+    ("kit", "was", "message"),
+    [
+        (Kit("Alpha", 0.1, None, None), "", "another kit 'Alpha'"),
+        (Kit("alpha", 0.1, None, None), "Big Bertha", "another kit 'Alpha'"),
+        (Kit(" ", 0.1, None, None), "", "expected a name"),
+        (Kit("a\nb", 0.1, None, None), "", "expected a name"),
+        (Kit("New", -0.1, None, None), "", "New, dry_mass_g: found -100"),
+        (Kit("New", float("nan"), None, None), "", "found nan"),
+    ],
+)
+def test_a_kit_that_cannot_be_is_refused_and_nothing_changes(file: Path, kit: Kit, was: str, message: str) -> None:
+    with pytest.raises(BadValue, match=message):
+        put_kit(file, kit, was)
+    assert file.read_text(encoding="utf-8") == WRITTEN
+
+
+def test_a_file_written_in_another_way_is_left_to_the_user(file: Path) -> None:
+    other = "Alpha = { dry_mass_g = 30 }\n"
+    file.write_text(other, encoding="utf-8")
+    with pytest.raises(BadValue, match="expected a change by hand"):
+        put_kit(file, Kit("Alpha", 0.031, None, None), "Alpha")
+    with pytest.raises(BadValue, match="expected a change by hand"):
+        drop_kit(file, "Alpha")
+    assert file.read_text(encoding="utf-8") == other
+
+
+def test_the_command_lists_saves_and_deletes_kits(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["kits", "alpha", "--mount", "13mm", "--json"]) == 0
+    (alpha,) = json.loads(capsys.readouterr().out)["kits"]
+    assert alpha == {"kit": "Alpha", "dry_mass_g": 30.0, "diameter_mm": None, "mount_mm": 13.0}
+    assert main(["kits", "Big Bertha", "--delete"]) == 0
+    assert "Alpha" in (capsys.readouterr(), main(["kits"]), capsys.readouterr())[2].out
+    assert main(["kits", "Big Bertha"]) == 1
+    assert "expected one of: Alpha" in capsys.readouterr().err
+    assert main(["kits", "--mount", "13mm"]) == 2
+
+
+def test_a_rocket_named_after_a_kit_is_offered_and_takes_its_mount(file: Path, tmp_path: Path) -> None:
+    put_kit(file, Kit("Big Bertha", 0.08, 0.0416, 0.018), "Big Bertha")
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        names = names_of(ledger, catalogue())
+        assert [(one.text, one.about) for one in names.sources()["rocket"]("ber")] == [("Big Bertha", "kit")]
+        assert not names.doubt("rocket", "Big Bertha")
+        assert rocket_of(ledger, catalogue(), "Big Bertha").mount == pytest.approx(0.018)

@@ -1,0 +1,66 @@
+"""Kits in the app: listed, added, changed, deleted, and offered as rockets, by keys alone."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.planning.kits import kit_of, read_kits
+from tests.pressing import frozen, opened, press, season, told, typed, words
+
+CHECK_SHAPES = False
+TO_KITS = ("6", "left", "left")
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+async def test_a_kit_is_added_changed_and_deleted(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    async with opened(file) as pilot:
+        await press(pilot, *TO_KITS)
+        assert "No kits yet" in words(pilot)
+        await press(pilot, "i", *typed("Big Bertha"), "down", *typed("80g"), "down", *typed("41.6mm"), "enter")
+        await press(pilot, *typed("18"), "ctrl+s")
+        assert "Saved the kit Big Bertha" in words(pilot)
+        assert "motors up to 18 mm" in words(pilot)
+        await press(pilot, "enter", "down", "ctrl+u", *typed("oops"), "ctrl+s")
+        assert "✗ found 'oops'" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("85g"), "ctrl+s")
+        assert "85 g" in words(pilot)
+        kit = kit_of(own, "big bertha")
+        assert (kit.dry_mass, kit.diameter, kit.mount) == pytest.approx((0.085, 0.0416, 0.018))
+        await press(pilot, "x", "n")
+        assert len(read_kits(own)) == 1
+        await press(pilot, "x", "y")
+        assert "No kits yet" in words(pilot)
+    assert read_kits(own) == {}
+
+
+async def test_a_plan_and_a_flight_take_the_figures_of_the_kit_that_is_picked(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    own.parent.mkdir(exist_ok=True)
+    own.write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
+    async with opened(file) as pilot:
+        await press(pilot, "4", "p", "down", "down", *typed("400g"), "ctrl+s")
+        assert "400 g without motor" in words(pilot)
+        await press(pilot, "p", "ctrl+u", *typed("big"), "_")
+        assert "Big Bertha kit" in words(pilot)
+        await press(pilot, "down", "enter", "ctrl+s")
+        assert "80 g without motor" in words(pilot)
+        await press(pilot, "slash", *typed("f39t"), "enter", "_")
+        assert "and the mount of the kit has 18 mm" in told(pilot, "#more")
+
+
+async def test_a_damaged_file_of_kits_is_a_notice_and_the_other_lists_are_there(file: Path) -> None:
+    own = file.parent / "home" / "kits.toml"
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("[Alpha\n")
+    async with opened(file) as pilot:
+        await press(pilot, "6", "right")
+        assert "kits.toml" in words(pilot)
+        assert "Astra" in words(pilot)
