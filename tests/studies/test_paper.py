@@ -1,6 +1,7 @@
 """The reproduction of the reference paper: each figure of the report compared with the published one."""
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -221,6 +222,15 @@ def test_the_report_fits_eighty_columns(run: Run) -> None:
     lines = run("paper").splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
+
+
+@pytest.mark.usefixtures("computed")
+def test_the_report_is_in_the_units_of_the_user(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "settings.json").write_text('{"units": "US"}')
+    text = run("paper")
+    assert not re.search(r"\d m\b|\[m\]", text)
+    assert "923" in text  # the apogee of flight 2 [ft]
+    assert "40 ft" in text  # its published error, 12.3 m
 
 
 @pytest.mark.usefixtures("computed")
