@@ -72,7 +72,7 @@ def motors(
         int | None, typer.Option(help="Rank by the expected points of this season's rule: 2027.", rich_help_panel=GUIDE)
     ] = None,
     max_length: Annotated[
-        str | None, typer.Option(help="Longest motor that fits: 124mm.", rich_help_panel=GUIDE)
+        str | None, typer.Option(help="Longest motor that fits: 124mm, 5in.", rich_help_panel=GUIDE)
     ] = None,
     max_impulse: Annotated[
         float | None, typer.Option(callback=not_negative, help="Total impulse range, in N s.", rich_help_panel=GUIDE)
