@@ -21,6 +21,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
 from tests.pressing import opened, press, told
+from tests.user_units import foreign_figures
 from tools import field_report, history_report
 from tools.manual import pages
 
@@ -32,6 +33,8 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / 
 RUN = ("start", "predictions", "installing")
 """Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
 those with real flights, which are not shipped."""
+OWN_UNITS = {"inspect", "docs", "contest"}
+"""Commands that quote a file's columns, the manual, or a contest's rule."""
 TO_BE_MADE = {
     "parsers/skylark.py",
     "models/effects/sticky_altimeter.py",
@@ -77,7 +80,8 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("at_the_root")
 @pytest.mark.parametrize("name", ["README", *RUN, "examples.sh"])
-def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path) -> None:
+def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """And show no figures in feet, ounces, or miles per hour to a user with SI units."""
     lines = lines_of(name)
     assert lines
     for line in lines:
@@ -85,6 +89,9 @@ def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path) -> None
         assert program == "fieldkit"
         arguments = [str(tmp_path / one) if one in MADE else one for one in arguments]
         assert main(arguments) == 0, line
+        shown = capsys.readouterr()
+        if arguments[0] not in OWN_UNITS:
+            assert foreign_figures(shown.out + shown.err, "SI") == [], line
 
 
 @pytest.mark.parametrize("line", lines_of("examples-long.sh"))
