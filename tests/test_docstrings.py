@@ -16,12 +16,29 @@ PACKAGE = Path(errors.__file__).parent
 LEFT_OUT = ("tui/", "ledger/migrations/versions/")
 """Screens, whose methods the library names; migrations, which are never edited and whose modules say what they do."""
 
-SOURCED = ("physics/", "analysis/", "forecast/", "inference/laplace/", "scoring/")
+SOURCED = (
+    "physics/",
+    "analysis/",
+    "model/",
+    "inference/laplace/",
+    "inference/history/",
+    "inference/network/",
+    "selection/",
+    "scoring/",
+    "forecast/",
+)
 """Packages whose functions compute by formulas of physics and statistics."""
 NO_FORMULA = {
     "analysis/labels.py": "converts units",
+    "inference/history/shards.py": "arranges figures in a table",
+    "inference/history/unexplained_patterns.py": "draws patterns that are invented on purpose",
+    "inference/network/field_ensemble.py": "looks up priors",
+    "inference/network/posterior.py": "looks up what was recorded",
+    "model/features.py": "arranges what was recorded",
     "physics/setups.py": "looks up what was recorded; `turn_lengths` names its source",
     "physics/single.py": "converts units",
+    "selection/candidates.py": "marks flights by their group",
+    "selection/covariates.py": "looks up what was recorded",
 }
 """Modules in those packages without formulas of their own, each with its reason."""
 SOURCE = re.compile(r"\bSource: |\bDerivation: |\b(1[6-9]\d\d|20[0-2]\d)\b|\bNFPA \d")

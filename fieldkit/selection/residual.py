@@ -1,4 +1,8 @@
-"""The residuals of the plain model, and what they correlate with."""
+"""The residuals of the plain model, and what they correlate with.
+
+Source: rank correlation by Spearman (1904), analysis of variance of ranks by Kruskal and Wallis (1952). Derivation of
+the residuals: the mean over the scales of scatter of leave-one-out residuals in standard deviations.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -65,7 +65,11 @@ def derived_from(name: str) -> tuple[str, ...]:
 
 
 def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
-    """The threshold of each readout's distance with which a fraction `FALSE_ALARMS` of these flights gets a warning."""
+    """The threshold of each readout's distance with which a fraction `FALSE_ALARMS` of these flights gets a
+    warning. [1]
+
+    Derivation: bisection of the fraction that each readout alone may have, which makes the joint one `FALSE_ALARMS`.
+    """
     foretold = predict_readouts(ensemble, observed)
     distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
