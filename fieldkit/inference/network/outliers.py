@@ -10,6 +10,7 @@ from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
 from fieldkit.inference.network.vague import excess_sd, likeliest
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
+from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:
@@ -136,7 +137,7 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
 def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) -> str:
     column = BY_NAME[name]
     expected = np.sinh(ends) / 2 if name == "apogee_to_eject" else value * np.exp(ends - shown_value)
-    found, low, high = (f"{float(column.render(one)):.3g}" for one in (value, *expected))
+    found, low, high = (rounded(float(column.render(one)), 3) for one in (value, *expected))
     return (
         f"{column.title.lower()} of {found} {column.unit} is inconsistent with the rest of the flight, expected {low} "
         f"to {high} {column.unit}; left out"
