@@ -80,7 +80,7 @@ class Season:
             return ""
         how = MARKS.get(self.mark, "unverified")
         return (
-            f"The rule of {self.year} ({self.remarks}) is from {self.source or 'an unnamed source'} ({how}): check "
+            f"The rule of {self.year} ({self.remarks}) has this source: {self.source or 'none named'} ({how}). Check "
             "it against the season's rules before you rely on it."
         )
 

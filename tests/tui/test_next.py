@@ -89,7 +89,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
         await press(pilot, "e", *typed("Lark"), "enter", *typed("A"), "ctrl+s", *SURE)
-        assert "Saved as the start of this rocket, used by Next. u to undo" in words(pilot)
+        assert "Saved as this rocket's starting point. u to undo" in words(pilot)
         await press(pilot, "enter")
         assert "Saved already" in words(pilot)
         await press(pilot, "down", "enter")
