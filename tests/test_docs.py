@@ -1,9 +1,11 @@
 """README and manual are correct: commands run, paths exist, examples work, generated pages are up to date."""
 
+import ast
 import json
 import re
 import shlex
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +26,7 @@ from tests.pressing import opened, press, told
 from tests.user_units import foreign_figures
 from tools import field_report, history_report
 from tools.manual import pages
+from tools.strings import listed
 
 CHECK_SHAPES = False
 
@@ -229,11 +232,35 @@ def test_the_logger_of_the_manual_is_read() -> None:
 
 
 def test_the_helpers_of_the_manual_are_those_that_parsers_use() -> None:
-    rows = re.findall(r"^\| (`.*?) \| `fieldkit/importing/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
-    helpers = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-    parsers = [path.read_text(encoding="utf-8") for path in (ROOT / "parsers").glob("*.py")]
-    assert len(helpers) > 8
-    assert [name for name in helpers if sum(f" {name}" in text for text in parsers) < 2] == []
+    """Each named helper is used by two parsers or more, and what four or more use is named."""
+    rows = re.findall(r"^\| (`.*?) \| `fieldkit/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
+    helpers = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    used = Counter(
+        name.name
+        for path in (ROOT / "parsers").glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fieldkit.")
+        for name in node.names
+        if node.module != "fieldkit.shapes"  # array types, which all code uses
+    )
+    assert len(helpers) > 20
+    assert [name for name in helpers if used[name] < 2] == []
+    assert [name for name, count in used.items() if count >= 4 and name not in helpers] == []
+
+
+def test_the_messages_that_troubleshooting_explains_are_the_programs() -> None:
+    headings = re.findall(r"^\*\*(`.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
+    messages = [message for heading in headings for message in re.findall(r"`([^`]+)`", heading)]
+    parts = [
+        part.strip(" :;,.")
+        for line in listed()
+        for part in line.split(": ", 1)[1].split("{...}")
+        if len(part.strip()) >= 10  # longer than a word or two
+    ]
+    of_the_shell = ["fieldkit: command not found"]
+    assert len(messages) > 8
+    unknown = [one for one in messages if not any(one in part or part in one for part in parts)]
+    assert unknown == of_the_shell
 
 
 def test_the_effect_of_the_manual_bends_the_reading() -> None:

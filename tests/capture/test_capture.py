@@ -416,7 +416,7 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
     assert "Imported 1" in capsys.readouterr().out
-    with pytest.raises(CaptureTrouble, match="is not found; current ports"):
+    with pytest.raises(CaptureTrouble, match="is no longer there; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
 
 

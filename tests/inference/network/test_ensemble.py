@@ -186,7 +186,7 @@ def test_inference_answers_each_flight() -> None:
     ("changes", "error", "words"),
     [
         ({"motor": "C6-5"}, UnknownMotor, "the paper's physics knows E35-5W, F24-4W, F39"),
-        ({"dry_mass": 0.4}, ImpossibleFlight, "dry_mass_g: found 400, .* 322 g"),
+        ({"dry_mass": 0.4}, ImpossibleFlight, "dry_mass_g: found a mass of 400 g, .* 322 g"),
         ({"dry_mass": None, "config": "C"}, ImpossibleFlight, "dry_mass_g: found nothing"),
         ({"apogee": None}, ImpossibleFlight, "apogee_m: found nothing"),
     ],
