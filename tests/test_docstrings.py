@@ -136,7 +136,7 @@ def test_a_function_that_returns_numbers_states_their_unit(modules: Modules) -> 
     assert not found, "\n".join(found)
 
 
-def test_a_function_that_raises_our_errors_says_so(modules: Modules) -> None:
+def test_a_function_that_raises_our_errors_documents_them(modules: Modules) -> None:
     ours = _errors(modules)
     assert {"FieldkitError", "BadValue", "PortTrouble"} <= ours
     found = [

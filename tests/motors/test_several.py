@@ -132,7 +132,7 @@ def test_a_booster_that_is_kept_costs_height() -> None:
         ("2 x Zonk", "no such motor"),
     ],
 )
-def test_what_cannot_be_flown_as_one_says_so(text: str, named: str) -> None:
+def test_what_cannot_be_flown_as_one_reports_it(text: str, named: str) -> None:
     with pytest.raises(UnknownMotor, match=named):
         MOTORS.resolve_several(text)
 

@@ -332,7 +332,7 @@ def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
     assert across.drift == pytest.approx([0.0], abs=1e-9)
 
 
-def test_a_recorded_rail_leans_into_the_wind_unless_it_says_otherwise() -> None:
+def test_a_recorded_rail_tilts_into_the_wind_unless_it_says_otherwise() -> None:
     found = catalogue().resolve("F39T")
     ways = {"": -1, "into": -1, "away": 1, "180": 1}
     for direction, sign in ways.items():

@@ -125,7 +125,7 @@ def test_the_exact_posterior_finds_an_apogee_that_the_prior_can_produce(flights:
     assert np.abs(reconstructions(reachable, curves) - reachable.apogee).max() < 5
 
 
-def test_normalised_profiles_deliver_the_declared_impulse(flights: Reference) -> None:
+def test_scaled_profiles_deliver_the_declared_impulse(flights: Reference) -> None:
     ratio = [motor.delivered_impulse / motor.total_impulse for motor in paper.MOTORS]
     weaker = heights(flights, np.full(12, 0.6), 1 / np.array(ratio)[flights.motor], paper.paper_burns())
     np.testing.assert_allclose(heights(flights, np.full(12, 0.6), np.ones(12), normalised()), weaker, rtol=1e-9)
@@ -164,7 +164,7 @@ def test_no_rule_sees_the_flight_it_forecasts(flights: Reference) -> None:
         assert leave_one_out(flights, before.forecast, row) == leave_one_out(changed, after.forecast, row)
 
 
-def test_flights_of_one_setup_scatter_by_sixteen_metres(flights: Reference) -> None:
+def test_flights_of_one_setup_scatter_by_sixteen_meters(flights: Reference) -> None:
     found = scatter(flights)
     assert found["sd_m"] == pytest.approx(16.0, abs=0.05)
     assert found["degrees_of_freedom"] == 4
@@ -241,7 +241,7 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
 
 
 @pytest.mark.parametrize("command", [("paper",), ("study", "reference"), ("study", "rockets")])
-def test_where_the_studies_are_missing_their_commands_say_what_to_install(
+def test_if_the_studies_are_missing_their_commands_say_what_to_install(
     run: Run, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in [name for name in sys.modules if name.split(".")[0] == "studies"]:
