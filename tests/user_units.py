@@ -16,7 +16,7 @@ _ELSEWHERE = {
     "targets of a contest": r"target \d+ ft",
     "a rule in the words of the code": r"distance of complex rockets, but not more than 2,000 ft",
     "rules that only some motors meet": r"occupied buildings: (.|\n(?! *[\w-]+: ))*",
-    "diameters of motors": r"\b(motors|mount) of \d+ mm",
+    "dimensions of motors": r"\b(motors|mount) of \d+ mm|│ (diameter|length) +\d+ mm",
     "accelerations": r"(?im)^.*acceleration.*$|[-\d.]+ to [-\d.]+ g$",
     "seconds and then a word": r"\b\d[\d.]* in (the|a|all)\b",
 }
