@@ -87,10 +87,10 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
-    alike = _lag(error)
+    observed = _lag(error)
     shuffled = _lag(np.random.default_rng(0).permuted(np.tile(error, (SHUFFLES, 1)), axis=1))
     centred = shuffled.mean()
-    beyond = (np.abs(shuffled - centred) >= abs(alike - centred) - 1e-12).sum()
+    beyond = (np.abs(shuffled - centred) >= abs(observed - centred) - 1e-12).sum()
     return ResidualDistribution(
         readout,
         count,
@@ -98,7 +98,7 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
         _students_p(float(error.mean() / error.std(ddof=1) * np.sqrt(count)), count - 1),
         float(error.std(ddof=1)),
         _variance_p(error),
-        float(alike),
+        float(observed),
         float((beyond + 1) / (SHUFFLES + 1)),
     )
 

@@ -139,8 +139,8 @@ def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
     vague = (excess_sd(observed) > 0).any(axis=1)
     if vague.any():
         some = observed.rows(vague)
-        foretold = outliers.predict_readouts(ensemble, replace(some, sd=None))
-        drawn = [ensemble.members(features(one)) for one in plausible(some, foretold.mean, foretold.sd)]
+        predicted = outliers.predict_readouts(ensemble, replace(some, sd=None))
+        drawn = [ensemble.members(features(one)) for one in plausible(some, predicted.mean, predicted.sd)]
         outputs = np.tile(outputs, (1, DRAWS, 1))
         outputs[vague] = np.concatenate(drawn, axis=1)
     return mixture(outputs, *intervals(observed))

@@ -39,13 +39,13 @@ class PredictedReadouts:
 def predict_readouts(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     """Each readout predicted from the others, in one run of the graph for a block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
-    parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
+    parts = [_predict_block(ensemble, observed.rows(block)) for block in blocks]
     return PredictedReadouts(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd"))
     )
 
 
-def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
+def _predict_block(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(INDEPENDENT_READOUTS):
@@ -71,8 +71,8 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
 
     Derivation: bisection of the fraction that each readout alone may have, which makes the joint one `FALSE_ALARMS`.
     """
-    foretold = predict_readouts(ensemble, observed)
-    distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
+    predicted = predict_readouts(ensemble, observed)
+    distance = np.where(np.isfinite(predicted.shown), predicted.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
     for _ in range(30):
         share = 0.5 * (low + high)
@@ -89,8 +89,8 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     uncertain readout counts as its most likely value, so it is no outlier if its uncertainty explains its distance.
     """
     if (excess_sd(observed) > 0).any():
-        foretold = predict_readouts(ensemble, observed)
-        observed = likeliest(observed, foretold.mean, foretold.sd)
+        predicted = predict_readouts(ensemble, observed)
+        observed = likeliest(observed, predicted.mean, predicted.sd)
     limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
     far: Flags = predict_readouts(ensemble, observed).distance > limit
     odd = far.any(axis=1)
@@ -120,7 +120,7 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
     lines = [""] * len(observed)
     odd = np.flatnonzero(which >= 0)
     if len(odd):
-        foretold = predict_readouts(ensemble, observed.rows(odd))
+        predicted = predict_readouts(ensemble, observed.rows(odd))
         for row, flight in enumerate(odd):
             seen = int(which[flight])
             name = (
@@ -128,9 +128,9 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
                 if np.isfinite(observed.readout(INDEPENDENT_READOUTS[seen])[flight])
                 else "avg_accel"
             )
-            ends = foretold.mean[row, seen] + np.array([-2, 2]) * foretold.sd[row, seen]
+            ends = predicted.mean[row, seen] + np.array([-2, 2]) * predicted.sd[row, seen]
             value = float(observed.readout(name)[flight])
-            lines[flight] = _line(name, value, float(foretold.shown[row, seen]), ends)
+            lines[flight] = _line(name, value, float(predicted.shown[row, seen]), ends)
     return lines
 
 
