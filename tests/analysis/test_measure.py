@@ -131,7 +131,7 @@ def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
 
 @pytest.mark.parametrize("rate", [10, 100])
 def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
-    """A short delay brings the parachute out at 50 m/s: the rocket stops within half a second."""
+    """A short delay deploys the parachute at 50 m/s: the rocket stops within half a second."""
     recorded, truth = measured(replace(SMALL, delay=3.3), Logger(accelerometer=rate))
     assert abs(off(recorded, truth, "eject_altitude")) < 3 * recorded.figures["eject_altitude"].sd < 20
     assert abs(off(recorded, truth, "apogee")) < 1

@@ -76,7 +76,7 @@ def test_a_sample_has_the_signs_of_its_parser_best(sample: Path) -> None:
 
 
 def mutated(content: bytes) -> Iterator[tuple[str, bytes]]:
-    """The text of a log with its first lines spelled otherwise, and what was done to them."""
+    """The text of a log with its first lines spelled differently, and the change."""
     head, _, rest = content.partition(b"\n")
     yield "in capitals", head.upper() + b"\n" + rest
     yield "with a byte order mark", b"\xef\xbb\xbf" + content

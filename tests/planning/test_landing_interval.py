@@ -1,4 +1,4 @@
-"""The interval of a landing holds where RocketPy lands, also if the static margin of the rocket is not known."""
+"""The interval of a landing contains the landing point of RocketPy, also with an unknown static margin of the rocket."""
 
 from typing import Any
 
