@@ -1,4 +1,4 @@
-"""The interval of a landing contains the landing point of RocketPy, also with an unknown static margin of the rocket."""
+"""The interval of a landing contains the landing point of RocketPy, even if the static margin is not known."""
 
 from typing import Any
 
