@@ -133,6 +133,28 @@ def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.Capt
     assert "unverified" in str(wind)
 
 
+def test_the_claims_of_the_first_page_are_what_commands_printed() -> None:
+    claims = " ".join(README.split())
+    errors = {
+        name: (flights, median)
+        for name, flights, median in re.findall(
+            r"^\| ([\w, ]+) \| (\d+) \| ([\d.]+%)", PAGES["journal"], flags=re.MULTILINE
+        )
+    }
+    (flights, own), (_, fleet), (_, last) = (
+        errors[name] for name in ("fieldkit", "fleet ratio", "last on motor, else scalar")
+    )
+    assert f"the median error of {flights} forecasts is {own}, with one ratio for the whole fleet {fleet}" in claims
+    assert f"with the last flight on the same motor {last}" in claims
+    verdicts = re.findall(r"^- right verdicts if .*?: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
+    alarms = re.findall(r"^- false alarms on nulls: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
+    right, decidable = (sum(map(int, column)) for column in zip(*verdicts, strict=True))
+    false, nulls = (sum(map(int, column)) for column in zip(*alarms, strict=True))
+    assert f"{right} of {decidable} decidable verdicts are right" in claims
+    assert false == 0
+    assert f"no false alarm in {nulls} histories without an effect" in claims
+
+
 def test_every_command_has_an_example() -> None:
     commands = re.findall(r"^## `fieldkit (\w+)`", PAGES["commands"], flags=re.MULTILINE)
     shown = {shlex.split(line)[1] for name in ("examples.sh", "examples-long.sh") for line in lines_of(name)}
