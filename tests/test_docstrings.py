@@ -26,6 +26,8 @@ SOURCED = (
     "selection/",
     "scoring/",
     "forecast/",
+    "planning/",
+    "motors/",
 )
 """Packages whose functions compute by formulas of physics and statistics."""
 NO_FORMULA = {
@@ -35,8 +37,15 @@ NO_FORMULA = {
     "inference/network/field_ensemble.py": "looks up priors",
     "inference/network/posterior.py": "looks up what was recorded",
     "model/features.py": "arranges what was recorded",
+    "motors/comparison.py": "looks up the catalog",
+    "motors/draft.py": "parses text",
     "physics/setups.py": "looks up what was recorded; `turn_lengths` names its source",
     "physics/single.py": "converts units",
+    "planning/air.py": "looks up what was recorded",
+    "planning/contest_day.py": "parses what was announced",
+    "planning/finals.py": "lists the targets of a season",
+    "planning/motor_guide.py": "looks up what was flown",
+    "planning/quantiles.py": "names three numbers",
     "selection/candidates.py": "marks flights by their group",
     "selection/covariates.py": "looks up what was recorded",
 }

@@ -1,4 +1,7 @@
-"""Contest points: seasons are files in `fieldkit/data/seasons`, which score flights and plans."""
+"""Contest points: seasons are files in `fieldkit/data/seasons`, which score flights and plans.
+
+Source: the rules of each season, as its file names them with their reliability.
+"""
 
 import math
 import tomllib

@@ -2,6 +2,9 @@
 
 They advise and never forbid: the range safety officer decides. Commands and screens display them and make no decisions
 of their own.
+
+Derivation: mean thrust is the integral of the piecewise linear curve over its time; thrust to weight is its ratio to
+the loaded weight at standard gravity. Limits have their sources in `fieldkit/data`.
 """
 
 import math
