@@ -28,6 +28,9 @@ DECIMALS: Mapping[str, int] = MappingProxyType(
 )
 """Decimal digits by unit."""
 
+MAX_WRITTEN_OUT = 1e9
+"""Numbers from here on have an exponent, in any unit."""
+
 
 def counted(count: int, noun: str) -> str:
     """A count with its noun: `1 flight`, `2 flights`."""
@@ -64,7 +67,8 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
 
 
 _NOTE_FIGURE = re.compile(r"(?<![\w.,'])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
-_NOTE_MASS = re.compile(r"(?<=\bmass of )(\d+(?:\.\d+)?) (g|kg)\b")
+_NOTE_MASS = re.compile(r"(?:(?<=\bmass of )|(?<=\brange \())(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (g|kg)\b")
+_NOTE_AREA = re.compile(r"(?<![\w.,])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) m²")
 _NOTE_WIDTH = re.compile(r"(?<=\bdiameter of )(\d+(?:\.\d+)?) (mm)\b")
 _FIGURE = r"\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 _NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) (\+/-|±) ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
@@ -78,8 +82,8 @@ _OF_SI["K"] = ("°F", 1.8)
 def in_system(note: str, system: str) -> str:
     """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`.
 
-    Masses are converted after the words `mass of`, because `g` is also an acceleration, and widths after `diameter of`,
-    because motors and their mounts are named by millimeters everywhere.
+    Masses are converted after the words `mass of` and `range (`, because `g` is also an acceleration, and widths after
+    `diameter of`, because motors and their mounts are named by millimeters everywhere.
 
     In estimates with a standard deviation, such as `13.7 +/- 14 m/s^2`, accelerations and temperature differences [K]
     are converted too.
@@ -89,7 +93,8 @@ def in_system(note: str, system: str) -> str:
     note = _NOTE_ESTIMATE.sub(_estimate, note)
     note = _NOTE_FIGURE.sub(partial(_figure, system=system), note)
     if "g" in SYSTEMS[system]:
-        note = _NOTE_MASS.sub(lambda one: written(float(one[1]) * GRAMS[one[2]], "g", system), note)
+        note = _NOTE_MASS.sub(partial(_weight, system=system), note)
+        note = _NOTE_AREA.sub(_area, note)
         note = _NOTE_WIDTH.sub(lambda one: written(float(one[1]) * 1e-3, "mm", system), note)
     return note
 
@@ -101,9 +106,22 @@ def _figure(found: re.Match[str], system: str) -> str:
     return shown if low is None else f"{written(float(low), unit, system, 0).split()[0]} to {shown}"
 
 
+def _weight(found: re.Match[str], system: str) -> str:
+    """A mass, or two with one unit, in a system."""
+    low, high, unit = found.groups()
+    shown = written(float(high) * GRAMS[unit], "g", system)
+    return shown if low is None else f"{written(float(low) * GRAMS[unit], 'g', system).split()[0]} to {shown}"
+
+
+def _area(found: re.Match[str]) -> str:
+    """An area, or two with one unit, in square inches."""
+    ends = [rounded(float(end) / units.INCH**2, 3) for end in found.groups() if end is not None]
+    return f"{' to '.join(ends)} in²"
+
+
 def _estimate(found: re.Match[str]) -> str:
     unit, factor = _OF_SI[found[4]]
-    return f"{float(found[1]) * factor:.3g} {found[2]} {float(found[3]) * factor:.2g} {unit}"
+    return f"{rounded(float(found[1]) * factor, 3)} {found[2]} {rounded(float(found[3]) * factor, 2)} {unit}"
 
 
 def density(value: float, system: str) -> str:
@@ -164,10 +182,16 @@ class ShownUnits:
         return written(value, "c", self.system)
 
 
+def rounded(value: float, digits: int = 4) -> str:
+    """A number with that many significant digits, without an exponent if it is large: `12345`, `281.3`, `0.0517`."""
+    text = f"{value:.{digits}g}"
+    return text if "e+" not in text or abs(value) >= MAX_WRITTEN_OUT else f"{value:.0f}"
+
+
 def significant(column: Column, value: float, system: str) -> str:
     """A value [SI] with its unit and four significant digits: `922.9 ft`."""
     unit = unit_of(column, system)
-    return f"{units.unit(column.quantity, unit).from_si(value):.4g} {spelled(unit)}"
+    return f"{rounded(units.unit(column.quantity, unit).from_si(value))} {spelled(unit)}"
 
 
 def measure(column: Column, value: float | None, system: str) -> str:

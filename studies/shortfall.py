@@ -145,12 +145,12 @@ def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[Sha
     rockets: dict[str, list[FlownFlight]] = {}
     for flight, motor in flown:
         rockets.setdefault(flight.rocket, []).append((flight, motor))
-    taught = [own for own in rockets.values() if any(one.clean and one.readouts() for one, _ in own)]
-    fits = [rocket_fit(own, hyperprior) for own in taught]
+    used = [own for own in rockets.values() if any(one.clean and one.readouts() for one, _ in own)]
+    fits = [rocket_fit(own, hyperprior) for own in used]
     posterior = combined(merged([one.prior for one in fits]), [one.message for one in fits])
     names = [name for name in posterior.names if name.endswith(fleet_term("")) and "delay" not in name]
     joint = posterior.only(names)
-    slopes = np.concatenate([_apogee_slopes(own, hyperprior, joint.names) for own in taught])
+    slopes = np.concatenate([_apogee_slopes(own, hyperprior, joint.names) for own in used])
     prior = np.array([log(NOMINAL_CD) if name == fleet_term("drag") else 0.0 for name in joint.names])
     return joint, np.asarray(slopes.mean(axis=0) * (joint.mean - prior))
 

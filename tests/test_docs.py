@@ -1,9 +1,11 @@
 """README and manual are correct: commands run, paths exist, examples work, generated pages are up to date."""
 
+import ast
 import json
 import re
 import shlex
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -21,8 +23,10 @@ from fieldkit.ledger import Ledger
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
 from tests.pressing import opened, press, told
+from tests.user_units import foreign_figures
 from tools import field_report, history_report
 from tools.manual import pages
+from tools.strings import listed
 
 CHECK_SHAPES = False
 
@@ -32,6 +36,8 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / 
 RUN = ("start", "predictions", "installing")
 """Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
 those with real flights, which are not shipped."""
+OWN_UNITS = {"inspect", "docs", "contest"}
+"""Commands that quote a file's columns, the manual, or a contest's rule."""
 TO_BE_MADE = {
     "parsers/skylark.py",
     "models/effects/sticky_altimeter.py",
@@ -77,7 +83,8 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("at_the_root")
 @pytest.mark.parametrize("name", ["README", *RUN, "examples.sh"])
-def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path) -> None:
+def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """And show no figures in feet, ounces, or miles per hour to a user with SI units."""
     lines = lines_of(name)
     assert lines
     for line in lines:
@@ -85,6 +92,9 @@ def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path) -> None
         assert program == "fieldkit"
         arguments = [str(tmp_path / one) if one in MADE else one for one in arguments]
         assert main(arguments) == 0, line
+        shown = capsys.readouterr()
+        if arguments[0] not in OWN_UNITS:
+            assert foreign_figures(shown.out + shown.err, "SI") == [], line
 
 
 @pytest.mark.parametrize("line", lines_of("examples-long.sh"))
@@ -121,6 +131,28 @@ def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.Capt
     (wind,) = [line for line in made["safety"] if line["check"] == "ground wind"]
     assert wind["verdict"] == "caution"
     assert "unverified" in str(wind)
+
+
+def test_the_claims_of_the_first_page_are_what_commands_printed() -> None:
+    claims = " ".join(README.split())
+    errors = {
+        name: (flights, median)
+        for name, flights, median in re.findall(
+            r"^\| ([\w, ]+) \| (\d+) \| ([\d.]+%)", PAGES["journal"], flags=re.MULTILINE
+        )
+    }
+    (flights, own), (_, fleet), (_, last) = (
+        errors[name] for name in ("fieldkit", "fleet ratio", "last on motor, else scalar")
+    )
+    assert f"the median error of {flights} forecasts is {own}, with one ratio for the whole fleet {fleet}" in claims
+    assert f"with the last flight on the same motor {last}" in claims
+    verdicts = re.findall(r"^- right verdicts if .*?: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
+    alarms = re.findall(r"^- false alarms on nulls: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
+    right, decidable = (sum(map(int, column)) for column in zip(*verdicts, strict=True))
+    false, nulls = (sum(map(int, column)) for column in zip(*alarms, strict=True))
+    assert f"{right} of {decidable} decidable verdicts are right" in claims
+    assert false == 0
+    assert f"no false alarm in {nulls} histories without an effect" in claims
 
 
 def test_every_command_has_an_example() -> None:
@@ -222,11 +254,35 @@ def test_the_logger_of_the_manual_is_read() -> None:
 
 
 def test_the_helpers_of_the_manual_are_those_that_parsers_use() -> None:
-    rows = re.findall(r"^\| (`.*?) \| `fieldkit/importing/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
-    helpers = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-    parsers = [path.read_text(encoding="utf-8") for path in (ROOT / "parsers").glob("*.py")]
-    assert len(helpers) > 8
-    assert [name for name in helpers if sum(f" {name}" in text for text in parsers) < 2] == []
+    """Each named helper is used by two parsers or more, and what four or more use is named."""
+    rows = re.findall(r"^\| (`.*?) \| `fieldkit/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
+    helpers = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    used = Counter(
+        name.name
+        for path in (ROOT / "parsers").glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fieldkit.")
+        for name in node.names
+        if node.module != "fieldkit.shapes"  # array types, which all code uses
+    )
+    assert len(helpers) > 20
+    assert [name for name in helpers if used[name] < 2] == []
+    assert [name for name, count in used.items() if count >= 4 and name not in helpers] == []
+
+
+def test_the_messages_that_troubleshooting_explains_are_the_programs() -> None:
+    headings = re.findall(r"^\*\*(`.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
+    messages = [message for heading in headings for message in re.findall(r"`([^`]+)`", heading)]
+    parts = [
+        part.strip(" :;,.")
+        for line in listed()
+        for part in line.split(": ", 1)[1].split("{...}")
+        if len(part.strip()) >= 10  # longer than a word or two
+    ]
+    of_the_shell = ["fieldkit: command not found"]
+    assert len(messages) > 8
+    unknown = [one for one in messages if not any(one in part or part in one for part in parts)]
+    assert unknown == of_the_shell
 
 
 def test_the_effect_of_the_manual_bends_the_reading() -> None:

@@ -24,7 +24,7 @@ def square(number: int) -> bytes:
     return str(number**2).encode()
 
 
-def test_what_was_cut_short_goes_on_where_it_was(tmp_path: Path) -> None:
+def test_what_was_cut_short_continues_where_it_was(tmp_path: Path) -> None:
     worked: list[int] = []
 
     def noting(number: int) -> bytes:
@@ -111,7 +111,7 @@ def test_no_workers_are_named(where: str, said: str) -> None:
         pass
 
 
-def test_the_bench_scores_a_set_from_what_it_is_given_and_goes_on(tmp_path: Path) -> None:
+def test_the_bench_scores_a_set_from_what_it_is_given_and_continues(tmp_path: Path) -> None:
     label = {"set": "set_001", "scenario": "wind", "label": "wind", "level": 1}
     label |= {"ideal_mae_m": 5.0, "blind_mae_m": 10.0, "ideal_future_mae_m": 5.0}
     for name in ("set_001.csv", "set_001_future.csv"):

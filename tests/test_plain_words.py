@@ -56,18 +56,20 @@ def _replaced() -> tuple[str, ...]:
 
 
 DIALECT = """
-    a good deal, albeit, apart by, are said, askance, bear out, bears, bears out, borne, for want of, forthwith, go
-    on, go together, goes on, goes together, going on, gravely, gravest, hang together, hangs together, heed,
-    henceforth, herein, heretofore, hitherto, in so far, inasmuch, insofar, is said, is told, lest, mend, mended,
-    mends, naught, nigh, notwithstanding, of itself, on record, ought, reckon, reckoned, reckons, said so, say so,
-    says so, shall, so long as, some sixty, that is none, the page Add, the page Flights, the page Home, the page
-    Import, the page Loop, the page Next, the page Setup, thereby, therein, thereof, thereupon, thrice, to and fro,
-    unasked, unto, went on, whence, whereby, wherever, whilst, whoever
+    a good deal, afterwards, albeit, apart by, are said, askance, bear out, bears, bears out, borne, for want of,
+    forthwith, go on, go together, goes on, goes together, going on, gravely, gravest, hang together, hangs together,
+    heed, henceforth, herein, heretofore, hitherto, in so far, inasmuch, insofar, is said, is told, lest, mend, mended,
+    mends, naught, nigh, notwithstanding, of itself, on record, ought, reckon, reckoned, reckons, said so, say so, says
+    nothing of, says so, shall, so long as, some sixty, that is none, the page Add, the page Flights, the page Home, the
+    page Import, the page Loop, the page Next, the page Setup, thereby, therein, thereof, thereupon, thrice, to and fro,
+    unasked, unto, went on, what it is worth, whence, whereby, wherever, whilst, whoever
 """
 """Words that a native speaker would not write here, besides those of the glossary, and parts of its phrases."""
 BRITISH = """
-    analyse, behaviour, catalogue, centre, centres, colour, colours, favour, grey, judgement, licence, metre, metres,
-    neighbour, recognise, recognised, recognises, towards
+    aluminium, analyse, behaviour, cancelled, catalogue, centre, centres, colour, colours, defence, favour, fibre,
+    fulfil, grey, honour, initialise, judgement, labelled, licence, litre, maximise, metre, metres, minimise, modelled,
+    neighbour, normalise, normalised, optimise, organise, organised, programme, realise, recognise, recognised,
+    recognises, signalled, standardised, summarise, towards, travelled, travelling
 """
 """Spellings that are not American."""
 WORDS = (
@@ -139,6 +141,17 @@ def test_text_that_people_read_holds_no_word_that_the_glossary_replaces() -> Non
         for name, line, text in _texts()
         for word in banned_words(text)
         if text not in QUOTES
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_names_of_tests_hold_no_word_that_the_glossary_replaces() -> None:
+    found = [
+        f"{file.relative_to(ROOT)}:{node.lineno}: {node.name}"
+        for file in sorted((ROOT / "tests").rglob("test_*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+        if banned_words(node.name.replace("_", " "))
     ]
     assert not found, "\n".join(found)
 

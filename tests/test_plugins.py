@@ -42,5 +42,5 @@ def test_mounting_imports_no_plug_in() -> None:
 
 
 @pytest.mark.parametrize("name", ["parsers", "models"])
-def test_a_shelf_is_no_ordinary_package(name: str) -> None:
+def test_a_plugin_folder_is_no_ordinary_package(name: str) -> None:
     assert not (ROOT / name / "__init__.py").exists()

@@ -2,7 +2,8 @@
 
 import pytest
 
-from fieldkit.quantities import density, in_system
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import density, in_system, rounded, significant
 
 pytestmark = pytest.mark.fast
 
@@ -14,7 +15,7 @@ pytestmark = pytest.mark.fast
         ("off the rail at 10 m/s", "off the rail at 22 mph"),
         ("the missing 25 m/s² are filled in", "the missing 25 m/s² are filled in"),
         ("friction: 13.7 +/- 14 m/s^2", "friction: 44.9 +/- 46 ft/s^2"),
-        ("a site: -120 ± 60 m", "a site: -394 ± 2e+02 ft"),
+        ("a site: -120 ± 60 m", "a site: -394 ± 197 ft"),
         ("days: 5 +/- 2.5 K", "days: 9 +/- 4.5 °F"),
         ("4.57 +/- 7.4 deg at 15 m/s off the rail", "4.57 +/- 7.4 deg at 34 mph off the rail"),
         ("found 0 m, expected 3 to 200 m", "found 0 ft, expected 10 to 656 ft"),
@@ -32,3 +33,33 @@ def test_a_note_states_lengths_and_speeds_in_the_units_of_the_system(note: str, 
 def test_a_density_is_in_pounds_per_cubic_foot_if_lengths_are_in_feet() -> None:
     assert density(1.225, "SI") == "1.225 kg/m³"
     assert density(1.225, "mixed") == "0.0765 lb/ft³"
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(12345.6, 4, "12346"), (281.31, 4, "281.3"), (0.051719, 3, "0.0517"), (9999.7, 4, "10000"), (1e12, 4, "1e+12")],
+)
+def test_a_rounded_number_is_written_out(value: float, digits: int, text: str) -> None:
+    assert rounded(value, digits) == text
+
+
+def test_a_high_flight_is_shown_without_an_exponent() -> None:
+    assert significant(BY_NAME["apogee"], 4000.0, "US") == "13123 ft"
+
+
+@pytest.mark.parametrize(
+    ("note", "shown"),
+    [
+        (
+            "lift-off mass of 2 kg is outside the training range (0.02 to 1.5 kg)",
+            "lift-off mass of 70.55 oz is outside the training range (0.71 to 52.91 oz)",
+        ),
+        (
+            "drag area around 0.005 m² is outside the training range (0.0001 to 0.004 m²)",
+            "drag area around 7.75 in² is outside the training range (0.155 to 6.2 in²)",
+        ),
+    ],
+)
+def test_a_range_of_masses_or_areas_is_in_one_system(note: str, shown: str) -> None:
+    assert in_system(note, "US") == shown
+    assert in_system(note, "SI") == note

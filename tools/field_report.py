@@ -197,7 +197,7 @@ def bench() -> Iterator[str]:
     path = MEASURED / "bench_forward.txt"
     if not path.exists():
         return
-    yield "## Corrected intervals where the model is wrong"
+    yield "## Corrected intervals if the model is wrong"
     yield ""
     yield from prose(
         "Histories with a hidden effect, each flight forecast from the earlier ones by the plain model, with the",

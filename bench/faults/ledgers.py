@@ -1,4 +1,4 @@
-"""The ledgers that the bench damages, and the conditions that must be true afterwards."""
+"""The ledgers that the bench damages, and the conditions that must be true after it."""
 
 import os
 import shutil

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import spelled, unit_of
+from fieldkit.quantities import rounded, spelled, unit_of
 
 TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in MEASURED} | {"time_to_apogee": "Time to apogee"})
 """Titles of the figures, in the order of the readouts."""
@@ -45,4 +45,4 @@ def spoken(name: str, value: float, sd: float, system: str = "SI") -> str:
     unit = unit_of(column, system) if column else "s"
     scale = units.unit(column.quantity if column else "time", unit)
     spread = f" ± {scale.difference_from_si(sd):.2g}" if sd > 0 else ""
-    return f"{scale.from_si(value):.4g}{spread} {spelled(unit)}"
+    return f"{rounded(scale.from_si(value))}{spread} {spelled(unit)}"

@@ -157,7 +157,7 @@ def fit(
     right = samples.sums.of(precision * height)
     factor, wrong = dpbtrf(band, lower=1)
     if wrong or not np.isfinite(factor[0]).all():
-        raise np.linalg.LinAlgError("no curve goes through these samples")
+        raise np.linalg.LinAlgError("no curve can be fitted to these samples")
     mean, _ = dpbtrs(factor, right, lower=1)
     counted = precision > 0
     evidence = 0.5 * (

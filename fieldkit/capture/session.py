@@ -81,7 +81,9 @@ def resume(
         found = again(unit, here)
         if found is None:
             known = ", ".join(one.name for one in here) or "none"
-            raise CaptureTrouble(f"{file.name}: its unit was on {unit.name} and is not found; current ports: {known}")
+            raise CaptureTrouble(
+                f"{file.name}: its unit was on {unit.name} and is no longer there; current ports: {known}"
+            )
         port = replace(unit, name=found)
     name = _name(device or captured.device)
     settings = _settings(name, wishes)

@@ -43,7 +43,8 @@ def capture(
         typer.Option(callback=not_negative, metavar="SECONDS", help="How long to wait for the first byte."),
     ] = None,
     silence: Annotated[
-        float | None, typer.Option(callback=not_negative, metavar="SECONDS", help="Silence that ends a stream.")
+        float | None,
+        typer.Option(callback=not_negative, metavar="SECONDS", help="Length of silence that ends a stream."),
     ] = None,
     seconds: Annotated[
         float | None, typer.Option(callback=not_negative, metavar="SECONDS", help="Stop after this time.")

@@ -26,7 +26,7 @@ def finals(
     season: Annotated[int, typer.Option(help="2019 to 2027.")],
     targets: Annotated[str | None, typer.Option(help="Lowest and highest target, in feet: 775-825.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
-    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g.")] = None,
+    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g, 17oz.")] = None,
     card: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
@@ -116,13 +116,13 @@ app.command()(finals)
 def contest(
     context: typer.Context,
     season: Annotated[int, typer.Option(help="2019 to 2027.")],
-    target: Annotated[str | None, typer.Option(help="Target announced that day: 785ft.")] = None,
+    target: Annotated[str | None, typer.Option(help="Target announced that day: 785ft, 239m.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     parachute: Annotated[
         str | None, typer.Option(help="Parachute area relative to the one flown: 85% or 0.85; needs --motor.")
     ] = None,
     reef: Annotated[str | None, typer.Option(help="Fraction of the area removed by reefing: 10%.")] = None,
-    rocket_length: Annotated[str | None, typer.Option(help="Length of the rocket: 700mm.")] = None,
+    rocket_length: Annotated[str | None, typer.Option(help="Length of the rocket: 700mm, 28in.")] = None,
     cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,

@@ -55,7 +55,7 @@ def landing(
         force = settled(file, force) if file is not None else force
     with planning(context, given) as plan:
         if kml is not None and plan.flight.wind is None:
-            raise BadValue("found --kml without a wind, expected --wind too: where it lands is not known without")
+            raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
         one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
     said, found, down, lines = one.said, one.said.found, one.down, one.lines
     words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system()))

@@ -71,7 +71,7 @@ def motors(
         int | None, typer.Option(help="Rank by the expected points of this season's rule: 2027.", rich_help_panel=GUIDE)
     ] = None,
     max_length: Annotated[
-        str | None, typer.Option(help="Longest motor that fits: 124mm.", rich_help_panel=GUIDE)
+        str | None, typer.Option(help="Longest motor that fits: 124mm, 5in.", rich_help_panel=GUIDE)
     ] = None,
     max_impulse: Annotated[
         float | None, typer.Option(callback=not_negative, help="Total impulse range, in N s.", rich_help_panel=GUIDE)
@@ -157,6 +157,7 @@ def _added(file: Path) -> "list[Motor]":
 def _compared(file: Path, json: bool) -> None:
     """Print the figures that differ from a table of tests, largest difference first."""
     from fieldkit.motors.comparison import compare_tests
+    from fieldkit.quantities import rounded
     from fieldkit.services.imports import read_file
 
     found = compare_tests(known_motors(), read_file(file), file.name)
@@ -168,8 +169,8 @@ def _compared(file: Path, json: bool) -> None:
         (
             f"{one.motor.maker} {one.motor.designation}",
             f"{one.field}",
-            f"{one.listed:.4g}",
-            f"{one.tested:.4g}",
+            rounded(one.listed),
+            rounded(one.tested),
             f"{one.ratio:+.0%}",
             one.basis,
         )
@@ -230,7 +231,7 @@ def _counted(what: str, value: object) -> str:
 
 def _list(found: "list[Motor]") -> None:
     from fieldkit.motors.motor import delays_text
-    from fieldkit.quantities import SYSTEMS
+    from fieldkit.quantities import SYSTEMS, rounded
     from fieldkit.units import unit
 
     user = system()
@@ -240,10 +241,10 @@ def _list(found: "list[Motor]") -> None:
         (
             f"{motor.maker} {motor.designation}",
             f"{motor.diameter * 1e3:g}",
-            f"{motor.total_impulse:.4g}",
-            f"{motor.average_thrust:.4g}",
+            rounded(motor.total_impulse),
+            rounded(motor.average_thrust),
             f"{motor.burn_time:.3g}",
-            f"{mass.from_si(motor.loaded_mass):.4g}",
+            rounded(mass.from_si(motor.loaded_mass)),
             delays_text(motor.delays),
             "" if motor.available else "no longer made",
         )

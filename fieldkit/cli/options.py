@@ -27,6 +27,20 @@ OPTION_HELP = {
     "notes": "Free text.",
 }
 """Help of the text columns of a flight."""
+TYPED = {
+    "dry_mass": "11.4oz",
+    "diameter": "2.6in",
+    "site_elevation": "700ft",
+    "temperature": "68F",
+    "pressure": "30.1inHg",
+    "wind": "8mph",
+    "rail_length": "3ft",
+    "apogee": "923ft",
+    "top_speed": "150mph",
+    "eject_altitude": "910ft",
+    "descent_speed": "15mph",
+}
+"""A number with a unit other than the default, for the help of an option."""
 COMPLETIONS = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
 """Completion function of each option."""
 
@@ -40,7 +54,8 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
         name = header.rpartition("_")[0]
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
         column = flight.BY_NAME[name]
-        own.append(_option(name, flags, f"{column.help[:-1]}; in {spelled(column.unit)}.", panel))
+        typed = f", or with a unit: {TYPED[name]}" if name in TYPED else ""
+        own.append(_option(name, flags, f"{column.help[:-1]}; in {spelled(column.unit)}{typed}.", panel))
     keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
@@ -53,13 +68,16 @@ PLAN = "The plan; a number may have a unit, as in 8mph"
 RECOVERY = "Descent; a number may have a unit, as in 500ft"
 """Heading of the recovery options in a command's help."""
 FIELD = (
-    ("motor_temperature", "Temperature of the motor when loaded; in °C."),
-    ("waiver", "Ceiling above the pad: 500m. Default: saved with the site."),
-    ("field_size", "Shorter side of the field: 300m. Default: saved with the site."),
-    ("lift_off_mass", "Mass on the pad with the motor: 620g; replaces the dry mass."),
+    ("motor_temperature", "Temperature of the motor when loaded; in °C, or with a unit: 68F."),
+    ("waiver", "Ceiling above the pad: 500m, 1600ft. Default: saved with the site."),
+    ("field_size", "Shorter side of the field: 300m, 1000ft. Default: saved with the site."),
+    ("lift_off_mass", "Mass on the pad with the motor: 620g, 22oz; replaces the dry mass."),
     ("kit", "One of your kits in kits.toml: sets mass, diameter, and motor mount."),
-    ("people", "Distance from the pad to the people at the launch: 30m. Default: saved with the site."),
-    ("bystanders", "Distance to people and property not involved in the launch: 500m. Default: saved with the site."),
+    ("people", "Distance from the pad to the people at the launch: 30m, 100ft. Default: saved with the site."),
+    (
+        "bystanders",
+        "Distance to people and property not involved in the launch: 500m, 1500ft. Default: saved with the site.",
+    ),
     ("rules", "Rules that govern the launch: NAR,FAA or UKRA. Default: saved with the site."),
 )
 """Options of a plan that are not columns of a flight; the safety checks use them."""

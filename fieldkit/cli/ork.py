@@ -33,7 +33,7 @@ def ork(
     design = read_design(read_file(file, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), file.name)
     name = rocket or design.name
     if not name:
-        raise BadValue(f"{file.name}: found no name in it, expected --rocket with one")
+        raise BadValue(f"{file.name}: found no name of the rocket, expected --rocket NAME")
     start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, file.name)
     saved = False
     if not look:

@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
+from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.studies import need_studies
 
 if TYPE_CHECKING:
+    from fieldkit.quantities import ShownUnits
     from studies.paper.report import PaperReport
 
 app = typer.Typer()
@@ -17,6 +18,7 @@ app = typer.Typer()
 def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """Test the reference paper on its own twelve flights."""
     need_studies()
+    from fieldkit.quantities import ShownUnits, in_system
     from studies.paper.report import report
     from studies.paper.text import findings
 
@@ -24,69 +26,79 @@ def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = Fa
     if json:
         print_json({**found.document(), "findings": findings(found)})
         return
-    _flights(found)
-    _histories(found)
-    _errors(found)
+    units = ShownUnits(system())
+    _flights(found, units)
+    _histories(found, units)
+    _errors(found, units)
     _synthetic(found)
-    _rules(found)
-    _say_findings(findings(found))
+    _rules(found, units)
+    _say_findings([in_system(paragraph, units.system) for paragraph in findings(found)])
 
 
-def _flights(report: "PaperReport") -> None:
+def _flights(report: "PaperReport", units: "ShownUnits") -> None:
     headers = ("flight", "motor", "apogee", "Cd", "publ.", "alpha", "publ.", "rebuilt", "publ.", "left out")
-    say("Cd and alpha from the apogee [m], and the apogee rebuilt from them")
+    say(f"Cd and alpha from the apogee [{units.length_unit}], and the apogee rebuilt from them")
     say()
-    print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
+    print_table(headers, (_flight(one, units) for one in report.flights), numbers=headers[2:])
     say()
     say("publ.: published. left out: forecast from other valid flights on the same motor.")
     say("*: tagged as an anomaly, not counted below.")
     say()
 
 
-def _flight(one: dict[str, Any]) -> tuple[str, ...]:
-    pairs = (
-        ("cd", "published_cd", ".3f"),
-        ("alpha", "published_alpha", ".3f"),
-        ("reconstructed_m", "published_apogee_m", ".1f"),
-    )
-    compared = [f"{one[key]:{form}}" for here, published, form in pairs for key in (here, published)]
+def _flight(one: dict[str, Any], units: "ShownUnits") -> tuple[str, ...]:
+    fitted = [f"{one[key]:.3f}" for key in ("cd", "published_cd", "alpha", "published_alpha")]
+    heights = ("apogee_m", "reconstructed_m", "published_apogee_m", "next_flight_m")
+    apogee, *others = [_length(units, one[key]) for key in heights]
     name = f"{one['flight_id']} {one['config']}{'' if one['valid'] else ' *'}"
-    return (name, one["motor"], f"{one['apogee_m']:.1f}", *compared, f"{one['next_flight_m']:.1f}")
+    return (name, one["motor"], apogee, *fitted, *others)
 
 
-def _histories(report: "PaperReport") -> None:
+def _length(units: "ShownUnits", value: float) -> str:
+    """A length [m] in the user's units, without the unit, which the heading states."""
+    return units.length(value, 1).split()[0]
+
+
+def _signed(units: "ShownUnits", value: float) -> str:
+    """A difference of two lengths [m] in the user's units, without the unit."""
+    return units.difference(value).split()[0]
+
+
+def _histories(report: "PaperReport", units: "ShownUnits") -> None:
     headers = ("flight", "motor", "apogee", "one apogee", "history", "90%", "Cd", "alpha")
-    say("Each flight left out [m]: from one apogee at a time, and by the history network")
+    say(f"Each flight left out [{units.length_unit}]: from one apogee at a time, and by the history network")
     say()
-    print_table(headers, (_history(one) for one in report.flights), numbers=headers[2:])
+    print_table(headers, (_history(one, units) for one in report.flights), numbers=headers[2:])
     say()
 
 
-def _history(one: dict[str, Any]) -> tuple[str, ...]:
-    said = one["history_network"]
-    low, middle, high = (said["apogee_m"][key] for key in ("p05", "p50", "p95"))
+def _history(one: dict[str, Any], units: "ShownUnits") -> tuple[str, ...]:
+    forecast = one["history_network"]
+    apogees = [one["apogee_m"], one["next_flight_m"], forecast["apogee_m"]["p50"]]
+    interval = units.lengths(*(forecast["apogee_m"][key] for key in ("p05", "p95"))).rpartition(" ")[0]
     name = f"{one['flight_id']} {one['config']}{'' if one['valid'] else ' *'}"
-    figures = (f"{one['apogee_m']:.1f}", f"{one['next_flight_m']:.1f}", f"{middle:.1f}", f"{low:.0f} to {high:.0f}")
-    return (name, one["motor"], *figures, f"{said['cd']:.3f}", f"{said['alpha']:.3f}")
+    figures = [_length(units, apogee) for apogee in apogees]
+    return (name, one["motor"], *figures, interval, f"{forecast['cd']:.3f}", f"{forecast['alpha']:.3f}")
 
 
-def _errors(report: "PaperReport") -> None:
+def _errors(report: "PaperReport", units: "ShownUnits") -> None:
     stated = report.published["stated"]
     rows = [
-        ("rebuilt, here", *_three(report.reconstruction)),
-        ("rebuilt, published", *_three(report.published["reconstruction"])),
-        ("next flight, left out, here", *_three(report.next_flight)),
-        ("left out, by the history network", *_three(report.history_network)),
-        ("OpenRocket column, recomputed", *_three(report.openrocket)),
-        ("OpenRocket, as stated", f"{stated['openrocket_mae_m']}", f"{stated['openrocket_rmse_m']}", ""),
+        ("rebuilt, here", *_three(report.reconstruction, units)),
+        ("rebuilt, published", *_three(report.published["reconstruction"], units)),
+        ("next flight, left out, here", *_three(report.next_flight, units)),
+        ("left out, by the history network", *_three(report.history_network, units)),
+        ("OpenRocket column, recomputed", *_three(report.openrocket, units)),
+        ("OpenRocket, as stated", *(_length(units, stated[f"openrocket_{key}_m"]) for key in ("mae", "rmse")), ""),
     ]
-    headers = (f"Errors on the {report.reconstruction['n']} valid flights [m]", "MAE", "RMSE", "bias")
+    headers = (f"Errors on the {report.reconstruction['n']} valid flights [{units.length_unit}]", "MAE", "RMSE", "bias")
     print_table(headers, rows, numbers=headers[1:])
     say()
 
 
-def _three(errors: dict[str, float]) -> tuple[str, str, str]:
-    return f"{errors['mae_m']:.1f}", f"{errors['rmse_m']:.1f}", f"{errors['bias_m']:+.1f}"
+def _three(errors: dict[str, float], units: "ShownUnits") -> tuple[str, str, str]:
+    mae, rmse = (_length(units, errors[key]) for key in ("mae_m", "rmse_m"))
+    return mae, rmse, _signed(units, errors["bias_m"])
 
 
 def _synthetic(report: "PaperReport") -> None:
@@ -107,14 +119,14 @@ def _synthetic(report: "PaperReport") -> None:
     say()
 
 
-def _rules(report: "PaperReport") -> None:
-    headers = ("Each valid flight forecast from the others [m]", "MAE", "±", "bias", "n")
+def _rules(report: "PaperReport", units: "ShownUnits") -> None:
+    headers = (f"Each valid flight forecast from the others [{units.length_unit}]", "MAE", "±", "bias", "n")
     rows = [
         (
             rule["title"],
-            f"{rule['mae_m']:.1f}",
-            f"{rule['standard_error_m']:.1f}",
-            f"{rule['bias_m']:+.1f}",
+            _length(units, rule["mae_m"]),
+            _length(units, rule["standard_error_m"]),
+            _signed(units, rule["bias_m"]),
             str(rule["n"]),
         )
         for rule in report.rules

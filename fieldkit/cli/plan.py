@@ -13,7 +13,7 @@ app = typer.Typer()
 
 def delay(
     context: typer.Context,
-    limit: Annotated[str | None, typer.Option(help="Speed that is too fast at ejection: 15m/s.")] = None,
+    limit: Annotated[str | None, typer.Option(help="Speed that is too fast at ejection: 15m/s, 34mph.")] = None,
     cuts: Annotated[
         str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
     ] = None,
@@ -60,13 +60,13 @@ app.command()(delay)
 
 def ballast(
     context: typer.Context,
-    target: Annotated[str | None, typer.Option(help="Target apogee, as the altimeter shows it: 800ft.")] = None,
+    target: Annotated[str | None, typer.Option(help="Target apogee, as the altimeter shows it: 250m, 800ft.")] = None,
     within: Annotated[str, typer.Option(help="Tolerance around the target that counts as a hit.")] = "10ft",
     season: Annotated[
         int | None, typer.Option(help="Minimize the expected points by this season's rule: 2027.")
     ] = None,
-    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 280g.")] = None,
-    heaviest: Annotated[str | None, typer.Option(help="Highest possible dry mass: 420g.")] = None,
+    lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 280g, 10oz.")] = None,
+    heaviest: Annotated[str | None, typer.Option(help="Highest possible dry mass: 420g, 15oz.")] = None,
     miss: Annotated[
         bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
     ] = False,

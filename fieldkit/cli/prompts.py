@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
 from fieldkit.ledger import Ledger
-from fieldkit.quantities import spelled
+from fieldkit.quantities import rounded, spelled
 from fieldkit.safe_text import printable
 from fieldkit.services import manual_entry
 
@@ -171,7 +171,7 @@ def _explain(conversation: Conversation, question: Question) -> None:
 def _search(conversation: Conversation, text: str) -> None:
     found = conversation.motors.catalogue.search(text)
     for motor in found[:10]:
-        size = f"{motor.diameter * 1e3:g} mm, {motor.total_impulse:.4g} N s"
+        size = f"{motor.diameter * 1e3:g} mm, {rounded(motor.total_impulse)} N s"
         complain(f"  {motor.maker} {motor.designation}, {size}")
     if len(found) > 10:
         complain(f"  and {len(found) - 10} more")

@@ -83,7 +83,7 @@ def print_card(flight: "Flight", id: str) -> None:
     from fieldkit import units
     from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import spelled, unit_of
+    from fieldkit.quantities import rounded, spelled, unit_of
 
     chosen = system()
 
@@ -96,7 +96,9 @@ def print_card(flight: "Flight", id: str) -> None:
         number, unit = flight.number(column.name), unit_of(column, chosen)
         scale = units.unit(column.quantity, unit)
         spread = f" ± {scale.difference_from_si(sd):.2g}" if (sd := flight.sd.get(column.name)) else ""
-        lines.append((column.title, "" if number is None else f"{scale.from_si(number):.4g}{spread} {spelled(unit)}"))
+        lines.append(
+            (column.title, "" if number is None else f"{rounded(scale.from_si(number))}{spread} {spelled(unit)}")
+        )
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)

@@ -40,7 +40,7 @@ def simulate(
     booster_mass: Annotated[
         str | None,
         typer.Option(
-            help="Mass of each lower stage without its motor, lowest first: 60g, or 60g/40g; for motors such as "
+            help="Mass of each lower stage without its motor, lowest first: 60g, or 2oz/1.4oz; for motors such as "
             "D12-0/C6-7."
         ),
     ] = None,

@@ -15,12 +15,17 @@ app = typer.Typer()
 def sites(
     context: typer.Context,
     name: Annotated[str | None, typer.Argument(help="Name of the site to save.")] = None,
-    elevation: Annotated[str | None, typer.Option(help="Elevation of the pad above sea level: 212m.")] = None,
-    size: Annotated[str | None, typer.Option("--size", "--field-size", help="Shorter side of the field: 400m.")] = None,
-    ceiling: Annotated[str | None, typer.Option(help="Ceiling above the pad, by waiver or rule: 3000ft.")] = None,
-    people: Annotated[str | None, typer.Option(help="Distance from the pad to the people at the launch: 30m.")] = None,
+    elevation: Annotated[str | None, typer.Option(help="Elevation of the pad above sea level: 212m, 700ft.")] = None,
+    size: Annotated[
+        str | None, typer.Option("--size", "--field-size", help="Shorter side of the field: 400m, 1300ft.")
+    ] = None,
+    ceiling: Annotated[str | None, typer.Option(help="Ceiling above the pad, by waiver or rule: 900m, 3000ft.")] = None,
+    people: Annotated[
+        str | None, typer.Option(help="Distance from the pad to the people at the launch: 30m, 100ft.")
+    ] = None,
     bystanders: Annotated[
-        str | None, typer.Option(help="Distance from the pad to people and property not involved in the launch: 500m.")
+        str | None,
+        typer.Option(help="Distance from the pad to people and property not involved in the launch: 500m, 1500ft."),
     ] = None,
     rules: Annotated[str | None, typer.Option(help="Rules that govern it: NAR,FAA or UKRA.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,

@@ -196,8 +196,8 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
-    found = f"dry_mass_g: found {_mass(flight.dry_mass)}"
-    return f"{found}, expected less than {_mass(most)}, the most that {motor.designation} lifts"
+    found, lifted = f"dry_mass_g: found {_mass(flight.dry_mass)}", figure(BY_NAME["dry_mass"], most)
+    return f"{found}, expected less than the mass of {lifted} that {motor.designation} lifts"
 
 
 def _too_far(flight: Flight, motor: Burning) -> str:

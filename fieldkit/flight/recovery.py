@@ -17,18 +17,22 @@ RECOVERY_COLUMNS = {
     "drogue_speed": (
         "speed",
         "mps",
-        "Descent speed under the drogue, near the ground: 20m/s; implies drogue and main.",
+        "Descent speed under the drogue, near the ground: 20m/s, 45mph; implies drogue and main.",
     ),
-    "main_altitude": ("length", "m", "Height above the pad at which the main opens: 500ft."),
+    "main_altitude": ("length", "m", "Height above the pad at which the main opens: 150m, 500ft."),
     "main_speed": (
         "speed",
         "mps",
-        "Descent speed under the parachute, the main if there are two, near the ground: 5m/s.",
+        "Descent speed under the parachute, the main if there are two, near the ground: 5m/s, 12mph.",
     ),
-    "parachute_diameter": ("length", "mm", "Diameter of the parachute laid flat, the main if there are two: 18in."),
+    "parachute_diameter": (
+        "length",
+        "mm",
+        "Diameter of the parachute laid flat, the main if there are two: 450mm, 18in.",
+    ),
     "opening_time": ("time", "s", "Time from the charge to an open parachute; default: half a second."),
-    "wind_aloft": ("speed", "mps", "Wind aloft, in addition to that at the pad: 10m/s."),
-    "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m."),
+    "wind_aloft": ("speed", "mps", "Wind aloft, in addition to that at the pad: 10m/s, 20mph."),
+    "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m, 1000ft."),
     "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
 }
 """Recovery columns that are numbers: quantity, external unit, and meaning."""

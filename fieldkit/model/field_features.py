@@ -2,6 +2,9 @@
 
 A readout enters as the log of its ratio to a closed-form value at the middle of the prior, so that a sounding rocket
 and a 13 mm toy have features of the same size. A missing readout is a zero and a flag.
+
+Derivation: the log of a ratio is 0 for a flight at the middle of the prior, and errors proportional to the readout have
+the same size everywhere. `closed_form` names its source.
 """
 
 import numpy as np

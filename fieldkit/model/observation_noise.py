@@ -83,7 +83,8 @@ def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
     """The standard deviation of the error that `measure` adds to each readout, in SI; infinite for average
     acceleration.
 
-    The variance of a Student t with `TAIL` degrees of freedom is `TAIL` / (`TAIL` - 2).
+    Derivation: variances of independent errors add; that of a Student t with `TAIL` degrees of freedom is `TAIL` /
+    (`TAIL` - 2), and that of rounding to a step is its square / 12.
     """
     size = np.nan_to_num(observed.readouts, nan=0.0)
     noise = [NOISE[name] for name in READOUT_NAMES]

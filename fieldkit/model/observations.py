@@ -1,4 +1,8 @@
-"""Recorded flights as arrays, and the priors of what was not recorded."""
+"""Recorded flights as arrays, and the priors of what was not recorded.
+
+Derivation: frontal areas are those of circles; the extremes of drag area are those of Cd and diameter combined. The
+mean time of thrust and its standard deviation are the moments of the thrust curve.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

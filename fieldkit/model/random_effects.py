@@ -62,7 +62,10 @@ def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Ma
 
 
 def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "flight"]:
-    """Draws of a prior, within its bounds, in the unit of the effect."""
+    """Draws of a prior, within its bounds, in the unit of the effect.
+
+    Source: rejection of draws out of bounds, von Neumann (1951), which gives the truncated normal distribution.
+    """
     values = rng.normal(prior.mean, prior.sd, count)
     while (beyond := (values < prior.low) | (values > prior.high)).any():
         values[beyond] = rng.normal(prior.mean, prior.sd, int(beyond.sum()))

@@ -1,4 +1,8 @@
-"""Altimeter readouts in the form that a fit compares, log ratios, with the expected error of each."""
+"""Altimeter readouts in the form that a fit compares, log ratios, with the expected error of each.
+
+Derivation: to first order the error of a logarithm is the relative error of the readout, and the variances of
+independent errors add.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

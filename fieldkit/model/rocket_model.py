@@ -251,7 +251,10 @@ def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:
 
 def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     """Standard deviation of the log apogee of single flights in addition to the effect of scatter in thrust and drag.
-    [1]"""
+    [1]
+
+    Derivation: variances of independent deviations add, per flight and, if a day has no term of its own, per day.
+    """
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     if not day:
         return np.full(len(model.flights), flight)

@@ -37,7 +37,7 @@ def scale_pairs(
     scatter: Scale, reading: Scale
 ) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
     """The scatter scale, reading scale and normalized log prior of every pair on two grids; the arrays are
-    read-only."""
+    read-only. Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
     values = np.meshgrid(scatter.values, reading.values, indexing="ij")
     prior = (scatter.log_prior[:, None] + reading.log_prior).ravel()
     found = values[0].ravel(), values[1].ravel(), prior - np.logaddexp.reduce(prior)

@@ -1,4 +1,8 @@
-"""Simulated altimeter readouts of a rocket's flights for draws of its model's parameters."""
+"""Simulated altimeter readouts of a rocket's flights for draws of its model's parameters.
+
+Derivation: terms act additively on the logarithm of a readout, so they multiply it by the exponential of their sum; the
+time from apogee to ejection, which may be negative, is shifted instead.
+"""
 
 from collections.abc import Mapping
 from typing import Any

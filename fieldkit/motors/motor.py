@@ -1,4 +1,7 @@
-"""A motor: its masses, its delays, and its thrust curve."""
+"""A motor: its masses, its delays, and its thrust curve.
+
+Derivation: integrals of a piecewise linear curve by the trapezoidal rule, which is exact for it.
+"""
 
 import math
 from collections.abc import Sequence

@@ -9,6 +9,7 @@ from functools import cache
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
+from fieldkit.quantities import rounded
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
 _UNKNOWN_CLASS = re.compile(r"[P-T]\d{3,}")
@@ -271,6 +272,6 @@ def _table(listings: Sequence[Listing]) -> str:
     motors = [listing.motor() for listing in listings]
     return "\n".join(
         f"  {motor.maker} {motor.designation}: class {motor.impulse_class}, {motor.diameter * 1e3:g} mm, "
-        f"{motor.total_impulse:.4g} N s, delays {delays_text(motor.delays)}"
+        f"{rounded(motor.total_impulse)} N s, delays {delays_text(motor.delays)}"
         for motor in motors
     )

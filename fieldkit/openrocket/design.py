@@ -63,7 +63,7 @@ def read_design(content: bytes, source: str) -> Design:
     try:
         return _design(root, source)
     except RecursionError as error:
-        raise DamagedLog("found parts nested too deep, expected a rocket", source=source) from error
+        raise DamagedLog("found parts nested too deeply, expected a rocket", source=source) from error
 
 
 def _design(root: "Element", source: str) -> Design:

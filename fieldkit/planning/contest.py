@@ -1,4 +1,7 @@
-"""Contest points: seasons are files in `fieldkit/data/seasons`, which score flights and plans."""
+"""Contest points: seasons are files in `fieldkit/data/seasons`, which score flights and plans.
+
+Source: the rules of each season, as its file names them with their reliability.
+"""
 
 import math
 import tomllib
@@ -80,7 +83,7 @@ class Season:
             return ""
         how = MARKS.get(self.mark, "unverified")
         return (
-            f"The rule of {self.year} ({self.remarks}) is from {self.source or 'an unnamed source'} ({how}): check "
+            f"The rule of {self.year} ({self.remarks}) has this source: {self.source or 'none named'} ({how}). Check "
             "it against the season's rules before you rely on it."
         )
 

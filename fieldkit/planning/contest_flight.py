@@ -2,6 +2,8 @@
 
 Timers, eggs and disqualification are extra columns of a flight table: `timer_1_s`, `timer_2_s`, `eggs`, `disqualified`;
 the tags `cracked_egg`, `damaged` and `disqualified` have the same meaning.
+
+Source: the rules of the seasons, as the files in `fieldkit/data/seasons` name them.
 """
 
 import math

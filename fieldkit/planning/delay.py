@@ -1,4 +1,7 @@
-"""The delay to buy or drill, from the distribution of coast time and the delay's own scatter."""
+"""The delay to buy or drill, from the distribution of coast time and the delay's own scatter.
+
+Source: NFPA 1125 for the tolerance of a delay, whose limits are taken as two standard deviations.
+"""
 
 import re
 import tomllib

@@ -1,4 +1,7 @@
-"""The descent of a plan: its path under each device, and the flight duration."""
+"""The descent of a plan: its path under each device, and the flight duration.
+
+Derivation: the time is that of the climb plus the integral over the path of `fieldkit/physics/descent.py`.
+"""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,7 @@
-"""The descent speed of a recorded flight, from its duration or its readouts: the inverse of the descent model."""
+"""The descent speed of a recorded flight, from its duration or its readouts: the inverse of the descent model.
+
+Derivation: the speed at which the descent model takes the recorded time from the recorded apogee.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

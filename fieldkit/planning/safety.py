@@ -2,6 +2,9 @@
 
 They advise and never forbid: the range safety officer decides. Commands and screens display them and make no decisions
 of their own.
+
+Derivation: mean thrust is the integral of the piecewise linear curve over its time; thrust to weight is its ratio to
+the loaded weight at standard gravity. Limits have their sources in `fieldkit/data`.
 """
 
 import math
@@ -157,7 +160,7 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     source = f"ceiling of {site.name}" if site.name else "ceiling entered"
     high = three(heights)[2]
-    text = f"95% chance to stay below {length(high)} above the pad"
+    text = f"95% chance of staying below {length(high)} above the pad"
     if site.ceiling is None:
         return SafetyCheck("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
     verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
@@ -197,7 +200,7 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
     text = f"{speed(three(said.eject_speed)[1], 0)}; " if fired.any() else ""
     text += f"{chance:.0%} chance of more than {speed(limit.value, 0)}"
-    text += f", {crashed:.0%} chance to hit the ground first" if crashed >= 0.01 else ""
+    text += f", {crashed:.0%} chance of hitting the ground first" if crashed >= 0.01 else ""
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, in_system, measure, number, spelled, unit_of
+from fieldkit.quantities import ShownUnits, in_system, measure, number, rounded, spelled, unit_of
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
 if TYPE_CHECKING:
@@ -161,8 +161,10 @@ def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
         unit = spelled(unit_of(column, system))
         value = scale.from_si(own.to_si(readout.value))
         spread = "" if readout.sd is None else f" ± {scale.difference_from_si(own.difference_to_si(readout.sd)):.2g}"
-        said = "" if readout.stated is None else f"   device: {scale.from_si(own.to_si(readout.stated)):.4g} {unit}"
-        yield f"    {column.title:22}{f'{value:.4g}{spread} {unit}':22}{readout.sensor:11}{said}".rstrip()
+        said = (
+            "" if readout.stated is None else f"   device: {rounded(scale.from_si(own.to_si(readout.stated)))} {unit}"
+        )
+        yield f"    {column.title:22}{f'{rounded(value)}{spread} {unit}':22}{readout.sensor:11}{said}".rstrip()
 
 
 def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:

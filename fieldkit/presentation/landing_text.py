@@ -66,7 +66,7 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
     yield f"  ellipse   {ELLIPSE_LEVEL:.0%} of landings: {axes}, {center}"
     if site.size is not None:
         inside = float((down.away <= site.size / 2).mean())
-        yield f"  field     {shown.length(site.size)} across: {inside:.0%} chance to land on it (pad in the middle)"
+        yield f"  field     {shown.length(site.size)} across: {inside:.0%} chance of landing on it (pad in the middle)"
 
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
@@ -90,5 +90,9 @@ def descent_in_words(fall: Fall) -> str:
     if fall.flights:
         return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
     narrower = 1 - fall.relative_sd(1) / fall.relative_sd()
-    basis = "speed or parachute as entered" if fall.typed else f"assumes a usual device, ± {DEFAULT_DESCENT_SD:.0%}"
+    basis = (
+        "speed or parachute as entered"
+        if fall.typed
+        else f"assumes a typical parachute or streamer, ± {DEFAULT_DESCENT_SD:.0%}"
+    )
     return f"{basis}; one flight with a duration would narrow the descent speed by {narrower:.0%}"

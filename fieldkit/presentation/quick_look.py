@@ -8,7 +8,7 @@ import numpy as np
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
-from fieldkit.quantities import ShownUnits, in_system
+from fieldkit.quantities import ShownUnits, in_system, rounded
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
@@ -65,7 +65,7 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     yield f"  {'none':34.34}{said.none:11.0%}"
     yield f"  {'unexplained':34.34}{said.unexplained:11.0%}"
     for one in found.candidates:
-        strength = in_system(f"{one.mean:.3g} +/- {one.sd:.2g} {one.unit}", system)
+        strength = in_system(f"{rounded(one.mean, 3)} +/- {rounded(one.sd, 2)} {one.unit}", system)
         yield f"  {one.place:34.34}{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}"
     yield ""
     yield f"  verdict: {found.effect} ({found.confidence:.0%}): {in_system(found.why, system)}"

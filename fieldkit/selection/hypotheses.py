@@ -63,7 +63,10 @@ def members_of(candidates: Sequence[Candidate]) -> Members:
 
 
 def prior_of(candidates: Sequence[Candidate]) -> float:
-    """Log prior odds of effects in these places against no effect. [nat]"""
+    """Log prior odds of effects in these places against no effect. [nat]
+
+    Derivation: the odds of the set times the fraction of each effect's prior that its place has.
+    """
     return log_prior_odds(members_of(candidates)) + sum(candidate.log_share for candidate in candidates)
 
 

@@ -1,4 +1,8 @@
-"""The residuals of the plain model, and what they correlate with."""
+"""The residuals of the plain model, and what they correlate with.
+
+Source: rank correlation by Spearman (1904), analysis of variance of ranks by Kruskal and Wallis (1952). Derivation of
+the residuals: the mean over the scales of scatter of leave-one-out residuals in standard deviations.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -82,10 +86,10 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
-    alike = _lag(error)
+    observed = _lag(error)
     shuffled = _lag(np.random.default_rng(0).permuted(np.tile(error, (SHUFFLES, 1)), axis=1))
     centred = shuffled.mean()
-    beyond = (np.abs(shuffled - centred) >= abs(alike - centred) - 1e-12).sum()
+    beyond = (np.abs(shuffled - centred) >= abs(observed - centred) - 1e-12).sum()
     return ResidualDistribution(
         readout,
         count,
@@ -93,7 +97,7 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
         _students_p(float(error.mean() / error.std(ddof=1) * np.sqrt(count)), count - 1),
         float(error.std(ddof=1)),
         _variance_p(error),
-        float(alike),
+        float(observed),
         float((beyond + 1) / (SHUFFLES + 1)),
     )
 

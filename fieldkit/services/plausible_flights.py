@@ -39,12 +39,12 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
 def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
     """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
     a line on it. Judged among at least `MIN_COMPARED` clean flights of one rocket."""
-    alike: dict[str, list[Flight]] = {}
+    by_motor: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:
-            alike.setdefault(without_delay(flight.motor), []).append(flight)
+            by_motor.setdefault(without_delay(flight.motor), []).append(flight)
     found = []
-    for several in alike.values():
+    for several in by_motor.values():
         usual = {name: value for name, value in middles(several).items() if name in ("apogee", "top_speed")}
         if len(several) >= MIN_COMPARED:
             judged = (one for one in several if one.flight_id in new)

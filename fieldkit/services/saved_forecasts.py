@@ -165,4 +165,4 @@ def standing(found: Sequence[SavedForecast]) -> str:
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")
     words = [f"{count} {state}" for state, count in counts.items()]
-    return ", ".join(words) + (f" ({stale} of the flown were stale at launch)" if stale else "")
+    return ", ".join(words) + (f" ({stale} of the flown ones were stale at launch)" if stale else "")

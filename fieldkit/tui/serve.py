@@ -263,7 +263,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         """
         origin = request.headers.get("Origin")
         if origin is not None and not self.is_ours(_netloc(origin)):
-            raise web.HTTPForbidden(text="asked for by another page")
+            raise web.HTTPForbidden(text="requested by another page")
         shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
         if self.token and not hmac.compare_digest(shown.encode(errors="replace"), self.token.encode()):
             raise web.HTTPForbidden(

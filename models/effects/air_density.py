@@ -18,7 +18,7 @@ EFFECT = Effect(
     explains="the air at a site is thinner or denser than recorded, so drag is lower or higher",
     unit="fraction of the density",
     prior=Prior(mean=0.0, sd=0.12, low=-0.45, high=0.4),
-    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m or 28 K",
+    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m (3,300 ft) or 28 K (50 °F)",
     tell_apart="record the site's elevation, the temperature, and the pressure",
     setup=setup,
     per="site",

@@ -16,7 +16,7 @@ EFFECT = Effect(
     explains="the rocket weighs more or less than the mass entered",
     unit="fraction of the dry mass",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.6),
-    source="weighing without payload, recovery or ballast is the common mistake",
+    source="weighing without payload, recovery or ballast is a common mistake",
     tell_apart="weigh the rocket again, ready to fly but without the motor",
     setup=setup,
     per="config",

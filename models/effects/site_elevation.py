@@ -9,7 +9,7 @@ EFFECT = Effect(
     explains="a site is higher or lower than recorded, so its air is thinner or denser",
     unit="m",
     prior=Prior(mean=0.0, sd=1200.0, low=-3000.0, high=5000.0),
-    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m",
+    source="U.S. Standard Atmosphere 1976: a tenth less density per 1,000 m (3,300 ft)",
     tell_apart="record the site's elevation",
     setup=at_elevation,
     per="site",

@@ -17,8 +17,8 @@ def _reconstruction(report: PaperReport) -> str:
         "The published apogee errors are reconstructions: Cd and alpha are inferred from the very apogee that is "
         "then predicted. Leave the flight out, carry Cd and alpha over from the same motor's other flights, "
         f"and the mean error is {carried['mae_m']:.1f} m with the published parameters, not "
-        f"{published['mae_m']:.1f}, and {report.next_flight['mae_m']:.1f} m with those found here, not "
-        f"{report.reconstruction['mae_m']:.1f}."
+        f"{published['mae_m']:.1f} m, and {report.next_flight['mae_m']:.1f} m with those found here, not "
+        f"{report.reconstruction['mae_m']:.1f} m."
     )
 
 
@@ -26,8 +26,8 @@ def _openrocket(report: PaperReport) -> str:
     own, stated = report.openrocket, report.published["stated"]
     return (
         f"The paper's OpenRocket column misses the {own['n']} valid flights by {own['mae_m']:.1f} m in the mean "
-        f"(RMSE {own['rmse_m']:.1f} m) by its own numbers. The paper states {stated['openrocket_mae_m']} and "
-        f"{stated['openrocket_rmse_m']}."
+        f"(RMSE {own['rmse_m']:.1f} m) by its own numbers. The paper states {stated['openrocket_mae_m']} m "
+        f"and {stated['openrocket_rmse_m']} m."
     )
 
 
@@ -43,7 +43,7 @@ def _thrust(report: PaperReport) -> str:
         f"{bias['impulse_normalised']:+.1f} m with the same profile scaled to the right impulse, "
         f"{bias['certified']:+.1f} m with certified curves and {bias['certified_with_casing']:+.1f} m with the "
         "casing's mass as well. Below that lowest apogee a network can only extrapolate: train it with another "
-        "seed, and the reconstructions move by meters while the errors on simulated flights stay the same."
+        "seed, and the reconstructions change while the errors on simulated flights stay the same."
     )
 
 
@@ -53,20 +53,20 @@ def _limit(report: PaperReport) -> str:
         "An apogee alone cannot separate drag from thrust. No method gets below a mean error of "
         f"{limit['cd_mae']:.4f} for Cd and {limit['alpha_mae']:.4f} for alpha on these simulated flights; the "
         f"published {stated['cd_mae']} and {stated['alpha_mae']} already reach that limit. Nor is the spread of the "
-        "ensemble an uncertainty: within one standard deviation of it lies the true Cd of "
-        f"{found['cd_coverage_one_sd']:.0%} of the flights and the true alpha of {found['alpha_coverage_one_sd']:.0%}, "
-        "where 68% would be right."
+        "ensemble an uncertainty: the true Cd is within one standard deviation of it on "
+        f"{found['cd_coverage_one_sd']:.0%} of the flights and the true alpha on {found['alpha_coverage_one_sd']:.0%}; "
+        "68% would be right."
     )
 
 
 def _floor(report: PaperReport) -> str:
     scatter = report.scatter
-    taught = [rule["standard_error_m"] for rule in report.rules if not rule["rule"].startswith("nominal")]
+    fitted = [rule["standard_error_m"] for rule in report.rules if not rule["rule"].startswith("nominal")]
     return (
         "Forecasts of flights that were left out are above. Flights of one motor and configuration scatter by "
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
         f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
-        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m "
+        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(fitted):.0f} to {max(fitted):.0f} m "
         "on so few flights, the rules that are fitted to flights can hardly be distinguished."
     )
 

@@ -158,7 +158,7 @@ class Logger:
     dip: bool = False
     """Whether the air near the speed of sound makes heights fall."""
     drift: float = 0.0
-    """Of the zero, in an hour on the pad and after; also where it stands at lift-off."""
+    """Drift of the zero, in an hour on the pad and after, and its value at lift-off."""
     jitter: float = 0.0
     """Jitter of the clock, as a fraction of the step."""
     rest: float = 10.0

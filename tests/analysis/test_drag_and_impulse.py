@@ -101,7 +101,7 @@ def test_twice_the_mass_has_half_the_drag_in_a_log() -> None:
     assert heavy.value == pytest.approx(light.value / 2, rel=0.03)
 
 
-def test_a_coast_without_drag_has_none_to_tell() -> None:
+def test_a_coast_without_drag_shows_none() -> None:
     said = measure(log(fly(replace(SMALL, area=1e-9)), Logger(), np.random.default_rng(1)))
     assert "apogee" in said.figures
     assert "coast_drag" not in said.figures

@@ -131,7 +131,7 @@ def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
 
 @pytest.mark.parametrize("rate", [10, 100])
 def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
-    """A short delay brings the parachute out at 50 m/s: the rocket stops within half a second."""
+    """A short delay deploys the parachute at 50 m/s: the rocket stops within half a second."""
     recorded, truth = measured(replace(SMALL, delay=3.3), Logger(accelerometer=rate))
     assert abs(off(recorded, truth, "eject_altitude")) < 3 * recorded.figures["eject_altitude"].sd < 20
     assert abs(off(recorded, truth, "apogee")) < 1
@@ -139,7 +139,7 @@ def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
 
 
 @pytest.mark.parametrize("range_end", [6.0, 8.0])
-def test_an_accelerometer_at_the_end_of_its_range_tells_the_rest(range_end: float) -> None:
+def test_an_accelerometer_at_the_end_of_its_range_shows_the_rest(range_end: float) -> None:
     truth = flown(LARGE)
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
@@ -154,7 +154,7 @@ def test_an_accelerometer_at_the_end_of_its_range_tells_the_rest(range_end: floa
     assert recorded.events["ejection"].source == "acceleration"  # a pressure pulse of any size counts
 
 
-def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_tells_no_boost() -> None:
+def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_shows_no_boost() -> None:
     truth = flown(LARGE)
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
@@ -233,7 +233,7 @@ def test_a_boost_between_two_samples_has_no_figures() -> None:
     assert abs(off(recorded, truth, "apogee")) < 1
 
 
-def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
+def test_a_receiver_that_loses_its_way_under_thrust_shows_no_boost() -> None:
     """It continues on its course, falls by thirty meters, and returns to the rocket within a second."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=10, noise=0.2), np.random.default_rng(2))
@@ -289,7 +289,7 @@ def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
     assert "descent_speed" not in recorded.figures
 
 
-def test_a_log_that_ends_before_apogee_says_so() -> None:
+def test_a_log_that_ends_before_apogee_reports_it() -> None:
     recorded, truth = measured(LARGE, Logger(early=0.8))
     assert not {"apogee", "coast_to_apogee", "descent_speed", "duration", "time_to_apogee"} & set(recorded.figures)
     assert NO_APOGEE in recorded.notes
@@ -321,7 +321,7 @@ def test_what_is_no_flight_has_no_figures(shape: object) -> None:
     assert recorded == Recorded(notes=(NO_FLIGHT,))
 
 
-def test_a_log_without_heights_says_so() -> None:
+def test_a_log_without_heights_reports_it() -> None:
     time = np.arange(0, 10, 0.1)
     assert measure((Series(time=time, felt=np.full(time.size, 9.8)),)).notes == (NO_HEIGHT,)
     assert measure(()).notes == (NO_HEIGHT,)

@@ -32,7 +32,7 @@ def beyond() -> tuple[np.ndarray, np.ndarray]:
     return np.array(rows), weight / weight.sum()
 
 
-def test_peaks_of_motors_are_those_of_the_catalogue() -> None:
+def test_peaks_of_motors_are_those_of_the_catalog() -> None:
     logs, weight = beyond()
     mean = weight @ logs
     spread = np.sqrt(weight @ (logs - mean) ** 2)

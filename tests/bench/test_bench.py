@@ -69,13 +69,13 @@ def test_in_calm_air_on_a_vertical_rail_the_rigid_rocket_is_a_rising_point(shown
     assert shown[name]["top_speed_mps"] == pytest.approx(straight.top_speed, rel=0.003)
 
 
-def test_more_static_margin_leans_more_into_the_wind(shown: Shown) -> None:
+def test_more_static_margin_tilts_more_into_the_wind(shown: Shown) -> None:
     heights = [shown[name]["apogee_m"] for name in ("calm", "margin 1", "margin 2", "margin 3.5")]
     assert heights == sorted(heights, reverse=True)
     assert heights[1] > heights[3] + 2
 
 
-def test_a_slow_exit_from_the_rail_leans_more_into_the_wind(shown: Shown) -> None:
+def test_a_slow_exit_from_the_rail_tilts_more_into_the_wind(shown: Shown) -> None:
     assert shown["long rail"]["apogee_m"] > shown["short rail"]["apogee_m"] + 2
 
 
@@ -166,7 +166,7 @@ def _bent(flown_: Flown) -> tuple[float, ...]:
     return launch.dry_mass, float(launch.motor.thrust.sum()), launch.delay, flown_.gain
 
 
-def test_an_effect_leaves_luck_alone() -> None:
+def test_an_effect_does_not_change_random_draws() -> None:
     for name in ("mass_offset", "motor_thrust", "altimeter_scale", "early_ejection"):
         found = case(SCENARIOS[name], 3, 2)
         pairs = list(zip(found.honest.flights, found.bent.flights, strict=True))

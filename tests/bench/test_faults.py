@@ -74,7 +74,7 @@ def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out
 
 
 @pytest.mark.slow
-def test_every_line_of_the_bench_goes_through_where_nothing_is_wrong(tmp_path: Path) -> None:
+def test_every_line_of_the_bench_goes_through_if_nothing_is_wrong(tmp_path: Path) -> None:
     with ledgers.at_home(tmp_path / "home"):
         assert len(session.calls(tmp_path)) > 60
 

@@ -54,14 +54,14 @@ def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
     assert [one for one in misses if abs(one.sds) > 4] == []
 
 
-def test_a_table_of_the_bench_counts_what_is_gravely_off() -> None:
+def test_a_table_of_the_bench_counts_large_errors() -> None:
     misses = [Miss("a", 0, "apogee", 30.0, 1.0, 300.0), Miss("a", 1, "apogee", 1.0, 1.0, 300.0)]
     lines = list(table({"a": cells(misses, 2)}))
     assert next(line for line in lines if line.startswith("| a |")).startswith("| a | 100/50/1 |")
     assert next(line for line in lines if line.startswith("| **all** |")).startswith("| **all** | 100/50/1 |")
 
 
-def test_a_bench_that_was_cut_short_goes_on_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bench_that_was_cut_short_continues_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     kept = tmp_path / "kept.json"
     for only in ("5 Hz feet", "2 Hz"):
         assert main(["--flights", "1", "--keep", str(kept), "--only", only]) == 0

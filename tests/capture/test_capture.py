@@ -86,7 +86,7 @@ def followed(events: Iterable[Event], wire: Wire) -> Ended:
 
 @given(chunks=st.lists(st.binary(max_size=50)), cut=st.floats(0, 1), torn=st.floats(0, 1))
 @settings(max_examples=15, deadline=None)
-def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_goes_on(
+def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_continues(
     tmp_path_factory: pytest.TempPathFactory, chunks: list[bytes], cut: float, torn: float
 ) -> None:
     with begin(tmp_path_factory.mktemp("c"), {"device": "eggtimer"}) as tape:
@@ -133,7 +133,7 @@ def test_two_captures_of_one_second_do_not_meet(tmp_path: Path) -> None:
     assert {read_capture(file).raw for file in captures(tmp_path)} == {b"one", b"two"}
 
 
-def test_a_full_disc_is_told_of_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disc_is_reported_of_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Full:
         closed = True
 
@@ -345,7 +345,7 @@ def size(folder: Path) -> int:
 
 
 @terminals
-def test_a_killed_capture_has_all_that_had_come_and_goes_on_on_another_port(folder: Path) -> None:
+def test_a_killed_capture_has_all_that_had_come_and_continues_on_another_port(folder: Path) -> None:
     text = b"".join(b"%d,%d,0,0\r\n" % (number, number % 977) for number in range(200_000))
     with played(counting) as wire, running("capture", wire.name, "--device", "eggtimer") as process:
         assert process.stderr is not None
@@ -383,7 +383,9 @@ def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
 
 
 @terminals
-def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(
+    capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
     def torn(wire: Wire) -> None:
         try:
             devices.mawd(HEIGHTS)(Halved(wire))
@@ -416,7 +418,7 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
     with played(devices.mawd(HEIGHTS)) as wire:
         assert main(["capture", "--resume", wire.name]) == 0
     assert "Imported 1" in capsys.readouterr().out
-    with pytest.raises(CaptureTrouble, match="is not found; current ports"):
+    with pytest.raises(CaptureTrouble, match="is no longer there; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
 
 
@@ -436,7 +438,7 @@ def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monke
 
 
 @terminals
-def test_a_port_in_use_is_said(tmp_path: Path) -> None:
+def test_a_port_in_use_is_reported(tmp_path: Path) -> None:
     def quiet(wire: Wire) -> None:
         devices.deaf(wire)
 

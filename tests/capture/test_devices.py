@@ -227,7 +227,7 @@ def test_telemetry_of_an_altimulti_is_followed_until_it_is_stopped(tmp_path: Pat
     assert b"$telemetry" in logs_in(ended(events).file)[0].content
 
 
-def test_a_lost_altimulti_goes_on_on_another_port_with_what_is_missing(tmp_path: Path) -> None:
+def test_a_lost_altimulti_continues_on_another_port_with_what_is_missing(tmp_path: Path) -> None:
     unit = Port("", 0x1A86, 0x7523, "A1")
     with played(devices.altimulti(FLIGHTS, unplug_after=10_000)) as first, played(devices.altimulti(FLIGHTS)) as second:
         events = run(
@@ -245,7 +245,7 @@ def test_a_lost_altimulti_goes_on_on_another_port_with_what_is_missing(tmp_path:
     assert [one for one in second.commands if one[:1] == b"r"] == [b"r1;", b"r2;"]
 
 
-def test_a_capture_goes_on_another_day_and_not_with_another_unit(tmp_path: Path) -> None:
+def test_a_capture_continues_another_day_and_not_with_another_unit(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS, unplug_after=10_000)) as first:
         wishes = replace(QUICK, reconnect=0)
         end = ended(run(capture(Port(first.name), "altimulti", folder=tmp_path, wishes=wishes, look=list)))
@@ -341,7 +341,7 @@ HIGH = [
 ]
 
 
-def test_a_blue_raven_is_read_at_both_rates_while_its_status_goes_on(tmp_path: Path) -> None:
+def test_a_blue_raven_is_read_at_both_rates_while_its_status_continues(tmp_path: Path) -> None:
     status = devices.raven_frame("BLR_STAT", 1, "HG: 100 A: 0 0 1000 Bo: 9800")
     overprinted = LOW[20][:70] + LOW[21]
     low = [*LOW[:20], overprinted, *LOW[22:]]
@@ -533,7 +533,7 @@ def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
     ],
     ids=lambda one: one if isinstance(one, str) else "",
 )
-def test_a_unit_that_talks_by_itself_is_recognised_and_nothing_of_it_is_lost(
+def test_a_unit_that_talks_by_itself_is_recognized_and_nothing_of_it_is_lost(
     tmp_path: Path, device: str, content: bytes
 ) -> None:
     seen = []
@@ -553,7 +553,7 @@ def test_a_unit_that_talks_by_itself_is_recognised_and_nothing_of_it_is_lost(
 
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("device", [*known_devices(), None])
-def test_a_unit_that_never_answers_is_told_of_in_one_line_and_leaves_no_file(
+def test_a_unit_that_never_answers_is_reported_of_in_one_line_and_leaves_no_file(
     tmp_path: Path, device: str | None
 ) -> None:
     with played(devices.deaf) as wire, pytest.raises(PortTrouble) as trouble:

@@ -135,7 +135,7 @@ def test_several_motors_are_taken_and_tagged(add: Add, file: Path) -> None:
     assert held(file)[0].tags == ("cluster",)
 
 
-def test_what_is_odd_is_said_and_taken(add: Add, file: Path) -> None:
+def test_what_is_odd_is_reported_and_taken(add: Add, file: Path) -> None:
     answers = ["Astra", "A", "F24-4W", "3m", "100", "2.14", "2", "2.98", "", "", "50"]
     status, _, err = add(answers)
     assert status == 0
@@ -268,7 +268,7 @@ def test_a_bad_option_is_named(add: Add, file: Path, options: list[str], found: 
     assert held(file) == []
 
 
-def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_go_on(add: Add, file: Path) -> None:
+def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_continue(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B"})
     status, _, err = add(ANSWERS)
@@ -310,7 +310,7 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
-def test_add_killed_at_the_fifth_prompt_offers_to_go_on(file: Path) -> None:
+def test_add_killed_at_the_fifth_prompt_offers_to_continue(file: Path) -> None:
     said, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
     assert "Top speed (m/s): " in said
     assert held(file) == []

@@ -66,7 +66,7 @@ def test_a_tab_makes_no_ledger(
     assert not (tmp_path / "none.db").exists()
 
 
-def test_a_tab_says_nothing_of_a_damaged_ledger(
+def test_a_tab_is_silent_about_a_damaged_ledger(
     ledger: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger.write_bytes(b"not a ledger" * 1000)

@@ -102,7 +102,7 @@ def answered(command: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[di
 
 
 @pytest.mark.parametrize(("k", "effective", "agrees"), [(0.3, 0.9, True), (0.71, 0.9, False), (0.3, 0.2, False)])
-def test_it_says_checked_by_the_fit_only_where_it_is_and_else_the_fit_answers(
+def test_it_says_checked_by_the_fit_only_if_it_is_and_else_the_fit_answers(
     ledger: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,

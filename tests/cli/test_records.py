@@ -96,7 +96,7 @@ def test_every_group_of_commands_is_listed(run: Run) -> None:
     assert all(f" {command} " in text for command in commands.split(" "))
 
 
-def test_the_version_is_said(run: Run) -> None:
+def test_the_version_is_reported(run: Run) -> None:
     assert run("--version").out.startswith("fieldkit ")
 
 
@@ -267,7 +267,7 @@ def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
     assert "no matching flights" in full("flights", "--tag", "nonsense").err
 
 
-def test_an_empty_ledger_says_so(run: Run) -> None:
+def test_an_empty_ledger_reports_it(run: Run) -> None:
     said = run("flights")
     assert (said.status, said.out) == (0, "")
     assert "no flights in" in said.err
@@ -311,7 +311,7 @@ def test_an_unknown_flight_is_met_with_near_ones(full: Run) -> None:
     assert len(full("flights", "--json").document["flights"]) == 3
 
 
-def test_two_rockets_with_one_flight_id_are_told_apart(full: Run, table: Path) -> None:
+def test_two_rockets_with_one_flight_id_are_distinguished(full: Run, table: Path) -> None:
     table.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
     full("import", table)
     said = full("show", "2")
@@ -422,7 +422,7 @@ def test_ones_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, table: 
     assert run("motors", "--import", tmp_path / "absent.eng").status == 1
 
 
-def test_the_ledger_comes_from_the_environment_where_no_option_names_it(
+def test_the_ledger_comes_from_the_environment_if_no_option_names_it(
     tmp_path: Path, table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "mine.db"))

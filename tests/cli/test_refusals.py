@@ -64,7 +64,7 @@ def numbers(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]
 
 
 @pytest.mark.parametrize("words", numbers(typer.main.get_command(app)), ids=" ".join)
-def test_no_option_takes_a_number_that_is_none(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_option_takes_a_number_that_is_invalid(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     for number in ("nan", "inf", "-inf"):
         assert main([*words[:-1], f"{words[-1]}={number}"]) == 2
         assert f"found {number}" in (said := capsys.readouterr().err) or "is not in the range" in said

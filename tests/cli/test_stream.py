@@ -30,7 +30,7 @@ def test_a_streamed_document_is_what_json_writes(documents: list[dict[str, objec
     assert out.getvalue() == json.dumps({"flights": documents}, indent=2) + "\n"
 
 
-def test_columns_get_wider_and_no_cell_is_cut_where_there_is_room(
+def test_columns_get_wider_and_no_cell_is_cut_if_there_is_room(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(stream, "_room", lambda: 40)

@@ -144,7 +144,9 @@ def _under(home: Path, file: Path, suffix: str) -> Path:
 
 
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
-def test_no_command_replaces_a_file_unasked(home: Path, names: tuple[str, ...], parameter: Any, command: Any) -> None:
+def test_no_command_replaces_a_file_by_default(
+    home: Path, names: tuple[str, ...], parameter: Any, command: Any
+) -> None:
     for suffix in ("", *_suffixes(parameter)):
         mine = home / f"mine{suffix}"
         mine.write_text("what I wrote")
@@ -152,7 +154,7 @@ def test_no_command_replaces_a_file_unasked(home: Path, names: tuple[str, ...], 
         assert mine.read_text() == "what I wrote"
 
 
-def test_a_file_is_replaced_when_that_is_said(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_is_replaced_when_that_is_reported(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = home / "out.csv"
     assert main(["export", str(out)]) == 0
     out.chmod(0o640)

@@ -159,7 +159,7 @@ def test_a_log_says_how_well_and_by_which_sensor_and_what_it_only_states() -> No
     assert {other.source[name] for name in ("top_speed", "peak_accel")} == {"accel"}
 
 
-def test_what_is_typed_says_so_and_takes_the_device_s_own_noise(tmp_path: Path) -> None:
+def test_what_is_typed_reports_it_and_takes_the_device_s_own_noise(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         flight, _ = enter(ledger, Flight(rocket="Astra", apogee=281.3, duration=40.0))
         assert (dict(flight.sd), flight.source) == ({}, {"apogee": "typed", "duration": "typed"})
@@ -193,7 +193,7 @@ def test_what_stands_beside_a_readout_is_edited_like_a_column(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(("part", "value"), [("sd", float("nan")), ("sd", -1.0), ("source", "radar")])
-def test_a_ledger_keeps_no_standard_deviation_and_no_source_that_is_none(
+def test_a_ledger_keeps_no_standard_deviation_and_no_source_that_is_invalid(
     part: str, value: object, tmp_path: Path
 ) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
@@ -213,7 +213,7 @@ def raw(flights: list[Flight]) -> Array:
     return np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
 
 
-def test_a_fit_takes_the_standard_deviation_of_a_readout_where_there_is_one() -> None:
+def test_a_fit_takes_the_standard_deviation_of_a_readout_if_there_is_one() -> None:
     bare = FLIGHT.with_changes(sd={})
     own = own_sd([FLIGHT, bare], raw([FLIGHT, bare]))
     apogee, coast, speed = (OBSERVED_READOUTS.index(name) for name in ("apogee", "coast_to_apogee", "top_speed"))
@@ -278,7 +278,7 @@ def test_a_network_takes_a_vague_readout_for_less_and_a_sure_one_as_usual() -> N
 
 
 @pytest.mark.parametrize("name", ["apogee", "top_speed", "burn_time", "coast_to_apogee", "eject_altitude", "duration"])
-def test_a_readout_far_out_is_no_misfit_where_it_is_as_vague(name: str) -> None:
+def test_a_readout_far_out_is_no_misfit_if_it_is_as_vague(name: str) -> None:
     full = ALL.with_changes(
         peak_accel=150.0, apogee_to_eject=0.3, eject_altitude=249.0, descent_speed=5.0, duration=57.0
     )

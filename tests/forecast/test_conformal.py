@@ -73,7 +73,7 @@ def test_a_flight_scored_twice_counts_once() -> None:
     assert saved_surprises(kept) == pytest.approx([2.0])
 
 
-def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Path) -> None:
+def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_reports_it(tmp_path: Path) -> None:
     plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)

@@ -70,7 +70,7 @@ def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
     assert 0 < 1.3 * low < middle < high / 1.3
 
 
-def test_where_motors_disagree_a_new_one_is_less_sure() -> None:
+def test_if_motors_disagree_a_new_one_is_less_sure() -> None:
     def width(motor: str, flown: Flown) -> float:
         low, _, high = next_on(motor, flown).apogee_quantiles()
         return float(np.log(high / low))
@@ -108,7 +108,7 @@ ALTERNATIVES = (
 
 
 @pytest.mark.parametrize(("past", "diameter"), [(0, 0.066), (3, None), (5, 0.066)])
-def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, diameter: float | None) -> None:
+def test_what_is_reported_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, diameter: float | None) -> None:
     flown = [(one.with_changes(diameter=diameter), motor) for one, motor in season({})]
     flown = flown[:past] if past != 3 else [pair for pair in flown if pair[0].motor == "F24"]  # or a single motor
     plan = PLAN.with_changes(diameter=diameter)
@@ -144,7 +144,7 @@ def test_an_interval_narrows_as_a_normal_mean_becomes_known(more: float) -> None
     assert made(known, luck).narrowed(more) == pytest.approx(exact, abs=5e-3)
 
 
-def test_nothing_narrows_what_is_luck_alone_and_all_goes_where_there_is_none() -> None:
+def test_nothing_narrows_what_is_random_and_all_goes_if_there_is_none() -> None:
     assert made(0.0, 0.05).narrowed(np.inf) == pytest.approx(1.0, abs=1e-6)
     assert made(0.05, 0.0).narrowed(1) == pytest.approx(0.0, abs=1e-6)
 

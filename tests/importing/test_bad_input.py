@@ -185,7 +185,7 @@ def clocks_of(log: bytes) -> tuple[bytes, list[list[bytes]], list[int]]:
 
 
 def longest_growth(values: np.ndarray) -> tuple[int, int]:
-    """Where the longest run of numbers begins and ends in which each is more than the one before."""
+    """Start and end of the longest run of increasing numbers."""
     ends = np.flatnonzero(~(np.diff(values) > 0))
     bounds = np.concatenate([[-1], ends, [len(values) - 1]])
     run = int(np.argmax(np.diff(bounds)))

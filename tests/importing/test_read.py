@@ -105,7 +105,7 @@ def test_a_bad_plan_stops_the_table_and_says_where(row: bytes, message: str) -> 
         read_plans(b"flight_id,rocket,Motor,Wind_mps\n" + row + b"\n", "plans.csv", any_motor)
 
 
-def test_figures_that_contradict_each_other_are_told_and_taken() -> None:
+def test_figures_that_contradict_each_other_are_reported_and_taken() -> None:
     table = b"flight_id,rocket,apogee_m,eject_altitude_m,top_speed_mps,avg_accel_g,burn_time_s,peak_accel_g\n"
     intake = read(table + b"1,Swift,71,93,37.6,2.1,8,2\n", "t.csv", any_motor)
     assert len(intake.flights) == 1
@@ -122,7 +122,7 @@ def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pyt
     assert all(len(line) < 2000 and line.isprintable() for line in lines)
 
 
-def test_a_fallback_is_asked_where_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fallback_is_asked_if_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
     shelf = {**parsers(), "last": last}
     monkeypatch.setattr(recognize, "parsers", lambda: shelf)

@@ -66,7 +66,7 @@ def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_hei
 
 
 @every_sample
-def test_a_sample_bears_the_signs_of_its_parser_best(sample: Path) -> None:
+def test_a_sample_has_the_signs_of_its_parser_best(sample: Path) -> None:
     parser = parsers()[owner(sample)]
     if not parser.signs or b"tabs_without_a_header" in sample.name.encode():
         return
@@ -76,7 +76,7 @@ def test_a_sample_bears_the_signs_of_its_parser_best(sample: Path) -> None:
 
 
 def mutated(content: bytes) -> Iterator[tuple[str, bytes]]:
-    """The text of a log with its first lines spelled otherwise, and what was done to them."""
+    """The text of a log with its first lines spelled differently, and the change."""
     head, _, rest = content.partition(b"\n")
     yield "in capitals", head.upper() + b"\n" + rest
     yield "with a byte order mark", b"\xef\xbb\xbf" + content
@@ -103,7 +103,7 @@ def test_a_mutated_header_is_read_the_same_or_refused_and_never_read_wrong(sampl
                 assert got == pytest.approx(own, rel=0.08), f"{how}: as {opened.format}"
 
 
-def test_an_unknown_file_is_told_the_nearest_formats_and_what_it_lacks() -> None:
+def test_an_unknown_file_is_reported_the_nearest_formats_and_what_it_lacks() -> None:
     content = b"Time,Altitude,Pressure,Velocity,Temp\n" + b"0,x,y,z,w\n" * 5
     with pytest.raises(UnknownFormat) as error:
         read(content, "odd.csv", any_motor)
@@ -113,7 +113,7 @@ def test_an_unknown_file_is_told_the_nearest_formats_and_what_it_lacks() -> None
     assert "blueraven_usb" not in said
 
 
-def test_the_surer_of_two_parsers_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_parser_with_more_of_its_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda content: [Reading({"apogee": 100.0})])
     with_parser(monkeypatch, greedy)
     assert recognise(TABLE).title == "Flight table (CSV)"
@@ -149,7 +149,7 @@ def test_a_claim_without_a_flight_falls_through_to_the_table_of_samples(
     assert any("Claims all recognizes it and" in note for note in intake.notes)
 
 
-def test_a_claim_is_kept_where_no_other_parser_finds_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_claim_is_kept_if_no_other_parser_finds_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     def damaged(content: bytes) -> list[Found]:
         raise DamagedLog("found no frame, expected one", row=3)
 

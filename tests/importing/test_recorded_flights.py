@@ -88,7 +88,7 @@ def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path)
     assert json.loads(out)["duplicates"] == 1
 
 
-def test_several_flights_in_a_log_are_told_apart_and_found_again(run: Run, tmp_path: Path) -> None:
+def test_several_flights_in_a_log_are_distinguished_and_found_again(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "two.lark"
     path.write_bytes(written(SMALL, LARGE))
     ids = json.loads(run("import", path, "--json")[1])["flights"]
@@ -137,7 +137,7 @@ def test_a_simulation_is_no_flight_and_is_sent_to_compare(run: Run, tmp_path: Pa
     assert "fieldkit compare" in line
 
 
-def test_a_log_without_apogee_says_so_and_is_kept(run: Run, tmp_path: Path) -> None:
+def test_a_log_without_apogee_reports_it_and_is_kept(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "short.lark"
     path.write_bytes(written(LARGE, early=0.8, stated=1500.0))
     status, out, err = run("import", path, "--json")

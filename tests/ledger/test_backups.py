@@ -85,7 +85,7 @@ def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
 
 
 @pytest.mark.parametrize("times", [1, 2])
-def test_a_restore_that_cannot_be_checked_is_taken_back_and_says_so(
+def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
     file: Path, times: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """`times` 2: nor can it be taken back."""
@@ -174,7 +174,7 @@ def test_copies_made_at_once_get_numbers_of_their_own(file: Path) -> None:
     assert [one.number for one in backups.backups(file)][:8] == sorted(numbers, reverse=True)
 
 
-def test_one_copy_is_enough_where_many_begin_to_write(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_copy_is_enough_if_many_begin_to_write(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add(file, "1")
     backups.folder_of(file).mkdir()
     claim = backups._claim(file)[1]
@@ -286,7 +286,7 @@ def test_a_damaged_ledger_is_named_offered_its_copy_and_put_back(
     assert [one.read_bytes() for one in aside] == ([hurt] if hurt else [])
 
 
-def test_a_text_that_is_none_any_more_is_damage_that_sqlite_does_not_see(
+def test_a_text_that_is_invalid_any_more_is_damage_that_sqlite_does_not_see(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     add(file, "1", "2")

@@ -179,7 +179,7 @@ def test_flights_come_by_date_then_entry_and_undated_ones_after_what_was_entered
     assert [flight.flight_id for flight in ledger.flights(FIRST.rocket)] == ["0", "3", "1", "2", "4"]
 
 
-def test_an_id_is_the_flight_id_where_that_says_enough(ledger: Ledger) -> None:
+def test_an_id_is_the_flight_id_if_that_is_unique(ledger: Ledger) -> None:
     other = FIRST.with_changes(rocket="Comet")
     assert ledger.add([FIRST, SECOND]).new == ("1", "2")
     assert ledger.add([other]).new == ("Comet/1",)
@@ -367,7 +367,7 @@ def test_a_draft_is_kept_until_it_is_dropped(ledger: Ledger) -> None:
     assert ledger.draft("add") is None
 
 
-def test_a_flight_that_is_taken_back_is_a_draft_again_unless_another_was_begun(ledger: Ledger) -> None:
+def test_a_flight_that_is_undone_is_a_draft_again_unless_another_was_started(ledger: Ledger) -> None:
     ledger.keep_draft("add", {"rocket": "Astra"})
     ledger.add([FIRST], draft="add")
     assert ledger.draft("add") is None

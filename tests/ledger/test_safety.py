@@ -89,7 +89,7 @@ def test_a_failure_in_the_middle_of_a_command_leaves_nothing_behind(
         assert ledger.flights() == [FIRST]
 
 
-def test_a_file_that_is_no_ledger_is_said_to_be_none(tmp_path: Path) -> None:
+def test_a_file_that_is_no_ledger_is_reported_to_be_none(tmp_path: Path) -> None:
     junk = tmp_path / "junk.db"
     junk.write_bytes(bytes(range(256)) * 64)
     with pytest.raises(LedgerError, match=r"junk\.db: this file is not a ledger"):
@@ -125,7 +125,7 @@ def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
-def test_a_damaged_ledger_is_said_to_be_damaged(tmp_path: Path) -> None:
+def test_a_damaged_ledger_is_reported_to_be_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST.with_changes(flight_id=str(n)) for n in range(200)])
@@ -276,7 +276,7 @@ def test_a_read_only_ledger_can_be_read_and_says_why_it_cannot_be_changed(tmp_pa
             ledger.undo()
 
 
-def test_a_full_disk_changes_nothing_and_says_so(tmp_path: Path) -> None:
+def test_a_full_disk_changes_nothing_and_reports_it(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([FIRST])
         event.listen(ledger._engine, "begin", lambda conn: conn.exec_driver_sql("PRAGMA max_page_count = 1"))
@@ -445,7 +445,7 @@ def test_a_row_that_was_damaged_before_an_upgrade_is_found_after_it(measured: Pa
         ledger.flights()
 
 
-def test_a_ledger_that_goes_while_it_is_open_is_named_and_not_made_anew(tmp_path: Path) -> None:
+def test_a_ledger_that_goes_while_it_is_open_is_named_and_not_created_again(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Astra", apogee=100.0)])

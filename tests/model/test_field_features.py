@@ -76,7 +76,7 @@ def test_a_burn_time_shown_to_a_tenth_is_sharpened_by_the_other_two() -> None:
     assert burn_time(burn_time=1.8, top_speed=60.0, avg_accel=60.0 / 2.4) == pytest.approx(1.85)
 
 
-def test_a_flight_without_a_mass_is_an_error_that_says_so() -> None:
+def test_a_flight_without_a_mass_is_an_error_that_reports_it() -> None:
     flight = Flight(flight_id="7", motor="Estes C6", apogee=100.0)
     with pytest.raises(ImpossibleFlight, match="7: found no dry mass"):
         observe([flight], [catalogue().find("Estes C6")])

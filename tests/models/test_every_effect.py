@@ -64,7 +64,7 @@ def some(effect: Effect) -> float:
 
 
 @every_effect
-def test_an_effect_vanishes_at_zero_strength_on_a_rail_that_leans_either_way(name: str) -> None:
+def test_an_effect_vanishes_at_zero_strength_on_a_rail_that_tilts_either_way(name: str) -> None:
     leaning = tuple(
         flight.with_changes(rail_angle=angle) for flight, angle in zip(FLIGHTS, (-0.1, 0.1, 0), strict=True)
     )
@@ -298,7 +298,7 @@ def test_an_effect_imports_only_what_it_may(file: Path) -> None:
             assert ours or name.split(".")[0] in PLAIN, f"{file.name} imports {name}"
 
 
-def test_every_file_of_the_shelf_is_an_effect() -> None:
+def test_every_file_of_the_plugin_folder_is_an_effect() -> None:
     assert [file.stem for file in FILES] == list(EFFECTS)
     assert all(isinstance(effect, Effect) for effect in EFFECTS.values())
     assert len({effect.title for effect in EFFECTS.values()}) == len(EFFECTS)

@@ -121,7 +121,7 @@ def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
             catalogue().find(text)
 
 
-def test_an_ambiguous_name_lists_each_motor_on_a_line_with_what_tells_them_apart() -> None:
+def test_an_ambiguous_name_lists_each_motor_on_a_line_with_what_distinguishes_them() -> None:
     with pytest.raises(AmbiguousMotor) as caught:
         catalogue().find("38mm H123")
     assert str(caught.value).splitlines()[1:] == [
@@ -188,7 +188,7 @@ def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
     assert catalogue().find("F24-P").notes == ("AeroTech F24W is not sold plugged, only with 4, 7",)
 
 
-def test_a_mass_that_was_estimated_is_said_aloud() -> None:
+def test_a_mass_that_was_estimated_is_reported() -> None:
     found = catalogue().find("G35-4")
     assert found.motor.estimated == ("casing mass",)
     assert "casing mass not listed, estimated" in found.notes[0]
@@ -232,7 +232,7 @@ def test_no_motor_up_to_class_f_was_left_out() -> None:
         assert read == kept or letter > "F", letter
 
 
-def test_what_is_known_of_the_catalogue_adds_up() -> None:
+def test_what_is_known_of_the_catalog_adds_up() -> None:
     about = catalogue().about
     assert about["kept"] + sum(map(len, about["left_out"].values())) == about["read"]
     assert sum(about["by_maker"].values()) == about["kept"]
@@ -252,7 +252,7 @@ def test_searching_ranks_what_was_meant_first() -> None:
     assert _label(catalogue().search("microm4xx")[0]).startswith("Quest MICRO_MAXX")
 
 
-def test_own_motors_win_over_the_catalogue() -> None:
+def test_own_motors_win_over_the_catalog() -> None:
     shipped = catalogue().find("Estes C6").motor
     renamed = Motor(**{name: getattr(shipped, name) for name in Motor.__slots__} | {"source": "mine.eng"})
     mine = catalogue().with_motors([renamed])
@@ -319,7 +319,7 @@ def _resolves(motors: Catalogue, text: str) -> bool:
 
 
 @pytest.mark.benchmark(group="motors")
-def test_the_catalogue_loads_from_its_file(benchmark: BenchmarkFixture) -> None:
+def test_the_catalog_loads_from_its_file(benchmark: BenchmarkFixture) -> None:
     def load() -> Catalogue:
         catalogue.cache_clear()
         return catalogue()

@@ -75,7 +75,7 @@ FIGURES: dict[str, dict[str, float]] = {
 
 
 @pytest.mark.parametrize(("name", "figures"), FIGURES.items())
-def test_slips_of_the_catalogue_are_mended(name: str, figures: dict[str, float]) -> None:
+def test_slips_of_the_catalog_are_fixed(name: str, figures: dict[str, float]) -> None:
     motor = _motor(name)
     for field, value in figures.items():
         assert getattr(motor, field) == pytest.approx(value, rel=1e-6), field
@@ -84,7 +84,7 @@ def test_slips_of_the_catalogue_are_mended(name: str, figures: dict[str, float])
     assert all(one.source for one in motor.corrections)
 
 
-def test_delays_that_are_known_are_on_record() -> None:
+def test_delays_that_are_known_are_recorded() -> None:
     assert _motor("Estes B4").delays == (2.0, 4.0, 6.0)
     assert _motor("I110-LW").delays == (5.0, 8.0, 10.0)
     assert _motor("J234-BG").delays == _motor("Hypertek 835CC172J-J317").delays == (PLUGGED_DELAY,)
@@ -92,7 +92,7 @@ def test_delays_that_are_known_are_on_record() -> None:
         assert _motor(name).delays == (6.0, 8.0, 10.0, 12.0, 14.0)
 
 
-def test_what_documents_disagree_on_is_told_and_not_changed() -> None:
+def test_what_documents_disagree_on_is_reported_and_not_changed() -> None:
     motor = _motor("J99N")
     assert motor.total_impulse == 945.2
     assert motor.loaded_mass == pytest.approx(0.899)
@@ -245,7 +245,7 @@ def test_the_scatter_of_tests_is_that_within_motors() -> None:
     assert tool.scatter([*tests, _test(9.0, USER)]) == pytest.approx(1.4826 * 0.0392 / 2**0.5, rel=0.01)
 
 
-def test_a_motor_tells_what_was_corrected(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_motor_shows_what_was_corrected(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.dumps(describe(_motor("Estes B4")))
     assert main(["motors", "Estes B4", "--json"]) == 0
     (told,) = json.loads(capsys.readouterr().out)["motors"][:1]

@@ -125,7 +125,7 @@ def _source(number: int, **changes: Any) -> dict[str, Any]:
     } | changes
 
 
-def test_the_same_source_makes_the_same_catalogue_and_the_gaps_are_told() -> None:
+def test_the_same_source_makes_the_same_catalog_and_the_gaps_are_reported() -> None:
     tool = _tool()
     source = [
         *(_source(number) for number in range(1, 6)),

@@ -100,7 +100,7 @@ def test_a_damaged_rasp_file_names_the_line_and_what_would_be_right(old: str, ne
 
 
 @pytest.mark.parametrize("data", [b"", b"; only a comment\n", b"\n\n"])
-def test_a_rasp_file_without_a_motor_says_so(data: bytes) -> None:
+def test_a_rasp_file_without_a_motor_reports_it(data: bytes) -> None:
     with pytest.raises(DamagedLog, match="found no motor, expected a header"):
         rasp.read(data, "mine.eng")
 

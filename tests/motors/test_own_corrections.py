@@ -38,7 +38,7 @@ def test_own_corrections_take_the_place_of_the_catalogues_figures(tmp_path: Path
     assert len(motors) == len(catalogue())
 
 
-def test_a_lot_has_its_own_figures_and_an_unknown_one_says_so(tmp_path: Path) -> None:
+def test_a_lot_has_its_own_figures_and_an_unknown_one_reports_it(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + ROWS)
     motors, _ = known_motors(tmp_path)
     lot = motors.resolve("F24-4W lot 0412")
@@ -108,7 +108,7 @@ def test_a_table_that_is_no_table_of_tests_is_named(text: str, named: str) -> No
         compare_tests(catalogue(), text.encode(), "tests.csv")
 
 
-def test_the_commands_compare_and_tell_where_corrections_are_kept(
+def test_the_commands_compare_and_name_the_file_of_corrections(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
@@ -124,7 +124,7 @@ def test_the_commands_compare_and_tell_where_corrections_are_kept(
 
 
 @pytest.mark.skipif(not (SHARED / "data" / "motor_tests.csv").exists(), reason="no table of tests here")
-def test_letters_of_certification_are_what_the_catalogue_has() -> None:
+def test_letters_of_certification_are_what_the_catalog_has() -> None:
     """Source: the certification letters of a table of tests; 10% is twice the scatter that a lot may have."""
     content = (SHARED / "data" / "motor_tests.csv").read_bytes()
     found = compare_tests(catalogue(), content, "motor_tests.csv")

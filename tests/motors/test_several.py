@@ -97,7 +97,7 @@ def test_two_stages_gain_the_speed_that_thrust_over_mass_gives(booster_mass: flo
 
 @pytest.mark.parametrize("drag", [1.0, 2.5])
 def test_three_stages_fly_as_a_plain_integration_says(drag: float) -> None:
-    """Top speed by Euler's method in even air, each booster and its drag dropped when its motor ends."""
+    """Top speed by Euler's method in air of constant density, each booster and its drag dropped when its motor ends."""
     text, boosters, dry, area = "C6-0/B6-0/A8-5", (0.02, 0.01), 0.04, 4e-4
     motor = MOTORS.resolve_several(text, tuple(Booster(mass, drag) for mass in boosters)).motor
     stages = [MOTORS.resolve(name).motor for name in ("C6-0", "B6-0", "A8-5")]
@@ -132,7 +132,7 @@ def test_a_booster_that_is_kept_costs_height() -> None:
         ("2 x Zonk", "no such motor"),
     ],
 )
-def test_what_cannot_be_flown_as_one_says_so(text: str, named: str) -> None:
+def test_what_cannot_be_flown_as_one_reports_it(text: str, named: str) -> None:
     with pytest.raises(UnknownMotor, match=named):
         MOTORS.resolve_several(text)
 

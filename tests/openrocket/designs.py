@@ -20,7 +20,7 @@ TYPES = (
 )
 DENSITY, MOTOR_MASS = 1.2, 0.05
 WOBBLE, SLOW = 0.01, 0.2
-"""How much the Cd of a coast falls with speed, and how much it is higher when the rocket hangs at apogee. [1]"""
+"""Decrease of the Cd of a coast with speed, and its increase near apogee. [1]"""
 
 Example = dict[str, str]
 

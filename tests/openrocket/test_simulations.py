@@ -1,6 +1,6 @@
 """The stored simulations of OpenRocket's examples, flown again from their own figures: mass, Cd, wind and motor.
 
-OpenRocket flies the samples of a thrust curve as they are, where fieldkit scales them to the certified impulse; its
+OpenRocket flies the samples of a thrust curve as they are, whereas fieldkit scales them to the certified impulse; its
 wind is the same at every height, and its parachutes open at once.
 """
 
@@ -194,7 +194,7 @@ def test_what_is_not_flown_and_why() -> None:
 
 @pytest.mark.parametrize(("name", "place"), FLOWN)
 def test_a_simulation_reaches_its_apogee(name: str, place: int) -> None:
-    """Also where the charge fires while it climbs fast, as every C6-3 here: there the parachute stops it at once."""
+    """Even if the charge fires in a fast climb, as every C6-3 here does: the parachute then stops it at once."""
     row = EXAMPLES[name][place]
     assert float(simulated(name, place).apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=APOGEE_GATE)
 

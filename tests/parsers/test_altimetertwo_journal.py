@@ -59,7 +59,7 @@ def test_several_motors_are_tagged(motors: str, motor: str, tags: tuple[str, ...
     assert (flight.motor, flight.tags) == (motor, tags)
 
 
-def test_a_row_that_slipped_a_column_does_not_teach() -> None:
+def test_a_row_that_slipped_a_column_is_not_used_in_the_fit() -> None:
     (flight,) = journal("7,2,3,2014-06-21,D12-5,,,129,.5,3.1,13.1,18.0,,,,20.1,").flights
     assert flight.tags == ("altimeter_fault",)
 

@@ -145,7 +145,7 @@ def test_a_state_that_returns_does_not_move_its_event() -> None:
     assert read("altos_csv__", log)[0].events["burnout"] == 1.1
 
 
-def test_the_clock_of_the_radio_form_goes_on_where_it_wraps_and_over_gaps() -> None:
+def test_the_clock_of_the_radio_form_continues_where_it_wraps_and_over_gaps() -> None:
     (series,) = read("altos_csv__heard_by_radio.csv")[0].clocks
     steps = np.diff(series.time)
     assert steps.min() == pytest.approx(0.1)

@@ -49,7 +49,7 @@ def test_a_wrong_checksum_costs_its_sample_alone() -> None:
     assert damaged.row == 3
 
 
-def test_flights_of_one_text_stay_apart() -> None:
+def test_flights_of_one_text_stay_separate() -> None:
     one, other = flights(data("0,50,12,21,100873", "3,50,1,20,100900", "0,100,15,21,100840"))
     assert (one.extra["flight_number"], other.extra["flight_number"]) == ("0", "3")
     assert len(one.clocks[0].time) == 2

@@ -95,7 +95,7 @@ def test_low_and_high_rate_and_summary_are_one_flight() -> None:
     assert [len(intake.flights) for intake in intakes] == [0, 1, 0]
 
 
-def test_files_of_flights_minutes_apart_stay_apart() -> None:
+def test_files_of_flights_minutes_apart_stay_separate() -> None:
     low = BY_NAME["blueraven_app__low_rate.csv"]
     summary = BY_NAME["blueraven_summary__what_the_app_shows.csv"].replace(b"11:04:05.250", b"11:34:05.250")
     intakes = read_together([("low.csv", low), ("summary.csv", summary)], any_motor)

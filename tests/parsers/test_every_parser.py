@@ -137,7 +137,7 @@ def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) ->
     cuts=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6),
     forced=st.booleans(),
 )
-def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_mend(
+def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_fix(
     sample: Path, cuts: list[tuple[float, int, bytes]], forced: bool
 ) -> None:
     log = sample.read_bytes()

@@ -104,7 +104,7 @@ def telemetry(height: np.ndarray) -> bytes:
     return "\n".join(lines).encode() + b"\n"
 
 
-def test_radio_that_heard_no_flight_is_no_flight_of_a_few_metres_a_second() -> None:
+def test_radio_that_heard_no_flight_is_no_flight_of_a_few_meters_a_second() -> None:
     rng = np.random.default_rng(3)
     still = telemetry(np.clip(rng.normal(1, 1, 900), -5, 5))
     assert parsers()["altos_telem"].recognises(still)

@@ -114,7 +114,7 @@ def test_an_odd_value_is_taken_with_a_note() -> None:
         ("rocket,apogee_m\nSwift,11.358\n", 11.358),
     ],
 )
-def test_the_decimal_mark_is_told_from_the_whole_table(table: str, apogee: float) -> None:
+def test_the_decimal_mark_is_inferred_from_the_whole_table(table: str, apogee: float) -> None:
     assert intake(table).flights[0].apogee == pytest.approx(apogee)
 
 
@@ -171,7 +171,7 @@ def test_a_further_column_beside_the_one_with_a_unit_is_kept() -> None:
 @pytest.mark.parametrize(
     "header", ["time,altitude", "temperature_c,pressure_hpa", "published_apogee_m,x", "Duration,Apogee"]
 )
-def test_a_table_without_a_column_of_ours_is_not_recognised(header: str) -> None:
+def test_a_table_without_a_column_of_ours_is_not_recognized(header: str) -> None:
     with pytest.raises((UnknownFormat, DamagedLog)):  # a clock and a height may be a log of another kind
         intake(f"{header}\n1,2\n")
     assert "flight_table" not in claims(f"{header}\n1,2\n".encode())
@@ -184,7 +184,7 @@ def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
         intake("time,altitude\n1,2\n", format="flight_table")
 
 
-def test_a_header_alone_brings_no_flights_and_says_so() -> None:
+def test_a_header_alone_brings_no_flights_and_reports_it() -> None:
     got = intake("rocket,apogee_m\n")
     assert (got.flights, got.rejected, got.notes) == (
         (),
@@ -212,7 +212,7 @@ def test_other_dates_are_refused_by_column(cell: str) -> None:
     assert complaint("rocket,apogee_m,date_time", f"Swift,100,{cell}").startswith("date_time: found ")
 
 
-def test_tags_stand_apart_by_semicolon_bar_or_comma_and_known_ones_are_recognised() -> None:
+def test_tags_are_separate_by_semicolon_bar_or_comma_and_known_ones_are_recognized() -> None:
     got = flight("rocket,apogee_m,tags", 'Swift,100,"Weak launch; off-axis|my tag,,weak_launch"')
     assert got.tags == ("weak_launch", "off_axis", "my tag")
     assert not got.clean

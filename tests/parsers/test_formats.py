@@ -28,6 +28,6 @@ def test_the_table_counts_the_real_recordings_that_each_parser_claims() -> None:
     assert {name: int(row[1]) for name, row in ROWS.items() if row[1] != "0"} == dict(claimed)
 
 
-def test_a_simulation_is_said_to_be_one() -> None:
+def test_a_simulation_is_reported_as_one() -> None:
     said = {name for name, row in ROWS.items() if row[2].startswith("simulations")}
     assert said == {name for name, parser in parsers().items() if "simulation" in parser.title}

@@ -146,7 +146,7 @@ def test_a_gps_without_a_fix_has_no_height() -> None:
 
 
 @pytest.mark.parametrize(("level", "channel"), [(1.0, "felt"), (0.0, "acceleration")])
-def test_the_rest_on_the_pad_tells_whether_an_arts2_counts_gravity(level: float, channel: str) -> None:
+def test_the_rest_on_the_pad_shows_whether_an_arts2_counts_gravity(level: float, channel: str) -> None:
     rows = "".join(f"{i / 50:.2f} {level:.2f} 0 0 {i}\n" for i in range(100))
     (flight,) = parsers()["arts2"].read(f"# MET Acc Vel iAlt pAlt\n{rows}".encode())
     assert isinstance(flight, Reading)

@@ -129,7 +129,7 @@ def test_units_are_those_of_the_header(header: str, row: str) -> None:
     assert series.time[-1] == pytest.approx(29.95)
 
 
-def test_a_decimal_comma_is_one_where_semicolons_part_the_cells() -> None:
+def test_a_decimal_comma_is_one_if_semicolons_separate_the_cells() -> None:
     log = table("t (s);alt (m)", "{t:.2f};{h:.2f}").replace(b".", b",")
     (series,), _ = found(log)
     assert top(series) == pytest.approx(285, abs=0.2)
@@ -256,7 +256,7 @@ def test_rows_out_of_order_cost_themselves_alone() -> None:
     assert (np.diff(series.time) >= 0).all()
 
 
-def test_two_columns_that_tell_the_same_are_one_and_others_are_asked_for() -> None:
+def test_two_columns_that_have_the_same_meaning_are_one_and_others_are_asked_for() -> None:
     both = table("t(s),alt(ft),alt(m)", "{t:.2f},{ft:.4f},{h:.4f}")
     assert top(found(both)[0][0]) == pytest.approx(285, abs=0.2)
     other = table("t(s),alt(ft),altitude of the balloon (m)", "{t:.2f},{ft:.4f},{v:.4f}")
@@ -288,7 +288,7 @@ def test_a_table_without_names_is_mapped_by_number() -> None:
         (["altitude=a", "altitude=b"], "found altitude twice"),
     ],
 )
-def test_a_mapping_that_is_none_says_what_to_write(texts: Sequence[str], complaint: str) -> None:
+def test_a_mapping_that_is_invalid_says_what_to_write(texts: Sequence[str], complaint: str) -> None:
     with pytest.raises(BadValue, match=complaint):
         read_choice(texts)
 
@@ -435,7 +435,7 @@ def test_two_tables_of_heights_side_by_side_are_two_flights() -> None:
     assert len([item for item in parsers()["mapped_table"].read(log) if isinstance(item, Reading)]) == 2
 
 
-def test_a_time_of_day_goes_on_for_hours_and_over_midnight() -> None:
+def test_a_time_of_day_continues_for_hours_and_over_midnight() -> None:
     rows = [
         ((86400 - 60 + n / 10) % 86400, max(0.0, 80 * (n / 10 - 150) - 4.9 * (n / 10 - 150) ** 2)) for n in range(3000)
     ]

@@ -84,13 +84,13 @@ def test_a_temperature_without_a_unit_is_left_out_rather_than_guessed() -> None:
 
 
 @pytest.mark.parametrize("apogee", ["300 m AGL", "999999' AGL", "-3' AGL", "1e3' AGL", "nan"])
-def test_an_apogee_that_cannot_be_is_left_out_and_told_of(apogee: str) -> None:
+def test_an_apogee_that_cannot_be_is_left_out_and_reported(apogee: str) -> None:
     reading, rest = pf2(HEADER.replace("100' AGL", apogee) + DATA + ROWS)
     assert "apogee" not in reading.stated
     assert any(isinstance(item, Note) and item.text.startswith("Apogee: found") for item in rest)
 
 
-def test_fewer_rows_than_the_header_promises_are_told_of() -> None:
+def test_fewer_rows_than_the_header_promises_are_reported() -> None:
     _, rest = pf2(HEADER + "NumSamps: 30\r\n" + DATA + ROWS)
     assert rest == [Note("found 20 samples, expected 30 as NumSamps says")]
 
@@ -128,7 +128,7 @@ def test_a_cell_in_another_unit_than_its_column_costs_its_row() -> None:
     assert "expected a number with F" in str(rest[0])
 
 
-def test_heights_renamed_to_metres_are_metres() -> None:
+def test_heights_renamed_to_meters_are_meters() -> None:
     log = sample("perfectflite_table__renamed_by_hand.csv").replace(b"altitude_ft", b"altitude_m")
     reading = parsers()["perfectflite_table"].read(log)[0]
     assert isinstance(reading, Reading)

@@ -30,7 +30,7 @@ def found(parser: str, log: bytes) -> tuple[Reading, list[Found]]:
 
 
 @real
-def test_a_real_rrc3_is_in_metres_as_its_pressures_prove() -> None:
+def test_a_real_rrc3_is_in_meters_as_its_pressures_prove() -> None:
     flight = reading(JUNO)
     (series,) = flight.clocks
     assert series.altitude is not None
@@ -50,7 +50,7 @@ def test_the_last_rows_of_a_real_rrc3_are_garbage_and_cost_only_themselves() -> 
 
 
 @pytest.mark.parametrize(("unit", "warmth"), [(1.0, 293.15), (FOOT, 266.4833)])
-def test_pressure_tells_feet_from_metres(unit: float, warmth: float) -> None:
+def test_pressure_distinguishes_feet_from_meters(unit: float, warmth: float) -> None:
     flight, _ = found("rrc3", rrc3(unit))
     (series,) = flight.clocks
     assert series.altitude is not None
@@ -101,7 +101,7 @@ def eggtimer(unit: float, *, eject: float = 0.0, header: str = "T,Alt,Veloc,LDA,
 
 @pytest.mark.parametrize("unit", [1.0, FOOT])
 @pytest.mark.parametrize("eject", [0.0, 1.5])
-def test_the_fall_tells_feet_from_metres(unit: float, eject: float) -> None:
+def test_the_fall_distinguishes_feet_from_meters(unit: float, eject: float) -> None:
     flight, (note,) = found("eggtimer", eggtimer(unit, eject=eject))
     (series,) = flight.clocks
     assert series.altitude is not None
@@ -110,7 +110,7 @@ def test_the_fall_tells_feet_from_metres(unit: float, eject: float) -> None:
     assert isinstance(note, Note)
 
 
-def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit_mends_it() -> None:
+def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit_fixes_it() -> None:
     log = eggtimer(1.0, eject=-2.5)
     with pytest.raises(DamagedLog, match="expected a header such as Alt_ft or Alt_m"):
         parsers()["eggtimer"].read(log)
@@ -125,7 +125,7 @@ def test_a_log_that_ends_while_climbing_is_not_settled_by_its_drag() -> None:
         parsers()["eggtimer"].read(b"\n".join(log.split(b"\n")[:80]) + b"\n")
 
 
-def test_several_flights_of_one_text_stay_apart_with_their_summaries() -> None:
+def test_several_flights_of_one_text_stay_separate_with_their_summaries() -> None:
     log = b"MON>A\r\nApogee: 751\r\n" + eggtimer(FOOT) + b"\r\nApogee: 752\r\n" + eggtimer(FOOT)
     first, second = (item for item in parsers()["eggtimer"].read(log) if isinstance(item, Reading))
     assert first.stated == {"apogee": pytest.approx(751 * FOOT)}

@@ -38,7 +38,7 @@ def test_a_simulation_is_never_taken_for_a_flight(sample) -> None:  # type: igno
     assert read_plans(sample.read_bytes(), sample.name, any_motor) == []
 
 
-def test_openrocket_tells_its_events_and_its_state() -> None:
+def test_openrocket_shows_its_events_and_its_state() -> None:
     reading = only(OPENROCKET)
     assert reading.events["apogee"] == pytest.approx(6.8)
     assert (reading.events["burnout"], reading.events["ejection"]) == (1.2, pytest.approx(7.3))
@@ -118,7 +118,7 @@ def test_a_header_alone_is_damaged(name: str) -> None:
         parsers()[name].read(header.encode())
 
 
-def test_damaged_rows_are_told_and_the_rest_is_read() -> None:
+def test_damaged_rows_are_reported_and_the_rest_is_read() -> None:
     found = parsers()["openrocket"].read(OPENROCKET.replace(b"\n0.06,", b"\n0.o6,"))
     assert [item.row for item in found if isinstance(item, DamagedLog)] == [11]
     assert not [item for item in found if isinstance(item, Note)]

@@ -193,7 +193,7 @@ TABLES: Sequence[tuple[str, Sequence[Sequence[str]], str]] = [
 
 
 @pytest.mark.parametrize(("header", "columns", "channel"), TABLES, ids=[header for header, *_ in TABLES])
-def test_a_table_that_no_parser_knows_has_its_heights_in_metres(
+def test_a_table_that_no_parser_knows_has_its_heights_in_meters(
     header: str, columns: Sequence[Sequence[str]], channel: str
 ) -> None:
     log = table(header, columns)

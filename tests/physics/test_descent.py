@@ -83,7 +83,7 @@ def test_two_devices_fall_fast_and_then_slowly() -> None:
 
 @pytest.mark.parametrize(("height", "before"), [(300.0, 0.0), (300.0, 60.0), (8.0, 0.0), (8.0, 60.0)])
 def test_a_device_takes_the_speed_of_the_fall_to_its_own(height: float, before: float) -> None:
-    """As the equation of motion in even air has it, also where the ground comes before it hangs quietly."""
+    """As by the equation of motion in air of constant density, even if it lands before its speed is steady."""
     even = Air(AIR.density, AIR.temperature, 1e9)
     solved = solve_ivp(
         lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 20.0) ** 2)],
@@ -332,7 +332,7 @@ def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
     assert across.drift == pytest.approx([0.0], abs=1e-9)
 
 
-def test_a_recorded_rail_leans_into_the_wind_unless_it_says_otherwise() -> None:
+def test_a_recorded_rail_tilts_into_the_wind_unless_it_says_otherwise() -> None:
     found = catalogue().resolve("F39T")
     ways = {"": -1, "into": -1, "away": 1, "180": 1}
     for direction, sign in ways.items():

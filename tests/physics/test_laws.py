@@ -168,7 +168,7 @@ def test_more_wind_is_never_higher(motor: Push) -> None:
     assert flown.drift[-1] < -5, "a rocket turns into the wind"
 
 
-def test_a_leaning_rail_is_never_higher_and_drifts_where_it_leans() -> None:
+def test_a_tilted_rail_is_never_higher_and_drifts_in_the_direction_of_its_tilt() -> None:
     flown = fly(rocket(ROUGH, rail_angle=np.radians(np.linspace(0, 40, 40))))
     never_rises(flown.apogee)
     assert np.all(np.diff(flown.drift) > 0)
@@ -390,7 +390,7 @@ def test_the_air_is_the_standard_atmosphere(height: float, density: float) -> No
     assert float(pad_air(np.asarray(float(height)), NAN, NAN, NAN).density) == pytest.approx(density, rel=6e-4)
 
 
-def test_air_thins_alike_from_the_pad_and_from_the_sea() -> None:
+def test_air_thins_equally_from_the_pad_and_from_the_sea() -> None:
     high = pad_air(np.asarray(1500.0), NAN, NAN, NAN)
     sea = STANDARD_AIR.density * STANDARD_AIR.density_ratio(np.asarray(2300.0))
     np.testing.assert_allclose(high.density * high.density_ratio(np.asarray(800.0)), sea, rtol=1e-6)

@@ -27,7 +27,7 @@ def _same(one: FlightResult, other: FlightResult) -> None:
         np.testing.assert_array_equal(getattr(one, entry.name), getattr(other, entry.name), strict=True)
 
 
-def test_draws_that_are_alike_come_out_as_if_each_had_flown(doubled: Setup) -> None:
+def test_draws_that_are_equal_come_out_as_if_each_had_flown(doubled: Setup) -> None:
     _same(fly_unique(doubled), fly(doubled))
 
 
@@ -57,7 +57,7 @@ def test_draws_that_differ_in_anything_are_of_different_kinds(doubled: Setup, na
     assert np.count_nonzero(kind == kind[-1]) == 1
 
 
-def test_draws_whose_sums_agree_by_chance_are_kept_apart(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_draws_whose_sums_agree_by_chance_are_kept_separate(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(unique, "MIXERS", np.zeros_like(unique.MIXERS))
     first, kind = kinds(doubled.flat(doubled.draw_shape))
     assert list(first) == list(kind) == list(range(20))

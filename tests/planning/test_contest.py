@@ -97,7 +97,7 @@ def test_a_season_bounds_mass_impulse_and_length() -> None:
     assert [line.verdict for line in allowed(season(2020), Flight(dry_mass=0.6), found)][:2] == ["unsafe", "unsafe"]
 
 
-def test_a_season_says_what_only_a_look_tells_and_how_sure_each_limit_is() -> None:
+def test_a_season_says_what_only_a_look_shows_and_how_sure_each_limit_is() -> None:
     found = catalogue().resolve("F39T")
     lines = {line.name: line for line in allowed(season(2024), Flight(dry_mass=0.5), found, 0.7)}
     assert "55 to 61 g" in lines["contest eggs"].text
@@ -164,7 +164,7 @@ def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
     assert inside / rockets == pytest.approx(0.9, abs=0.05)  # three standard errors
 
 
-def test_a_duration_tells_the_descent_as_well_as_a_descent_speed() -> None:
+def test_a_duration_shows_the_descent_as_well_as_a_descent_speed() -> None:
     found, plan = catalogue().resolve("F24-4W"), Flight(dry_mass=0.4, diameter=0.066, descent_speed=6.0)
     flown = fly(field_setup([plan.with_changes(delay=6.0)], [found], np.array([0.6 * np.pi / 4 * 0.066**2])))
     names = ("apogee", "duration", "burn_time", "coast_to_apogee", "apogee_to_eject")
@@ -175,7 +175,7 @@ def test_a_duration_tells_the_descent_as_well_as_a_descent_speed() -> None:
     assert fall_of([(without, found)]).log_mean == pytest.approx(read.log_mean, abs=0.06)
 
 
-def test_a_flight_with_a_tag_and_one_without_a_figure_teach_no_descent() -> None:
+def test_a_flight_with_a_tag_and_one_without_a_figure_do_not_constrain_the_descent() -> None:
     found = catalogue().resolve("F24-4W")
     flights = [Flight(dry_mass=0.4, descent_speed=20.0, tags=("damaged",)), Flight(dry_mass=0.4, apogee=200.0)]
     assert fall_of([(flight, found) for flight in flights]).flights == 0
@@ -214,7 +214,7 @@ def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.
 
 
 @pytest.mark.parametrize("text", ["40-37", "37", "37-x", "-1-4", "nan-3"])
-def test_a_window_that_is_none_is_not_taken(text: str) -> None:
+def test_a_window_that_is_invalid_is_not_taken(text: str) -> None:
     assert read_window("37-40 s") == (37.0, 40.0)
     with pytest.raises(BadValue, match="such as 37-40"):
         read_window(text)
@@ -374,7 +374,7 @@ def test_mass_and_parachute_are_solved_together_and_higher_targets_want_less_mas
     assert table[5].points <= min(alone)
 
 
-def test_ballast_is_left_alone_where_the_gain_is_not_clear() -> None:
+def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066)
     goal = Goal(rule.target, 3.0, "points", rule)
@@ -387,7 +387,7 @@ def test_ballast_is_left_alone_where_the_gain_is_not_clear() -> None:
     assert legal.mass + found.motor.loaded_mass <= 0.65 + 1e-9
 
 
-def test_a_rocket_over_the_limit_of_the_season_is_told_to_lose_weight() -> None:
+def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     heavy = Flight(rocket="Comet", dry_mass=0.62, diameter=0.066)
     best = ballast(Rocket((), (), None, 0), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)

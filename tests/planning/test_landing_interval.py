@@ -1,4 +1,4 @@
-"""The interval of a landing holds where RocketPy lands, also if the static margin of the rocket is not known."""
+"""The interval of a landing contains the landing point of RocketPy, even if the static margin is not known."""
 
 from typing import Any
 

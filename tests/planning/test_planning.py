@@ -109,7 +109,7 @@ def test_plans_say_what_predictions_say(path: str, rocket: Rocket, plan: Flight,
     assert made_of == pytest.approx(predicted, rel=0.07)
 
 
-def test_the_guide_tells_every_check_of_every_motor(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_the_guide_shows_every_check_of_every_motor(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
     wanted = Wanted(mount=mount_of(rocket, "A"), classes=("E", "F"), impulse=40.0)
     choices = by_closeness(guide(rocket, plan, suitable_motors(motors, wanted), limits(), Site(), draws=40), 250.0)
     misses = [abs(choice.apogee - 250.0) for choice in choices]
@@ -146,7 +146,7 @@ def test_declared_weather_and_rail_act_on_plans(rocket: Rocket, plan: Flight, mo
     assert np.median(hot.apogee) < np.median(hot.true_apogee)  # 308 K where the altimeter believes 288
 
 
-def test_density_and_what_the_altimeter_shows_are_kept_apart() -> None:
+def test_density_and_what_the_altimeter_shows_are_kept_separate() -> None:
     hot, standard = air_of(Flight(temperature=308.15)), air_of(Flight(site_elevation=1500.0))
     assert hot.gain == pytest.approx(288.15 / 308.15)
     assert hot.density == pytest.approx(1.225 * 288.15 / 308.15, rel=1e-4)
@@ -186,7 +186,7 @@ def test_the_field_must_hold_the_drift_under_the_parachute(said: Prediction) -> 
     assert lines_of(said, large)["field size"].verdict == "unknown"
 
 
-def test_a_motor_left_in_the_sun_and_a_steep_rail_are_told(said: Prediction) -> None:
+def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(said: Prediction) -> None:
     def verdicts(warm: str, degrees: float) -> list[str]:
         lines = lines_of(said, extra={MOTOR_TEMPERATURE: warm}, rail_angle=np.radians(degrees))
         return [lines["motor temperature"].verdict, lines["launch angle"].verdict]
@@ -410,7 +410,7 @@ def test_a_saved_site_brings_its_ceiling_to_plans(path: str, capsys: pytest.Capt
     assert "ceiling 500 m" in " ".join(capsys.readouterr().out.split())
 
 
-def test_ballast_by_a_seasons_points_reckons_with_the_descent(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_ballast_by_a_seasons_points_includes_the_descent(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
     rule, found = season(2027), motors.resolve("F24-4W")
     best = ballast(rocket, plan, found, Goal(rule.target, 3.0, "points", rule), draws=60)
     assert best.there.points is not None

@@ -79,7 +79,7 @@ def test_an_ejection_height_that_was_read_stands_for_a_delay_that_is_not_known()
     assert speed_of(fall_of([(replace(read, eject_altitude=None), plain)])) > 6.5  # fall and parachute in one
 
 
-def test_two_devices_are_told_apart_by_the_main_speed_and_the_duration() -> None:
+def test_two_devices_are_distinguished_by_the_main_speed_and_the_duration() -> None:
     flight = flown(5.0, 6.0, main=80.0, drogue=18.0).with_changes(descent_speed=5.0)
     plan = PLAN.with_changes(extra={"main_altitude_m": "80"})
     fall = fall_of([(flight, FOUND)], plan)
@@ -88,7 +88,7 @@ def test_two_devices_are_told_apart_by_the_main_speed_and_the_duration() -> None
     assert speed_of(fall) == pytest.approx(5.0, rel=1e-6)
 
 
-def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_tell_it() -> None:
+def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_show_it() -> None:
     plan = PLAN.with_changes(extra={"recovery": "streamer"})
     fall = fall_of([(flown(5.0, 6.0), FOUND)], plan)
     assert (fall.flights, fall.log_mean) == (0, pytest.approx(usual("streamer").log_mean))
@@ -151,7 +151,7 @@ def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
     assert with_drogue < 0.45 * alone
 
 
-def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_metre_a_second_is_not(said: Prediction) -> None:
+def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_second_is_not(said: Prediction) -> None:
     """The drift is the descent time times the mean wind on the way, less what the rocket flies into the wind."""
     calm = replace(said, plan=PLAN.with_changes(wind=None))
     fall = fall_of([], calm.plan, FOUND)

@@ -144,7 +144,7 @@ def test_the_distances_of_other_codes_are_those_of_their_tables(
         ("ukra", "odd rockets", "double the distance"),
     ],
 )
-def test_what_no_figure_of_a_plan_is_held_against_is_said_in_the_words_of_the_code(
+def test_what_no_figure_of_a_plan_is_held_against_is_reported_in_the_words_of_the_code(
     key: str, check: str, words: str
 ) -> None:
     assert words in rule(key, check).text.words
@@ -166,7 +166,7 @@ def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet()
     assert legal_class(build_of(motors.resolve("F24W").motor, 1.6), laws) == 2
 
 
-def test_a_motor_that_throws_no_sparks_is_told_nothing_of_them() -> None:
+def test_a_motor_that_throws_no_sparks_is_not_warned_of_them() -> None:
     told = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
     assert "sparky motors" not in told
     assert "throws sparks" in held("60F50-13A", 0.5).why

@@ -71,7 +71,7 @@ def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
         ('{"flights": [{"date_time": "soon"}]}', "found 'soon', expected a date"),
     ],
 )
-def test_a_flight_that_is_none_is_rejected_with_its_place(text: str, found: str) -> None:
+def test_a_flight_that_is_invalid_is_rejected_with_its_place(text: str, found: str) -> None:
     (rejected,) = read(text.encode(), "x.json", any_motor).rejected
     assert rejected.row == 1
     assert found in rejected.error

@@ -59,7 +59,7 @@ def test_a_track_has_altitude_above_sea_level_and_leaves_out_what_is_lost() -> N
 
 
 @pytest.mark.parametrize("text", ["47.5", "95,8", "here,there", "nan,8"])
-def test_a_place_that_is_none_is_named(text: str) -> None:
+def test_a_place_that_is_invalid_is_named(text: str) -> None:
     assert read_place("47.5, -8.7") == (47.5, -8.7)
     with pytest.raises(BadValue, match=r"such as 47\.5"):
         read_place(text)

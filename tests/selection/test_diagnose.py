@@ -60,7 +60,7 @@ def test_an_undeclared_effect_is_named(diagnoses: dict, scenario: str) -> None:
     assert diagnosis.after.mae < diagnosis.before.mae
 
 
-def test_nothing_is_found_where_nothing_is(diagnoses: dict) -> None:
+def test_nothing_is_found_if_nothing_is(diagnoses: dict) -> None:
     diagnosis, _, _ = diagnoses["null"]
     assert diagnosis.effect == "none"
     assert diagnosis.accepted == ()
@@ -137,7 +137,7 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(("effect", "shown"), [("wear", True), ("rail_friction", False)])
-def test_an_effect_that_flights_left_out_do_not_show_yet_is_said_to_be_one(effect: str, shown: bool) -> None:
+def test_an_effect_that_flights_left_out_do_not_show_yet_is_reported_as_one(effect: str, shown: bool) -> None:
     table = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
     flown = [pair for pair in _flights(table) if pair[0].clean]
     flights = [flight for flight, _ in flown]

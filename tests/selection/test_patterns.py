@@ -44,7 +44,7 @@ def test_a_pattern_is_the_same_in_the_past_whatever_is_planned() -> None:
             np.testing.assert_array_equal(weigh([*past, PLAN, PLAN])[:12], weigh(past), err_msg=where)
 
 
-def test_patterns_go_on_in_the_flights_to_come() -> None:
+def test_patterns_continue_in_the_flights_to_come() -> None:
     plans = [PLAN.with_changes(site="mead"), PLAN.with_changes(date_time=FIRST), PLAN]
     assert weights("every flight from F5 on", flown(), plans).tolist() == [1, 1, 1]
     assert weights("every 3 flights, as F1", flown(), plans).tolist() == [0, 1, 0]

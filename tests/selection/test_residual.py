@@ -61,7 +61,7 @@ def test_residuals_of_a_right_model_have_no_bias_and_unit_spread() -> None:
     assert residual.std() == pytest.approx(1.0, abs=0.12)
 
 
-def test_p_values_of_columns_are_uniform_where_nothing_is() -> None:
+def test_p_values_of_columns_are_uniform_if_nothing_is() -> None:
     rng = np.random.default_rng(6)
     p = []
     for error in null_residuals()[:, :, 0]:
@@ -73,7 +73,7 @@ def test_p_values_of_columns_are_uniform_where_nothing_is() -> None:
     assert kstest(site, "uniform").pvalue > 0.01
 
 
-def test_p_values_of_the_autocorrelation_are_uniform_where_nothing_is() -> None:
+def test_p_values_of_the_autocorrelation_are_uniform_if_nothing_is() -> None:
     p = [spread_of("apogee", error).autocorrelation_p for error in null_residuals()[:, :, 0]]
     assert kstest(p, "uniform").pvalue > 0.01
 

@@ -132,7 +132,7 @@ def test_what_cannot_be_expected_is_not_questioned(ledger: Ledger, missing: str)
     )
 
 
-def test_a_flight_is_told_beside_its_forecast_and_moves_the_next(ledger: Ledger) -> None:
+def test_a_flight_is_compared_with_its_forecast_and_moves_the_next(ledger: Ledger) -> None:
     decide(ledger)
     flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=225.0))
     found = outcome(ledger, catalogue(), flight)
@@ -149,7 +149,7 @@ def test_a_flight_is_told_beside_its_forecast_and_moves_the_next(ledger: Ledger)
     assert "Next on F24-4W: " in said
 
 
-def test_a_flight_that_nobody_forecast_is_told_beside_earlier_flights(ledger: Ledger) -> None:
+def test_a_flight_that_nobody_forecast_is_compared_with_earlier_flights(ledger: Ledger) -> None:
     flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=245.0))
     found = outcome(ledger, catalogue(), flight)
     assert found is not None

@@ -126,7 +126,7 @@ def test_infer_on_an_empty_ledger_says_what_to_do(tmp_path: Path, capsys: pytest
     assert "found no flights" in capsys.readouterr().err
 
 
-def test_a_warning_is_said_once_for_all_flights_that_it_is_about(
+def test_a_warning_is_reported_once_for_all_flights_that_it_is_about(
     ledger: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["--ledger", ledger, "infer", "2", "3"]) == 0
@@ -144,7 +144,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("case", OTHERS)
-def test_what_is_missing_is_said_and_the_others_are_inferred(case: str) -> None:
+def test_what_is_missing_is_reported_and_the_others_are_inferred(case: str) -> None:
     flight, why = OTHERS[case]
     good = ROCKET.with_changes(flight_id="7", apogee=250.0)
     found = infer([flight.with_changes(flight_id="5"), good], catalogue())

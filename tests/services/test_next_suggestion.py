@@ -47,7 +47,9 @@ def forecast(flown: float) -> SavedForecast:
     return SavedForecast(made, replace(FLOWN[0], apogee=flown), ())
 
 
-def test_without_a_target_the_flight_is_repeated_and_what_that_narrows_is_said(ledger: Ledger, last: Outcome) -> None:
+def test_without_a_target_the_flight_is_repeated_and_what_that_narrows_is_reported(
+    ledger: Ledger, last: Outcome
+) -> None:
     found = suggestion(ledger, catalogue(), Settings(), last)
     assert found.kind == "repeat"
     assert 0 < found.narrows < 0.5

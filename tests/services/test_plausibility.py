@@ -111,7 +111,7 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
 
 @pytest.mark.parametrize("what", IMPOSSIBLE)
-def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_none(what: str, told: Told) -> None:
+def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(what: str, told: Told) -> None:
     rows = IMPOSSIBLE[what]
     odd = len(rows) if what.startswith("all") else 1
     _, out, err = told(rows=rows)
@@ -215,7 +215,7 @@ def test_a_plan_begins_from_a_set_up_that_can_fly(told: Told) -> None:
     assert "322 g without the motor" in out
 
 
-def test_residuals_that_are_all_alike_have_a_dash(told: Told) -> None:
+def test_residuals_that_are_all_equal_have_a_dash(told: Told) -> None:
     told(rows=season(6, apogee_m=0.1))
     _, out, _ = told("loop")
     assert "nan" not in out

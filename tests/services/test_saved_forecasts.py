@@ -139,7 +139,7 @@ def test_a_change_taken_back_in_time_is_none(ledger: Ledger) -> None:
     assert not only(ledger).stale
 
 
-def test_a_flight_on_another_mass_says_so_and_weather_that_nobody_foretold_does_not(ledger: Ledger) -> None:
+def test_a_flight_on_another_mass_reports_it_and_weather_that_nobody_forecast_does_not(ledger: Ledger) -> None:
     ledger.add([FLOWN.with_changes(dry_mass=0.34, temperature=300.0)])
     assert only(ledger).changes == ("dry mass was 320 g, now 340 g",)
 
@@ -180,7 +180,7 @@ def test_predictions_of_an_older_fieldkit_are_paired_without_a_verdict(ledger: L
     assert (one.state, one.changes, one.miss) == ("flown", (), pytest.approx(5.0))
 
 
-def test_the_commands_show_foretold_against_flown(
+def test_the_commands_show_forecast_against_flown(
     ledger: Ledger, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")

@@ -45,7 +45,7 @@ def figures(found: TypedEstimate) -> list[float]:
         ({"rocket": "Other", "dry_mass": None}, ("mass", "a readout")),
     ],
 )
-def test_nothing_is_said_where_something_is_missing(ledger: Ledger, lacks: dict[str, object], said: object) -> None:
+def test_nothing_is_reported_if_something_is_missing(ledger: Ledger, lacks: dict[str, object], said: object) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(**lacks))
     assert found == TypedEstimate(needs=said)
 

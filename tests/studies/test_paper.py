@@ -1,6 +1,7 @@
 """The reproduction of the reference paper: each figure of the report compared with the published one."""
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -124,7 +125,7 @@ def test_the_exact_posterior_finds_an_apogee_that_the_prior_can_produce(flights:
     assert np.abs(reconstructions(reachable, curves) - reachable.apogee).max() < 5
 
 
-def test_normalised_profiles_deliver_the_declared_impulse(flights: Reference) -> None:
+def test_scaled_profiles_deliver_the_declared_impulse(flights: Reference) -> None:
     ratio = [motor.delivered_impulse / motor.total_impulse for motor in paper.MOTORS]
     weaker = heights(flights, np.full(12, 0.6), 1 / np.array(ratio)[flights.motor], paper.paper_burns())
     np.testing.assert_allclose(heights(flights, np.full(12, 0.6), np.ones(12), normalised()), weaker, rtol=1e-9)
@@ -163,7 +164,7 @@ def test_no_rule_sees_the_flight_it_forecasts(flights: Reference) -> None:
         assert leave_one_out(flights, before.forecast, row) == leave_one_out(changed, after.forecast, row)
 
 
-def test_flights_of_one_setup_scatter_by_sixteen_metres(flights: Reference) -> None:
+def test_flights_of_one_setup_scatter_by_sixteen_meters(flights: Reference) -> None:
     found = scatter(flights)
     assert found["sd_m"] == pytest.approx(16.0, abs=0.05)
     assert found["degrees_of_freedom"] == 4
@@ -224,6 +225,15 @@ def test_the_report_fits_eighty_columns(run: Run) -> None:
 
 
 @pytest.mark.usefixtures("computed")
+def test_the_report_is_in_the_units_of_the_user(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "settings.json").write_text('{"units": "US"}')
+    text = run("paper")
+    assert not re.search(r"\d m\b|\[m\]", text)
+    assert "923" in text  # the apogee of flight 2 [ft]
+    assert "40 ft" in text  # its published error, 12.3 m
+
+
+@pytest.mark.usefixtures("computed")
 def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
     document = json.loads(run("paper", "--json"))
     assert len(document["flights"]) == 12
@@ -231,7 +241,7 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
 
 
 @pytest.mark.parametrize("command", [("paper",), ("study", "reference"), ("study", "rockets")])
-def test_where_the_studies_are_missing_their_commands_say_what_to_install(
+def test_if_the_studies_are_missing_their_commands_say_what_to_install(
     run: Run, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in [name for name in sys.modules if name.split(".")[0] == "studies"]:

@@ -39,7 +39,7 @@ def test_chains_find_a_normal_distribution_by_a_force_that_is_off() -> None:
     np.testing.assert_allclose(np.cov(flat.T) / np.outer(sds, sds), covariance / np.outer(sds, sds), atol=0.1)
 
 
-def test_a_start_without_a_density_is_said() -> None:
+def test_a_start_without_a_density_is_reported() -> None:
     with pytest.raises(ValueError, match="outside the support"):
         sample(lambda at: (np.full(len(at), -np.inf), at), np.zeros((2, 1)), 1, 1, np.random.default_rng(0))
 

@@ -71,7 +71,7 @@ def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple
     assert sum(part.share for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
 
 
-def test_the_profile_is_the_bulk_of_it_and_the_shrinkage_less_than_a_metre(
+def test_the_profile_is_the_bulk_of_it_and_the_shrinkage_less_than_a_meter(
     flights: Reference, steps: tuple[Step, ...]
 ) -> None:
     shares = [part.share for part in parts_of(flights, steps)]
@@ -106,7 +106,7 @@ def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -
         assert cause.shows["apogee"] == pytest.approx(174.7, abs=3.0)
 
 
-def test_the_apogee_tells_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
+def test_the_apogee_shows_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
     tells = {on_progress.readout: on_progress for on_progress in pair.tells}
     assert tells["apogee"].apart == 0
     assert tells["top_speed"].apart > 0
@@ -174,7 +174,7 @@ def test_only_what_is_put_in_is_free_and_no_mean_is_learned() -> None:
     assert bare.sd("mass", "fleet") == 0 < whole.sd("mass", "fleet")
 
 
-def test_a_page_goes_where_it_is_told_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_goes_where_it_is_reported_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = str(tmp_path / "ledger.db")
     assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "page.md")]) == 0
     assert "No rocket has enough flights." in (tmp_path / "page.md").read_text()

@@ -190,7 +190,7 @@ async def test_a_digit_too_many_is_noted_by_the_flights_before_on_this_motor(fil
         assert "times the usual" not in told(pilot, "#says")
 
 
-async def test_an_unknown_motor_is_said_with_the_nearest(file: Path) -> None:
+async def test_an_unknown_motor_is_reported_with_the_nearest(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a")
         screen = pilot.app.screen
@@ -200,7 +200,7 @@ async def test_an_unknown_motor_is_said_with_the_nearest(file: Path) -> None:
         assert "found no such motor; nearest" in words(pilot)
 
 
-async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_said(tmp_path: Path) -> None:
+async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_reported(tmp_path: Path) -> None:
     async with opened(tmp_path / "new.db") as pilot:
         await press(
             pilot, "a", *typed("Comet"), "enter", "enter", *typed("C6-5"), "enter", "enter", *typed("104"), "ctrl+s"

@@ -39,7 +39,7 @@ def test_a_readout_measured_in_a_log_says_how_sure_it_is_in_the_units_shown() ->
     assert logged.readout(Flight(sd={"apogee": 1.0}), BY_NAME["apogee"], "SI") == ""
 
 
-def test_what_a_log_brought_is_said_in_words_with_units_behind_the_figures() -> None:
+def test_what_a_log_brought_is_reported_in_words_with_units_behind_the_figures() -> None:
     assert logged.beside(LOGGED | KEPT, "SI") == [
         ("Apogee, stated", "161.5 m"),
         ("Time to apogee", "5.707 ± 0.12 s"),
@@ -78,7 +78,7 @@ def test_a_motor_is_described_in_words_with_its_units() -> None:
     assert facts["loaded mass"].endswith(" oz")
 
 
-def test_a_site_tells_its_air_and_what_its_safety_lines_lack() -> None:
+def test_a_site_shows_its_air_and_what_its_safety_lines_lack() -> None:
     flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
     (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
     said = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
@@ -108,7 +108,7 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         assert "Enter switches to the next; so does N" in words(pilot)
 
 
-async def test_a_filter_that_nothing_holds_says_so(file: Path) -> None:
+async def test_a_filter_that_nothing_holds_reports_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "slash", *typed("zzz"))
         assert "no flight matches all of these words" in words(pilot)

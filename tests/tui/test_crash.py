@@ -61,7 +61,7 @@ def test_only_the_newest_crash_files_are_kept(file: Path) -> None:
     assert len(crash_files(file)) == MAX_CRASH_FILES
 
 
-def test_where_no_file_can_be_kept_the_line_says_so(file: Path) -> None:
+def test_if_no_file_can_be_kept_the_line_reports_it(file: Path) -> None:
     (file.parent / "home").write_text("in the way", encoding="ascii")
     assert "no report could be saved" in record(ValueError()).line()
 

@@ -23,7 +23,7 @@ def drawn(block: Hanging, width: int = WIDTH) -> list[str]:
     return [strip.text.rstrip() for strip in strips]
 
 
-def test_a_value_goes_on_below_where_it_begins() -> None:
+def test_a_value_continues_below_where_it_begins() -> None:
     card = cards.lines("Air", [("air", "1.2 kg/m³ at the pad, as it is on a standard day")], 6)
     assert drawn(card) == ["Air", "air     1.2 kg/m³ at the pad, as it is", "        on a standard day"]
 
@@ -40,7 +40,7 @@ def test_a_narrow_place_is_not_spent_on_blanks() -> None:
     assert not drawn(card, 30)[1].startswith("   ")
 
 
-def test_blocks_stand_apart() -> None:
+def test_blocks_are_separate() -> None:
     assert drawn(stacked([hanging(["one"]), hanging(["two"])])) == ["one", "", "two"]
 
 

@@ -67,7 +67,7 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         assert len(ledger.flights()) == 12
 
 
-async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: Path) -> None:
+async def test_a_file_that_nobody_recognises_reports_it_and_changes_nothing(file: Path) -> None:
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
@@ -89,7 +89,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
         await press(pilot, "e", *typed("Lark"), "enter", *typed("A"), "ctrl+s", *SURE)
-        assert "Saved as the start of this rocket, used by Next. u to undo" in words(pilot)
+        assert "Saved as this rocket's starting point. u to undo" in words(pilot)
         await press(pilot, "enter")
         assert "Saved already" in words(pilot)
         await press(pilot, "down", "enter")
@@ -274,7 +274,7 @@ async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Pa
         assert "wind 8.9 m/s" in words(pilot)
 
 
-async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(file: Path) -> None:
+async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
@@ -435,7 +435,7 @@ async def test_a_damaged_motor_file_is_a_notice(file: Path) -> None:
 # Capture
 
 
-async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Path) -> None:
+async def test_a_capture_shows_what_comes_and_takes_it_into_the_ledger(file: Path) -> None:
     log = file.parent / "flight.pf2"
     log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
     end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)

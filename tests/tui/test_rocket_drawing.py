@@ -28,7 +28,7 @@ def test_it_ends_in_a_point_and_its_fins_stand_out_at_the_tail() -> None:
     assert len(lines) < 12
 
 
-def test_what_is_sketched_is_said() -> None:
+def test_what_is_sketched_is_reported() -> None:
     assert "a sketch" in caption(None)
     assert caption(0.9) == ""
     assert drawing(None, 0.066, 60) == drawing(12 * 0.066, 0.066, 60)

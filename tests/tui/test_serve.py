@@ -442,7 +442,7 @@ def alive(processes: Iterable[int]) -> set[int]:
 async def test_apps_that_nobody_reads_end_with_their_server_or_their_page(
     end: signal.Signals | None, unused_tcp_port: int, tmp_path: Path
 ) -> None:
-    """What an app draws fills every buffer on the way, so that it hangs in writing when its server or its page goes."""
+    """An app's output fills every buffer, so that a write blocks when its server or its page ends."""
     season(tmp_path / "ledger.db")
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
     home = {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}

@@ -83,7 +83,7 @@ def note_table(channels: Sequence[Channel], rows: int, dropped: int) -> None:
 
 
 def note_columns(columns: Sequence[ColumnRead]) -> None:
-    """Set the columns of the table that was read last, if its parser identified them afterwards."""
+    """Set the columns of the table that was read last, if its parser identified them later."""
     tables = _WATCH.get()
     if tables:
         tables[-1] = replace(tables[-1], columns=tuple(columns))

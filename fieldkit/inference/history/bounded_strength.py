@@ -16,8 +16,14 @@ _ERFC = np.frompyfunc(erfc, 1, 1)
 def strength_posterior(
     a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array, log_prior_mass: Array
 ) -> tuple[Array, Array, Array]:
-    """Log Bayes factor, posterior mean and standard deviation of a strength; `log_prior_mass` is that of its prior
-    between the bounds."""
+    """Log Bayes factor [nat], posterior mean and standard deviation of a strength, in its unit.
+
+    `a` and `b` are the precision of the readouts for the strength and their product with its estimate; `log_prior_mass`
+    is the log probability of its prior between the bounds.
+
+    Derivation: the product of two normal densities, by completing the square; the bounds add the logarithm of the ratio
+    of the probabilities within them, posterior to prior.
+    """
     precision = a + 1 / sd**2
     middle = (b + mean / sd**2) / precision
     bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))

@@ -1,4 +1,9 @@
-"""The columns of the features: for the history, for the evidence of all effects, and for each effect."""
+"""The columns of the features: for the history, for the evidence of all effects, and for each effect.
+
+Derivation: counts and ratios enter as logarithms. Kurtosis, lag-1 autocorrelation and trend are ratios of sample
+moments of the residuals. The evidence of an effect is the log of the mean Bayes factor of its places, by the prior
+weights of these; evidence is limited and compressed by the inverse hyperbolic sine.
+"""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

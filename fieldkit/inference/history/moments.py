@@ -1,4 +1,8 @@
-"""Moments of a linear fit's forecasts of plans: apogees, Cd and alpha."""
+"""Moments of a linear fit's forecasts of plans: apogees, Cd and alpha.
+
+Derivation: the covariance of the terms and the scatter, propagated through the derivatives of the linear fit, plus the
+variance of the altimeter's error.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -158,6 +162,6 @@ def _mixture(
 
 
 def acting(terms: Sequence[Term], bends: str, flights: int) -> Float[Array, "term flight"]:
-    """The weight of each term on one property of each flight. [1]"""
+    """The weight of each term on one property of each flight, zero if it acts on another. [1]"""
     acting = [term.weight * (term.bends == bends) for term in terms]
     return np.array(acting, float).reshape(len(terms), flights)

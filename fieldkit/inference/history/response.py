@@ -2,6 +2,9 @@
 
 All flights and all perturbations are simulated in one batch. Results are interpolated between the drag coefficients, so
 that a fit can move its point of linearization without new simulations.
+
+Derivation: derivatives are difference quotients of simulations, and values between the drag coefficients are those of
+Lagrange's polynomial (1795).
 """
 
 from collections.abc import Mapping, Sequence

@@ -13,6 +13,7 @@ import numpy as np
 from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Float, Int
 
 FALSE_ALARMS = 0.01
@@ -51,8 +52,8 @@ def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Ar
 def _line(flight: Flight, readout: str, weight: float) -> str:
     column, name = BY_NAME[readout], flight.flight_id
     value = flight.number(readout)
-    found = "" if value is None else f" of {float(column.render(value)):.4g} {column.unit}"
+    found = "" if value is None else f" of {rounded(float(column.render(value)))} {column.unit}"
     return (
-        f"flight {name}: {column.title.lower()}{found} is far from what the model expects and counts for "
-        f"{100 * weight:.0f}% of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+        f"flight {name}: {column.title.lower()}{found} is far from what the model expects and has "
+        f"{100 * weight:.0f}% of the usual weight; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )

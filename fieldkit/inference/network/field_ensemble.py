@@ -25,6 +25,7 @@ from fieldkit.model.observations import (
     observe,
 )
 from fieldkit.motors import Found
+from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Flags, Float
 
 if TYPE_CHECKING:
@@ -39,12 +40,12 @@ STRATA = 1024
 GOLDEN = 0.6180339887498949
 """Multiples of this, modulo 1, fill an interval evenly."""
 _WORDS = {
-    "log_thrust_to_weight": "thrust to weight of {:.3g}",
-    "log_impulse": "total impulse of {:.3g} N s",
-    "log_burn_time": "burn time of the motor of {:.3g} s",
-    "log_mass": "lift-off mass of {:.3g} kg",
-    "log_drag_area": "drag area around {:.3g} m²",
-    "mach": "top speed around Mach {:.2g}",
+    "log_thrust_to_weight": ("thrust to weight of", ""),
+    "log_impulse": ("total impulse of", " N s"),
+    "log_burn_time": ("burn time of the motor of", " s"),
+    "log_mass": ("lift-off mass of", " kg"),
+    "log_drag_area": ("drag area around", " m²"),
+    "mach": ("top speed around Mach", ""),
 }
 
 
@@ -93,7 +94,9 @@ def load_field() -> "Ensemble":
     known = {"features": list(FEATURES), "intervals": INTERVALS}
     for name, right in known.items():
         if ensemble.card.get(name) != right:
-            raise DamagedModel(f"field: its card has other {name} than this version of fieldkit; install its own")
+            raise DamagedModel(
+                f"field: its card has different {name} from this version of fieldkit; install this version's own"
+            )
     return ensemble
 
 
@@ -134,8 +137,8 @@ def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
     vague = (excess_sd(observed) > 0).any(axis=1)
     if vague.any():
         some = observed.rows(vague)
-        foretold = outliers.predict_readouts(ensemble, replace(some, sd=None))
-        drawn = [ensemble.members(features(one)) for one in plausible(some, foretold.mean, foretold.sd)]
+        predicted = outliers.predict_readouts(ensemble, replace(some, sd=None))
+        drawn = [ensemble.members(features(one)) for one in plausible(some, predicted.mean, predicted.sd)]
         outputs = np.tile(outputs, (1, DRAWS, 1))
         outputs[vague] = np.concatenate(drawn, axis=1)
     return mixture(outputs, *intervals(observed))
@@ -195,8 +198,9 @@ def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]
     for name, (low, high) in ensemble.card["reach"].items():
         value = columns[FEATURES.index(name)]
         if not low <= value <= high:
-            value, low, high = (one if name == "mach" else np.exp(one) for one in (value, low, high))
-            lines.append(f"{_WORDS[name].format(value)} is outside the training range ({low:.3g} to {high:.3g})")
+            found, least, most = (rounded(one if name == "mach" else np.exp(one), 3) for one in (value, low, high))
+            words, unit = _WORDS[name]
+            lines.append(f"{words} {found}{unit} is outside the training range ({least} to {most}{unit})")
     return lines
 
 
@@ -204,13 +208,9 @@ def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
     """Whether the flight does not constrain drag or thrust."""
     seen = [name for name in there if name in INDEPENDENT_READOUTS]
     if not seen:
-        return "no readout: Cd and alpha are no better known than before the flight"
+        return "no readout: this flight does not constrain Cd and alpha"
     unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > UNINFORMATIVE_SD_RATIO]
     if not unknown:
         return ""
-    limit = (
-        "apogee alone cannot separate drag from thrust here"
-        if seen == ["apogee"]
-        else "these readouts constrain little here"
-    )
-    return f"{limit}: {' and '.join(unknown)} hardly better known than before the flight"
+    reason = "apogee alone cannot separate drag from thrust here: " if seen == ["apogee"] else ""
+    return f"{reason}this flight barely constrains {' and '.join(unknown)}"

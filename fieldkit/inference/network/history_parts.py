@@ -1,4 +1,8 @@
-"""The outputs of each member of the history network: inclusion, a forecast, drag and thrust."""
+"""The outputs of each member of the history network: inclusion, a forecast, drag and thrust.
+
+Derivation: the steps between quantiles are softplus functions of the raw outputs, so they are positive and the
+quantiles ascend; between quantiles and beyond them, a value is a linear function of the standard normal quantile.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -2,6 +2,9 @@
 
 A parameter in an interval is mapped to the real line by the logit of its relative position, so no draw can leave the
 interval. The mixture is defined on that scale.
+
+Derivation: the logit is the inverse of the logistic function, whose derivative turns densities of one scale into those
+of the other.
 """
 
 from collections.abc import Sequence

@@ -10,6 +10,7 @@ from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
 from fieldkit.inference.network.vague import excess_sd, likeliest
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
+from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:
@@ -38,13 +39,13 @@ class PredictedReadouts:
 def predict_readouts(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     """Each readout predicted from the others, in one run of the graph for a block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
-    parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
+    parts = [_predict_block(ensemble, observed.rows(block)) for block in blocks]
     return PredictedReadouts(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd"))
     )
 
 
-def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
+def _predict_block(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(INDEPENDENT_READOUTS):
@@ -65,9 +66,13 @@ def derived_from(name: str) -> tuple[str, ...]:
 
 
 def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
-    """The threshold of each readout's distance with which a fraction `FALSE_ALARMS` of these flights gets a warning."""
-    foretold = predict_readouts(ensemble, observed)
-    distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
+    """The threshold of each readout's distance with which a fraction `FALSE_ALARMS` of these flights gets a
+    warning. [1]
+
+    Derivation: bisection of the fraction that each readout alone may have, which makes the joint one `FALSE_ALARMS`.
+    """
+    predicted = predict_readouts(ensemble, observed)
+    distance = np.where(np.isfinite(predicted.shown), predicted.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
     for _ in range(30):
         share = 0.5 * (low + high)
@@ -84,8 +89,8 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     uncertain readout counts as its most likely value, so it is no outlier if its uncertainty explains its distance.
     """
     if (excess_sd(observed) > 0).any():
-        foretold = predict_readouts(ensemble, observed)
-        observed = likeliest(observed, foretold.mean, foretold.sd)
+        predicted = predict_readouts(ensemble, observed)
+        observed = likeliest(observed, predicted.mean, predicted.sd)
     limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
     far: Flags = predict_readouts(ensemble, observed).distance > limit
     odd = far.any(axis=1)
@@ -115,7 +120,7 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
     lines = [""] * len(observed)
     odd = np.flatnonzero(which >= 0)
     if len(odd):
-        foretold = predict_readouts(ensemble, observed.rows(odd))
+        predicted = predict_readouts(ensemble, observed.rows(odd))
         for row, flight in enumerate(odd):
             seen = int(which[flight])
             name = (
@@ -123,16 +128,16 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
                 if np.isfinite(observed.readout(INDEPENDENT_READOUTS[seen])[flight])
                 else "avg_accel"
             )
-            ends = foretold.mean[row, seen] + np.array([-2, 2]) * foretold.sd[row, seen]
+            ends = predicted.mean[row, seen] + np.array([-2, 2]) * predicted.sd[row, seen]
             value = float(observed.readout(name)[flight])
-            lines[flight] = _line(name, value, float(foretold.shown[row, seen]), ends)
+            lines[flight] = _line(name, value, float(predicted.shown[row, seen]), ends)
     return lines
 
 
 def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) -> str:
     column = BY_NAME[name]
     expected = np.sinh(ends) / 2 if name == "apogee_to_eject" else value * np.exp(ends - shown_value)
-    found, low, high = (f"{float(column.render(one)):.3g}" for one in (value, *expected))
+    found, low, high = (rounded(float(column.render(one)), 3) for one in (value, *expected))
     return (
         f"{column.title.lower()} of {found} {column.unit} is inconsistent with the rest of the flight, expected {low} "
         f"to {high} {column.unit}; left out"

@@ -61,10 +61,10 @@ def paper_dry_mass(flight: Flight) -> float:
     for mass in masses.values():
         if found is not None and abs(found - mass) < 5e-4:
             return found
-    known = " or ".join(f"{1e3 * mass:g} g ({config})" for config, mass in masses.items())
+    known = " or ".join(f"a mass of {1e3 * mass:g} g ({config})" for config, mass in masses.items())
+    shown = "nothing" if found is None else f"a mass of {1e3 * found:g} g"
     raise ImpossibleFlight(
-        f"flight {flight.flight_id}, dry_mass_g: found {'nothing' if found is None else f'{1e3 * found:g}'}, "
-        f"the paper's ensemble knows its own rocket only: {known}"
+        f"flight {flight.flight_id}, dry_mass_g: found {shown}, expected that of the paper's own rocket: {known}"
     )
 
 

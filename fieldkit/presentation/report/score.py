@@ -65,7 +65,7 @@ def _pits(panel: "Axes", report: ScoreReport) -> None:
     panel.axhspan(*found.expected, color=FAINT_COLOR, alpha=0.18, linewidth=0, label="by chance")
     panel.axhline(even, color=INK_COLOR, linewidth=1)
     panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER_COLOR)
-    panel.set_title("where flights fell")
+    panel.set_title("quantiles of the flown apogees")
     panel.set_xlabel("quantile in the forecast")
     panel.set_ylabel("flights")
     panel.set_xlim(0, 1)

@@ -170,7 +170,7 @@ def _worth(wanted: Array, basis: Sequence[Array]) -> float:
     power = np.correlate(left, left, "full")[len(left) - 1 :]
     if power[0] <= 0:
         return float(len(wanted))
-    alike = power / power[0]
-    zero = np.flatnonzero(alike <= 0.05)
-    upto = int(zero[0]) if len(zero) else len(alike)
-    return max(float(len(wanted) / (1 + 2 * alike[1:upto].sum())), len(basis) + 2.0)
+    correlation = power / power[0]
+    zero = np.flatnonzero(correlation <= 0.05)
+    upto = int(zero[0]) if len(zero) else len(correlation)
+    return max(float(len(wanted) / (1 + 2 * correlation[1:upto].sum())), len(basis) + 2.0)

@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import in_system, measure, spelled, unit_of
+from fieldkit.quantities import in_system, measure, rounded, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
@@ -101,7 +101,7 @@ def _readouts(one: "FlightView", system: str) -> Hanging:
         unit = unit_of(column, system)
         own, scale = units.unit(column.quantity, column.unit), units.unit(column.quantity, unit)
         value, said = (
-            None if one is None else f"{scale.from_si(own.to_si(one)):.4g}" for one in (found.value, found.stated)
+            None if one is None else rounded(scale.from_si(own.to_si(one))) for one in (found.value, found.stated)
         )
         spread = f" ± {scale.difference_from_si(own.difference_to_si(found.sd)):.2g}" if found.sd else ""
         beside = "" if said is None else f"  device: {said}"

@@ -37,7 +37,11 @@ QUESTIONS = (
     Question("motor", "Motor", "As printed on it: F24-4W, C6-5."),
 )
 """The fields of a first forecast."""
-EXAMPLES = {"rocket": "a name such as Astra", "dry_mass": "a mass such as 330g", "motor": "a motor such as F24-4W"}
+EXAMPLES = {
+    "rocket": "a name such as Astra",
+    "dry_mass": "a mass such as 330g or 11.6oz",
+    "motor": "a motor such as F24-4W",
+}
 """The message about a missing answer; without a diameter a usual one is assumed."""
 
 

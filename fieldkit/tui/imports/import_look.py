@@ -146,7 +146,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if look.start is not None:
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
-        return Content.assemble(*parts, ("\nEnter to save it as the start of this rocket", "b"))
+        return Content.assemble(*parts, ("\nEnter to save it as this rocket's starting point", "b"))
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),

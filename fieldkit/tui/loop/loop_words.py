@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import in_system, measure
+from fieldkit.quantities import in_system, measure, rounded
 from fieldkit.safe_text import printable
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
@@ -142,7 +142,7 @@ def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ..
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            strength = in_system(f"{mean:.3g} ± {sd:.2g} {item.best.unit}", system).split()[:3]
+            strength = in_system(f"{rounded(mean, 3)} ± {rounded(sd, 2)} {item.best.unit}", system).split()[:3]
             rows[str(place)] = (place.in_words, f"{item.log_bayes:+.1f}", " ".join(strength))
     return rows
 
@@ -158,7 +158,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str, system: str) -> Content:
     words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
-    parts.append(in_system(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}", system))
+    parts.append(in_system(f"\nstrength  {rounded(mean, 3)} ± {rounded(sd, 2)} {item.best.unit}", system))
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
     parts.append(f"\ntest     {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)

@@ -153,7 +153,7 @@ class Decision:
         last = scored[-MAX_SCORED_FLIGHTS:]
         told = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  points flown by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
         if alone:
             yield f"            altitude only, no duration: {', '.join(alone)}"
         if not day.declared:

@@ -57,7 +57,7 @@ class PlanScreen(PageScreen):
             ),
             (
                 "the day",
-                "p to enter the announced target and window, the cut (for the chance to qualify), the declared "
+                "p to enter the announced target and window, the cut (for the chance of qualifying), the declared "
                 "flights, the length of the rocket, and the field size and ceiling of the site for the safety checks.",
             ),
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),

@@ -195,7 +195,7 @@ class ImportScreen(PageScreen):
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.show_notice("Saved as the start of this rocket, used by Next. u to undo" if new else "Saved already")
+        self.show_notice("Saved as this rocket's starting point. u to undo" if new else "Saved already")
         self.field_app.changed()
 
     def action_reload(self) -> None:

@@ -184,7 +184,7 @@ class LoopScreen(PageScreen):
         found = self.panels.found
         drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
         if message.key not in drawn:
-            self.complain("no fingerprint: only the likeliest effects have one")
+            self.complain("no fingerprint: only the most probable effects have one")
             return
         self._effect = drawn.index(message.key)
         self._show_effect()

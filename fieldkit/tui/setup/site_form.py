@@ -12,8 +12,12 @@ if TYPE_CHECKING:
     from fieldkit.flight.site import Site
 
 ROOM = (
-    Question("size", "Field size", "Shorter side of the field, for the safety check: 400m. Empty: not known."),
-    Question("ceiling", "Ceiling", "Ceiling above the pad, by waiver or the field's owner: 3000ft. Empty: not known."),
+    Question(
+        "size", "Field size", "Shorter side of the field, for the safety check: 400m or 1300ft. Empty: not known."
+    ),
+    Question(
+        "ceiling", "Ceiling", "Ceiling above the pad, by waiver or the field's owner: 900m or 3000ft. Empty: not known."
+    ),
 )
 """Questions about a site that flights do not answer."""
 QUESTIONS = (

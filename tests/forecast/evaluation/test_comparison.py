@@ -54,7 +54,7 @@ def test_the_scores_of_every_way_are_those_of_its_draws() -> None:
     assert tally(rows, "fleet_ratio").flights == 0
 
 
-def test_shares_below_are_even_where_forecasts_are_right_and_not_where_they_are_narrow() -> None:
+def test_fractions_below_are_even_if_forecasts_are_right_and_not_if_they_are_narrow() -> None:
     right, narrow = (judged_report(season(400, wide=wide, seed=2)).calibration for wide in (1.0, 0.4))
     assert all(one.honest for one in right.intervals)
     low, high = right.expected
@@ -77,7 +77,7 @@ def test_rivals_are_compared_on_the_same_flights_with_an_interval() -> None:
     assert against(half, "scalar").flights == 20
 
 
-def test_where_the_scalar_correction_is_better_it_is_said() -> None:
+def test_if_the_scalar_correction_is_better_it_is_reported() -> None:
     rows = season(30, bias=0.15) + season(30, seed=2, rocket="Luna")
     report = judged_report(rows)
     assert against(season(30, bias=0.15), "scalar").verdict == "worse"

@@ -38,7 +38,7 @@ def test_pressures_that_a_telemetrum_1_exported_are_whole_counts() -> None:
     assert mp3h6115(np.array([21788, 21796, 21784])).round(2).tolist() == [84471.31, 84498.45, 84457.74]
 
 
-def test_a_clock_of_16_bits_goes_on_where_it_wraps_and_not_where_it_steps_back() -> None:
+def test_a_clock_of_16_bits_continues_where_it_wraps_and_not_where_it_steps_back() -> None:
     assert seconds(np.array([65500, 65535, 10, 9, 11])).tolist() == pytest.approx(
         [655.0, 655.35, 655.46, 655.45, 655.47]
     )

@@ -104,14 +104,14 @@ def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> No
     assert reported(table) == ["row 2: found an endless line or a NUL character, expected a row"]
 
 
-def test_many_damaged_rows_are_told_of_as_one() -> None:
+def test_many_damaged_rows_are_reported_as_one() -> None:
     log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
     table = read_columns(log, CHANNELS, after=0)
     assert len(table) == 500
     assert reported(table)[rows.MAX_REPORTED :] == ["found 480 more damaged rows"]
 
 
-def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_table_too_long_is_thinned_evenly_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "BLOCK", 256)
     monkeypatch.setattr(rows, "MOST_NUMBERS", 2000)
     log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
@@ -129,7 +129,7 @@ def test_nothing_to_read_is_a_damaged_log() -> None:
             read_columns(log, CHANNELS, after=1)
 
 
-def test_rows_out_of_order_are_left_out_and_told_of() -> None:
+def test_rows_out_of_order_are_left_out_and_reported() -> None:
     parts, found = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).flights()
     assert [part.values["time"].tolist() for part in parts] == [[0, 1, 2, 3, 4]]
     assert [str(error) for error in found] == [
@@ -149,7 +149,7 @@ def test_a_clock_that_is_set_on_the_way_keeps_one_of_its_times() -> None:
     assert len(parts[0]) == 2
 
 
-def test_a_clock_that_starts_anew_starts_a_flight() -> None:
+def test_a_clock_that_restarts_starts_a_flight() -> None:
     first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
     assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
@@ -157,7 +157,7 @@ def test_a_clock_that_starts_anew_starts_a_flight() -> None:
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
-def test_what_goes_onward_never_runs_backwards_and_could_not_be_longer(clock: list[int]) -> None:
+def test_a_monotonic_selection_never_runs_backwards_and_could_not_be_longer(clock: list[int]) -> None:
     kept = onward(np.array(clock, float))
     assert (np.diff(np.array(clock)[kept]) >= 0).all()
     best = [1] * len(clock)

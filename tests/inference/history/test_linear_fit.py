@@ -122,7 +122,7 @@ def test_what_one_flight_says_is_no_robust_evidence(linear: LinearFit) -> None:
     assert (trials.robust[days] < trials.log_bayes[days] - 0.01).any()
 
 
-def test_only_effects_that_are_declared_act_on_forecasts_unasked() -> None:
+def test_only_effects_that_are_declared_act_on_forecasts_by_default() -> None:
     """Recorded wind acts, and the temperature does not, because the altimeter is assumed not to correct for it."""
     flights = [flight.with_changes(wind=3.0, temperature=300.0) for flight in WORN.flights]
     known = {id(effect): name for name, effect in effects().items()}

@@ -24,7 +24,7 @@ def test_scatter_that_is_larger_or_smaller_than_claimed_is_found(factor: float) 
     assert np.sqrt(FACTORS**2 @ found.weight) == pytest.approx(factor, rel=0.2)
 
 
-def test_one_odd_flight_does_not_widen_what_is_said_of_the_others() -> None:
+def test_one_odd_flight_does_not_widen_what_is_reported_of_the_others() -> None:
     error, known, own = errors(1.0, 20)
     seen = np.ones(20, bool)
     calm = apogee_spread(error, known, own, seen)

@@ -346,7 +346,7 @@ def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(
     np.testing.assert_allclose(result.covariance[scale], prior - gain @ slope @ prior, atol=1e-9)
 
 
-def test_what_was_not_seen_teaches_nothing() -> None:
+def test_what_was_not_observed_is_not_used_in_the_fit() -> None:
     model, data, near = toy(np.random.default_rng(6))
     values = data.values.copy()
     values[2, 3] = 1e6

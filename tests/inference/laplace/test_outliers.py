@@ -30,7 +30,7 @@ def test_good_flights_have_no_outliers() -> None:
     assert made.left_out == ()
 
 
-def test_an_outlier_is_named_with_what_it_is_worth() -> None:
+def test_an_outlier_is_named_with_its_weight() -> None:
     flown = with_a_slip(season({}), 1)
     (made,) = predict(flown, F39)
     (line,) = made.left_out

@@ -45,7 +45,7 @@ def test_there_are_references_of_twenty_drawn_histories_and_of_hard_ones() -> No
 
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_what_is_stored_hangs_together(one: Reference) -> None:
+def test_what_is_stored_is_consistent(one: Reference) -> None:
     """The stored draws come from the posterior with the stored quantiles."""
     below = (one.draws[:, None] < one.quantiles).mean(axis=0)
     np.testing.assert_allclose(below, np.array([[0.05], [0.5], [0.95]]) + np.zeros(3), atol=0.17)

@@ -92,7 +92,7 @@ def paper_apogees(motor: int, dry_mass: float, cd: np.ndarray, alpha: np.ndarray
     return apogees(paper.paper_setup(np.array(motor), np.array(dry_mass), cd, alpha))
 
 
-def test_the_card_tells_the_errors_that_fresh_flights_show(shipped: Ensemble) -> None:
+def test_the_card_shows_the_errors_that_fresh_flights_show(shipped: Ensemble) -> None:
     fresh = paper_draws(np.random.default_rng(8), 1500)
     found, carded = score(shipped, fresh.features, fresh.truth), shipped.card["test"]
     for name in ("cd", "alpha"):
@@ -158,7 +158,7 @@ def test_a_graph_too_large_is_not_read(copy: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"name": 1}', '{"digests": {}}', "\x00", "[" * 5000])
-def test_a_card_that_is_none_is_refused(copy: Path, text: str) -> None:
+def test_a_card_that_is_invalid_is_refused(copy: Path, text: str) -> None:
     (copy / CARD).write_text(text)
     with pytest.raises(DamagedModel, match=r"card\.json: found no"):
         read_card(copy)
@@ -186,7 +186,7 @@ def test_inference_answers_each_flight() -> None:
     ("changes", "error", "words"),
     [
         ({"motor": "C6-5"}, UnknownMotor, "the paper's physics knows E35-5W, F24-4W, F39"),
-        ({"dry_mass": 0.4}, ImpossibleFlight, "dry_mass_g: found 400, .* 322 g"),
+        ({"dry_mass": 0.4}, ImpossibleFlight, "dry_mass_g: found a mass of 400 g, .* 322 g"),
         ({"dry_mass": None, "config": "C"}, ImpossibleFlight, "dry_mass_g: found nothing"),
         ({"apogee": None}, ImpossibleFlight, "apogee_m: found nothing"),
     ],

@@ -97,7 +97,7 @@ def test_without_a_diameter_drag_area_is_known_and_cd_is_a_guess(field: Ensemble
     assert any("no diameter" in line for line in found.warnings[1])
 
 
-def test_a_flight_without_any_readout_is_answered_by_the_prior_and_told_so(field: Ensemble) -> None:
+def test_a_flight_without_any_readout_is_answered_by_the_prior_with_a_warning(field: Ensemble) -> None:
     silent = Flight(flight_id="1", motor="Estes D12-5", dry_mass=0.12, diameter=0.041)
     found = infer_field([silent], [catalogue().find("Estes D12-5")], field)
     assert found.alpha[0] == pytest.approx(1.0, abs=0.03)
@@ -105,7 +105,7 @@ def test_a_flight_without_any_readout_is_answered_by_the_prior_and_told_so(field
     assert any("no readout" in line for line in found.warnings[0])
 
 
-def test_apogee_of_a_heavy_rocket_alone_does_not_tell_drag(field: Ensemble) -> None:
+def test_apogee_of_a_heavy_rocket_alone_does_not_constrain_drag(field: Ensemble) -> None:
     heavy = Flight(flight_id="1", motor="Estes D12-5", dry_mass=0.25, diameter=0.025, apogee=70.0)
     found = infer_field([heavy], [catalogue().find("Estes D12-5")], field)
     assert any("apogee alone cannot separate drag from thrust" in line for line in found.warnings[0])
@@ -139,7 +139,7 @@ def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
     assert found.cd_sd[1] > found.cd_sd[0]
 
 
-def test_circumstances_beyond_training_are_told(field: Ensemble) -> None:
+def test_circumstances_beyond_training_are_reported(field: Ensemble) -> None:
     brick = flight(dry_mass=0.9)
     found = infer_field([brick], [catalogue().find("Estes D12-5")], field)
     assert any("outside the training range" in line for line in found.warnings[0])

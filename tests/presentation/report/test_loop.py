@@ -176,7 +176,7 @@ def test_misses_before_and_after_are_drawn_and_fall(found: Findings) -> None:
     assert sum(drawn[1]) < sum(drawn[0])
 
 
-def test_nothing_is_drawn_where_forecasts_stay(found: Findings) -> None:
+def test_nothing_is_drawn_if_forecasts_stay(found: Findings) -> None:
     plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
     assert list(misses_drawn(plain)) == []
     assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
@@ -204,7 +204,7 @@ def explanations(diagnosis: Diagnosis) -> tuple[Explanation, Explanation]:
     return Explanation((wind.candidate.place,), wind.fit), Explanation((tilt.candidate.place,), tilt.fit)
 
 
-def test_wind_is_told_from_a_leaning_rail_by_measuring_the_rail_or_flying_in_wind(diagnosis: Diagnosis) -> None:
+def test_wind_is_distinguished_from_a_tilted_rail_by_measuring_the_rail_or_flying_in_wind(diagnosis: Diagnosis) -> None:
     advice = informative_readouts(diagnosis.model, *explanations(diagnosis))
     assert advice == sorted(advice, key=lambda one: -one.expected)
     flights = [one for one in advice if one.readouts]
@@ -245,7 +245,7 @@ def test_draws_are_widened_about_their_median() -> None:
     np.testing.assert_array_equal(narrow.corrected(1.0, 20).apogee, narrow.apogee)
 
 
-def test_what_the_residual_goes_with_is_said(diagnosis: Diagnosis) -> None:
+def test_what_the_residual_goes_with_is_reported(diagnosis: Diagnosis) -> None:
     told = leftover(diagnosis).in_words
     assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", told)
 
@@ -305,7 +305,7 @@ def test_the_page_holds_all_that_it_shows(html: Page) -> None:
         assert not [one for one in picture.iter() if one.tag.endswith(("script", "foreignObject"))]
 
 
-def test_the_page_tells_what_the_terminal_tells(html: Page, found: Findings) -> None:
+def test_the_page_shows_what_the_terminal_shows(html: Page, found: Findings) -> None:
     words = " ".join(" ".join(html.text).split())
     assert f"{found.left_out.before.score.mae:.1f} m" in words
     assert "weathercocking" in words

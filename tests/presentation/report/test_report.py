@@ -191,7 +191,7 @@ def test_paper_is_a4_a_card_a_page(day: FlightReport, tmp_path: Path) -> None:
     assert png.read_bytes().startswith(b"\x89PNG")
 
 
-def test_many_flights_go_on_over_pages(day: FlightReport) -> None:
+def test_many_flights_continue_over_pages(day: FlightReport) -> None:
     many = FlightReport("Astra", "", day.cards[:1] * (PER_PAGE + 1), summary=True)
     with styled():
         sheets = [page for page, _ in zip(pages(many), range(2), strict=False)]

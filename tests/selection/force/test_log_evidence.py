@@ -49,7 +49,7 @@ def test_a_force_in_every_flight_comes_back() -> None:
 
 
 @pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
-def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
+def test_a_fraction_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
     """If the model lacks a drag in the coast, its fitted drag is too large, and the fraction does not refer to that."""
     rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
     climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
@@ -57,21 +57,21 @@ def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
     assert value == pytest.approx(0.4, abs=3 * sd)
 
 
-def test_the_luck_of_single_flights_is_no_law() -> None:
+def test_the_scatter_of_single_flights_is_no_law() -> None:
     climbs, random = [flown("", 0.0, seed) for seed in range(12)], np.random.default_rng(0)
     drawn = [random.choice(12, 3, replace=False) for _ in range(20)]
     alarms = [bool(common_law([climbs[number] for number in three], library())) for three in drawn]
     assert sum(alarms) <= 1
 
 
-def test_motors_alike_by_chance_are_no_law() -> None:
+def test_motors_equally_by_chance_are_no_law() -> None:
     alike = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
     assert common_law(alike, library()) == ()
     told = common_law(alike, [replace(term, random_draw_sd=0.0) for term in library()])
     assert "thrust" in [name for found in told for name in (found.term.name, *found.also)]
 
 
-def test_a_coefficient_moves_by_what_it_makes_of_luck() -> None:
+def test_a_coefficient_varies_by_its_part_of_the_scatter() -> None:
     lucks = {term.name: term.random_draw_sd for term in library() if term.random_draw_sd}
     climb = flown("", 0.0, 0)
     both = climb.random_draw_sd(["thrust", "longer burn"], lucks)
@@ -108,7 +108,7 @@ def test_a_climb_is_summed_up_in_a_few_points() -> None:
     assert points[5].force < -3 * points[5].sd
 
 
-def test_smoothed_heights_tell_of_the_coast_alone() -> None:
+def test_smoothed_heights_constrain_the_coast_alone() -> None:
     said = one(smoothed=True)
     assert not any(point.burning for point in said.points)
     assert not {"thrust", "longer burn", "rail"} & set(said.regression.columns)
@@ -140,7 +140,7 @@ def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
     assert _says("wind", (), FLIGHTS) == ""
 
 
-def test_without_a_log_nothing_is_said() -> None:
+def test_without_a_log_nothing_is_reported() -> None:
     silent = LogEvidence((), (), (), "")
     assert list(climbs_in_words(silent)) == []
     assert document(silent)["flights"] == document(silent)["law"] == []

@@ -80,7 +80,7 @@ def test_the_climb_is_one() -> None:
 
 
 @pytest.mark.parametrize("smooth", [1, 15], ids=["white noise", "smoothed noise"])
-def test_nothing_is_missing_where_nothing_is(smooth: int) -> None:
+def test_nothing_is_missing_if_nothing_is(smooth: int) -> None:
     alarms = [bool(found(SLOW, "", 0.0, seed, smooth).terms) for seed in range(16)]
     assert sum(alarms) <= 1
 
@@ -111,7 +111,7 @@ def test_its_uncertainty_is_what_other_logs_scatter_by() -> None:
     assert 0.4 < values.std() / sds.mean() < 2.5
 
 
-def test_terms_of_the_shelf_are_named_as_effects() -> None:
+def test_terms_of_the_plugin_folder_are_named_as_effects() -> None:
     assert found(SLOW, "base drag", 0.4).effects == ("base_drag",)
     assert found(SLOW, "thrust", -0.1).effects == ("motor_thrust",)
     assert found(SLOW, "linear in speed", 0.05).effects == ()

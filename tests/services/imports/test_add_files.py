@@ -49,7 +49,7 @@ def taken(ledger: Ledger, *paths: Path, **defaults: object) -> Receipt:
     return bring_in(ledger, paths, any_motor, defaults=defaults)
 
 
-def test_a_log_that_is_measured_better_today_is_there_already(ledger: Ledger, request: pytest.FixtureRequest) -> None:
+def test_a_log_that_is_measured_better_today_is_a_duplicate(ledger: Ledger, request: pytest.FixtureRequest) -> None:
     (id,) = taken(ledger, PNUT).ids
     ledger.edit(id, rocket="Astra")
     before = ledger.flights()
@@ -68,7 +68,7 @@ def test_what_the_flyer_says_of_a_log_is_never_passed_over_in_silence(ledger: Le
     assert "another motor" in line.error
 
 
-def test_a_row_whose_log_is_measured_better_today_is_there_already(
+def test_a_row_whose_log_is_measured_better_today_is_a_duplicate(
     ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     (tmp_path / PNUT.name).write_bytes(PNUT.read_bytes())
