@@ -104,6 +104,35 @@ def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int
     assert low - 5 < truth.readouts()["apogee"] < high + 5
 
 
+@pytest.mark.parametrize("accelerometer", [0.0, 10.0])
+@pytest.mark.parametrize("begins", [0.3, 0.6, 0.9])
+def test_a_silence_from_the_boost_to_the_descent_bounds_no_apogee(begins: float, accelerometer: float) -> None:
+    truth = flown(LARGE)
+    clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
+    gap = (begins * truth.burnout, truth.apogee_time + 2)
+    recorded = measure([series_without(series, *gap) for series in clocks])
+    assert not {"apogee", "top_speed", "burn_time", "avg_accel", "coast_to_apogee"} & recorded.figures.keys()
+    assert not misses(recorded, truth, "duration")
+    assert any("begins in the boost and ends after apogee" in note for note in recorded.notes)
+
+
+@pytest.mark.parametrize("accelerometer", [0.0, 10.0])
+def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accelerometer: float) -> None:
+    truth = flown(LARGE)
+    clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
+    gap = (0.6 * truth.burnout, 0.6 * truth.burnout + 3.5)
+    recorded = measure([series_without(series, *gap) for series in clocks])
+    assert not misses(recorded, truth, "apogee", "duration")
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel"} & recorded.figures.keys()
+
+
+def series_without(series: Series, begin: float, end: float) -> Series:
+    """A series without the samples between two times. [s]"""
+    there = (series.time <= begin) | (series.time >= end)
+    channels = {name: getattr(series, name) for name in series.__slots__}
+    return Series(**{name: None if values is None else values[there] for name, values in channels.items()})
+
+
 @pytest.mark.parametrize("factor", [0.3, 1.5, 3.0])
 def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> None:
     truth = flown(LARGE)
