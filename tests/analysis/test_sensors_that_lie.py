@@ -126,6 +126,23 @@ def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accele
     assert not {"top_speed", "burn_time", "avg_accel", "peak_accel"} & recorded.figures.keys()
 
 
+def test_thrust_from_the_first_sample_on_is_no_later_lift_off() -> None:
+    """A pressure error in proportion to the dynamic pressure keeps the first heights of the boost near the pad."""
+    truth = flown(HARD)
+    barometer, felt = (series_without(one, -np.inf, 0.15) for one in recording(truth, accelerometer=100.0, wait=0.0))
+    speed = np.interp(barometer.time, truth.time, truth.speed) * (barometer.time < truth.burnout)
+    recorded = measure((replace(barometer, altitude=barometer.altitude - 0.03 * speed**2 / (2 * GRAVITY)), felt))
+    assert "liftoff" not in recorded.events or recorded.events["liftoff"].time <= 0.15
+
+
+def test_a_peak_before_the_first_sample_of_an_accelerometer_is_not_measured() -> None:
+    truth = flown(LARGE)
+    barometer, felt = (series_without(one, -np.inf, 0.2) for one in recording(truth, accelerometer=100.0, wait=0.0))
+    recorded = measure((barometer, replace(felt, felt=felt.felt * np.where(felt.time < 0.4, 0.95, 1.0))))
+    assert recorded.events["liftoff"].time < 0.2
+    assert "peak_accel" not in recorded.figures
+
+
 def series_without(series: Series, begin: float, end: float) -> Series:
     """A series without the samples between two times. [s]"""
     there = (series.time <= begin) | (series.time >= end)
