@@ -41,6 +41,10 @@ def commas_below_blanks(log: bytes) -> bytes:
     return head + b"\n" + rest.replace(b" ", b",")
 
 
+def all_commas(log: bytes) -> bytes:
+    return log.replace(b" ", b",")
+
+
 def underscores(log: bytes) -> bytes:
     return log.replace(b"filteredAltitudeAGL,filteredAcceleration", b"filtered_altitude_AGL,filtered_acceleration")
 
@@ -75,6 +79,7 @@ def with_a_comment(log: bytes) -> bytes:
         ("altos_eeprom__telemetrum_2_with_damage.eeprom", flights_among_settings),
         ("altos_eeprom__telemetrum_1_among_commands.eeprom", oldest),
         ("arts2__interpreted.csv", commas_below_blanks),
+        ("arts2__interpreted.csv", all_commas),
         ("cats__filtered_data_info.csv", underscores),
         ("cats__two_barometers.csv", named_sensors),
     ],
