@@ -143,6 +143,19 @@ def test_a_peak_before_the_first_sample_of_an_accelerometer_is_not_measured() ->
     assert "peak_accel" not in recorded.figures
 
 
+@pytest.mark.parametrize("turn", [-1.0, 1.0])
+def test_drift_of_a_receiver_after_landing_is_no_descent(turn: float) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth, rate=5.0, noise=0.5)
+    landed = float(truth.time[-1])
+    time = np.append(series.time[series.time < landed], landed + 0.2 * np.arange(60))
+    assert series.altitude is not None
+    rest = np.interp(time, [landed + 2, landed + 6, landed + 7, landed + 11], [0.0, 5.0 * turn, 5.0 * turn, 0.0])
+    height = np.interp(time, series.time, series.altitude) + rest
+    recorded = measure((Series(time=time, gps_altitude_msl=height + 200),))
+    assert not misses(recorded, truth, "duration", "descent_speed")
+
+
 def series_without(series: Series, begin: float, end: float) -> Series:
     """A series without the samples between two times. [s]"""
     there = (series.time <= begin) | (series.time >= end)
