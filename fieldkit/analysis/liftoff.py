@@ -20,7 +20,7 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     if felt is not None:
         return felt
     corner = _by_rise(track, seen)
-    if corner is not None and push is not None and _is_under_way(push, corner.time):
+    if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
         return None
     return checked_by_climb(corner, track, seen) if corner is not None and track.pressed else corner
 
@@ -28,7 +28,7 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
 def _is_under_way(push: Push, moment: float) -> bool:
     """Whether the accelerometer felt thrust from its first sample on, so that lift-off was before a time."""
     before = push.felt[push.time < moment]
-    return before.size > 0 and float(np.median(before)) > _THRUST
+    return before.size > 0 and float(before.min()) > _THRUST
 
 
 def _by_push(push: Push, seen: Outline) -> Event | None:
