@@ -41,6 +41,8 @@ COLUMNS = {
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
 COPIED_FIELDS = ("LaunchNumber", "DelayNote")
+SPELLED = {name.lower(): name for name in (*LAUNCH, *ROCKET)}
+"""The names of the columns by their lower-case spelling, because programs that edit a table may change the case."""
 STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")
 DEVICE = "AltimeterTwo"
 
@@ -57,10 +59,15 @@ def _header(text: str) -> tuple[int, list[str], str] | None:
 
 def _kind(header: list[str]) -> str | None:
     """Which of the two files has this header, if any."""
-    names = {name.strip() for name in header}
+    names = set(_named(header))
     if names >= set(LAUNCH):
         return "launches"
     return "rockets" if names >= set(ROCKET) else None
+
+
+def _named(header: list[str]) -> list[str]:
+    """The names of a header, those of the journal in its own spelling."""
+    return [SPELLED.get(name.lower(), name) for name in map(str.strip, header) if name]
 
 
 def read(log: bytes) -> list[Found]:
@@ -70,7 +77,7 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog(f"found no header of the journal, expected {','.join(LAUNCH)}", row=1)
     header_row, header, separator = head
     kind = _kind(header)
-    names = [name.strip() for name in header if name.strip()]
+    names = _named(header)
     found: list[Found] = []
     unmeasured = 0
     for row, cells in rows(text, separator):

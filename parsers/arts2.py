@@ -22,7 +22,7 @@ from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")
 RAW_COLUMNS = ("met", "acc(hi)")
-_INTERPRETED = re.compile(r"^\s*#?\s*MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
+_INTERPRETED = re.compile(r"^\s*(?:#[\s,;]*)?MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
 RESTING = 25
 """Number of samples at the start, half a second, that are assumed to be on the pad. [1]"""
 

@@ -20,6 +20,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, Column, read_date, read_tags
 from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing.tables.decimal_marks import THOUSANDS, decimal_mark, precision
 from fieldkit.importing.tables.flight_headings import (
     OWN_COLUMNS,
     ColumnRole,
@@ -93,7 +94,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
     table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
-    mark = _decimal_mark(_numbers(headings, table), separator)
+    mark = decimal_mark(_numbers(headings, table), separator)
     found: list[Found] = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
     found = found or [Note("found a header and no flights", header_row)]
     if choice is None:
@@ -137,11 +138,6 @@ def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, lis
     return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
 
 
-_FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
-_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
-"""`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
-
-
 def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
     """All cells of the columns with numbers."""
     for _, cells in table:
@@ -151,23 +147,6 @@ def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str
 
 def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
-
-
-def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
-    """The decimal mark of a table, `.` or `,`; empty if `1,148` is ambiguous.
-
-    A single unambiguous number (`281,3`) determines it for the table. Without one, points are decimal points, and
-    commas are decimal commas if the cells are separated by semicolons, which is what programs write when the comma is
-    the decimal mark. Otherwise a comma may separate thousands.
-    """
-    cells = list(numbers)
-    used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}
-    certain = {m[1] for cell in cells if (m := _FRACTION.match(cell)) and not _THOUSANDS.match(cell)}
-    if len(certain) == 1:
-        return certain.pop()
-    if used == {","}:
-        return "," if separator == ";" else ""
-    return "." if used == {"."} else ""
 
 
 def _reading(
@@ -185,7 +164,11 @@ def _reading(
     known: dict[ReadoutColumn, object] = {}
     for heading, cell in zip(headings, cells, strict=False):
         try:
-            if heading.field:
+            if heading.repeats:
+                earlier = ((c, h) for h, c in zip(headings, cells, strict=False) if h.spelled == heading.repeats)
+                first = next(earlier, ("", heading))
+                _repeat(cell, heading, first, stated, mark)
+            elif heading.field:
                 stated[heading.field] = _value(cell, heading, mark)
             elif heading.beside:
                 known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
@@ -203,7 +186,7 @@ def _reading(
             return DamagedLog(found, row=row, column=heading.spelled)
     for place, value in known.items():
         stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
-    columns = {heading.field: heading.spelled for heading in headings if heading.field}
+    columns = {heading.field: heading.spelled for heading in reversed(headings) if heading.field}
     try:
         liftoff, motor = (_mass(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
     except BadValue as error:
@@ -212,6 +195,21 @@ def _reading(
     if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
         stated["dry_mass"], liftoff = liftoff - motor, None
     return Reading(stated, extra, columns, row, liftoff_mass=liftoff)
+
+
+def _repeat(
+    cell: str, heading: ColumnRole, first: tuple[str, ColumnRole], stated: dict[str, object], mark: str
+) -> None:
+    """Read a cell of a second column of the same meaning as that of the `first`. Raises BadValue if they differ."""
+    value: object = _value(cell, heading, mark) if heading.field else cell.strip()
+    before: object = stated.get(heading.field) if heading.field else first[0].strip()
+    if heading.field and before in (None, "", ()):
+        stated[heading.field] = value
+    elif value not in (None, "", (), before):
+        column = BY_NAME.get(heading.field)
+        rounded = sum(precision(one, column, role.unit) for one, role in ((cell, heading), first)) if column else 0.0
+        if column is None or abs(value - before) > rounded:  # type: ignore[operator]
+            raise BadValue(f"found {shown(cell)}, expected the value in the column {shown(heading.repeats)}")
 
 
 def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
@@ -257,7 +255,7 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
 
 def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:
     """Raise BadValue for a cell with an ambiguous number or unit."""
-    thousands = _THOUSANDS.match(cell)
+    thousands = THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
         raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected an unambiguous number")

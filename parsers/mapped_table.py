@@ -128,7 +128,7 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
 def _line(
     picks: Sequence[Pick],
     units: Mapping[str, tuple[Unit, str, str]],
-    left_out: Sequence[str],
+    left_out: Mapping[str, str],
     choice: ColumnChoice | None,
 ) -> str:
     """The mapping as one line of text."""
@@ -136,10 +136,12 @@ def _line(
     for name, (_, unit, why) in units.items():
         column = shown(_column_of(picks, name))
         parts.append(f"{name} = {column} in {printable(unit)}{f' ({why})' if why else ''}")
-    source = "guessed from names and units"
+    source, missing = "guessed from names and units", ""
     if choice:
         source = "as chosen before" if choice.headers else "as chosen"
-    missing = f"; left out, no unit: {', '.join(map(shown, left_out))}" if left_out else ""
+    for reason in dict.fromkeys(left_out.values()):
+        columns = ", ".join(shown(name) for name, why in left_out.items() if why == reason)
+        missing += f"; left out, {reason}: {columns}"
     return f"columns {source}: {', '.join(parts)}{missing}"
 
 

@@ -29,6 +29,8 @@ ERASED_VOLTAGE = 25.50
 """Battery voltage of an erased byte: no sample was written here. [V]"""
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
+USUAL_WIDTH = 5
+"""Number of cells in a row as the program writes it. [1]"""
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
 COPIED_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
@@ -94,7 +96,9 @@ def _table(log: bytes, data_row: int, data: str) -> LogTable:
     if unit:
         channels.append(Channel("temperature", 3, units.unit("temperature", unit[1]), header="Temperature"))
     parted = re.search(r"Time\"?\s*([,;\t])", data)
-    return read_columns(log, channels, after=data_row, separator=parted[1] if parted else ",", widths=range(3, 6))
+    separator = parted[1] if parted else ","
+    widest = max(USUAL_WIDTH, data.rstrip(f"{separator} ").count(separator) + 1)  # a program may have added columns
+    return read_columns(log, channels, after=data_row, separator=separator, widths=range(3, widest + 1))
 
 
 def _written(table: LogTable) -> int:

@@ -62,7 +62,7 @@ def read(log: bytes) -> list[Found]:
 def _layout(log: bytes) -> ExportLayout | None:
     """The layout of a log; None if it is not such an export."""
     lines = enumerate((line.rstrip(",;\t ") for line in first_lines(log, most=FIRST_ROWS)), start=1)
-    rows = [(row, line) for row, line in lines if line and not line.startswith("sep=")]
+    rows = [(row, line) for row, line in lines if line and not line.startswith(("sep=", "#"))]
     if not rows:
         return None
     row, first = rows[0]

@@ -42,8 +42,13 @@ EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """Index of each flag in a cell such as `b1100`."""
 
 
+def _triples(names: Sequence[str]) -> int:
+    """Number of channels at the beginning of a header, each with a clock and flags; a program may add columns."""
+    return next((i for i, name in enumerate(names[2::3]) if name != FLAGS), len(names[2::3]))
+
+
 def _fits(names: Sequence[str]) -> bool:
-    return len(names) >= 3 and len(names) % 3 == 0 and all(name == FLAGS for name in names[2::3])
+    return _triples(names) > 0
 
 
 def recognises(head: bytes) -> bool:
@@ -55,22 +60,23 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {MAX_LOG_SIZE >> 20} MB of a Raven")
     log = narrow(log)
     head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel")
-    places: dict[str, int] = {}
+    channels, places = _triples(head.names), dict[str, int]()
+    recorded = head.names[1 : 3 * channels : 3]
     for name, (channel, _) in CHANNELS.items():
-        if name in head.names[1::3]:
-            places.setdefault(channel, head.names[1::3].index(name))
+        if name in recorded:
+            places.setdefault(channel, recorded.index(name))
     if not places:
         raise DamagedLog("found no known channel, expected one such as Baro (Atm)", row=head.row)
     wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
     wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
     flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}
-    whole = b"\n".join(_whole_rows(log, len(head.names) // 3, head.separator.encode()))
+    whole = b"\n".join(_whole_rows(log, channels, len(head.names) - 3 * channels, head.separator.encode()))
     table = read_columns(whole, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=flags)
     return [Reading(series=_clocks(table, places), events=_events(table), device="Raven"), *table.found]
 
 
-def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
-    """The lines of a log with three cells for every channel, including those that have ended.
+def _whole_rows(log: bytes, channels: int, others: int, mark: bytes) -> Iterator[bytes]:
+    """The lines of a log with three cells for every channel, including those that have ended, and the `others` after.
 
     A spreadsheet pads each line to the longest, so missing cells are detected by the flags, not by the length.
     """
@@ -84,7 +90,8 @@ def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
             ended = place < len(cells) and not cells[place].strip()
             row += [b"", b"", b""] if ended else cells[place : place + 3]
             place += 2 if ended else 3
-        yield mark.join(row) if place <= len(cells) and not any(map(bytes.strip, cells[place:])) else line
+        fits = place <= len(cells) and not any(map(bytes.strip, cells[place + others :]))
+        yield mark.join(row + [b""] * others) if fits else line
 
 
 def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:

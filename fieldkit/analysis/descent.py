@@ -13,7 +13,7 @@ from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, typical_line
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
 _CHARGES = ("ejection", "drogue")
 """Logger events that mark the first charge to deploy a parachute."""
@@ -115,7 +115,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     )
     if typical < 0.5 or going.size == 0:
         return None, None
-    about = float(even[min(going[-1] + reach, even.size - 1)])
+    about = float(even[min(_last_fall(going, speed, typical) + reach, even.size - 1)])
     rest = (time > about + 0.5) & (time < about + 8)
     if rest.sum() < 4 or time[-1] - about < 2.0:
         return None, None
@@ -128,6 +128,16 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     moment = (level - middle) / slope if slope < -0.3 else about
     moment = float(np.clip(moment, about - 2, about + 1))
     return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
+
+
+def _last_fall(going: Int[Integers, "_"], speed: Float[Array, "_"], typical: float) -> int:
+    """Index of the end of the last stretch of `going` that is a descent: faster somewhere than half the typical speed.
+
+    A rocket lands at about its descent speed and then stays; slower movement after that is drift of the sensor.
+    """
+    stretches = np.split(going, np.flatnonzero(np.diff(going) > 1) + 1)
+    falls = [one for one in stretches if speed[one].max() > 0.5 * typical]
+    return int((falls or stretches)[-1][-1])
 
 
 def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:

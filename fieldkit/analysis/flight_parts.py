@@ -11,13 +11,22 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
-from fieldkit.analysis.notes import NO_APOGEE, NO_BOOST, NO_FLIGHT, NO_LANDING, NO_LIFTOFF, NO_PAD, UNSEEN_TOP_NOTE
+from fieldkit.analysis.notes import (
+    LOST_IN_BOOST,
+    NO_APOGEE,
+    NO_BOOST,
+    NO_FLIGHT,
+    NO_LANDING,
+    NO_LIFTOFF,
+    NO_PAD,
+    UNSEEN_TOP_NOTE,
+)
 from fieldkit.analysis.peak import peak_push
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import is_flight, known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, median_step
-from fieldkit.analysis.unseen_top import silence, unseen_apogee
+from fieldkit.analysis.unseen_top import accelerates, silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
@@ -67,6 +76,8 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     hole = silence(log.track, log.seen)
     unseen = unseen_apogee(log.track, log.seen, log.ascent, hole) if hole else None
     notes: tuple[str, ...] = ()
+    if hole and accelerates(log.ascent, hole[0]):
+        return _lost_in_boost(log, lift, hole)
     if unseen and hole:
         apogee: tuple[Event, Figure] | None = unseen[:2]
         notes = (UNSEEN_TOP_NOTE.format(hole[1] - hole[0], *unseen[2]),)
@@ -100,6 +111,19 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     )
 
 
+def _lost_in_boost(log: FittedLog, lift: Event | None, hole: tuple[float, float]) -> Recorded:
+    """Results from a log with a gap from the boost to the descent: without a coast, nothing bounds the apogee.
+
+    The time of apogee is anywhere in the gap, with equal probability.
+    """
+    begin, end = hole
+    apogee = Event((begin + end) / 2, (end - begin) / float(np.sqrt(12)), log.track.source)
+    down = _down(log, apogee, lift, begin, end)
+    known, unknown = known_well({name: one for name, one in down.figures.items() if np.isfinite(one.sd)})
+    events = {**({"liftoff": lift} if lift else {}), **down.events}
+    return Recorded(events, known, notes=(LOST_IN_BOOST.format(end - begin), *down.notes, *unknown))
+
+
 def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
     """Lift-off, if it is trusted, and the results from the boost."""
     found = boost_event(log.ascent, log.push, begin, end, log.source)
@@ -107,8 +131,9 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     notes: tuple[str, ...] = ()
     if lost is not None and lost < begin:
         lift = None
-    blind = found is not None and (lost is not None or _is_unseen(log.every, begin, found[0].time))
-    if blind and not log.ascent.fused:
+    felt = log.push if log.ascent.fused else None
+    times = felt.time if felt else log.every
+    if found is not None and ((lost is not None and not felt) or _is_unseen(times, begin, found[0].time)):
         found, notes = None, (NO_BOOST,)
     if lift is None:
         notes += (NO_LIFTOFF,)
@@ -171,7 +196,7 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
 
 
 def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool:
-    """Whether heights are too widely spaced, from lift-off to burnout, to show a boost."""
+    """Whether the samples that show a boost are too widely spaced from lift-off to burnout."""
     first, last = np.searchsorted(time, (begin, burnout))
     between = float(np.diff(time[first:last]).max(initial=0.0))
     longest = max(hole_at(time, begin), hole_at(time, burnout), between)

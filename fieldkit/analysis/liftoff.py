@@ -10,6 +10,9 @@ from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
+_THRUST = 2 * GRAVITY
+"""Specific force that a rocket does not feel before lift-off. [m/s^2]"""
+
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     """Lift-off from the accelerometer if possible, otherwise from the rise off the pad; None if neither shows it."""
@@ -17,7 +20,15 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     if felt is not None:
         return felt
     corner = _by_rise(track, seen)
+    if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
+        return None
     return checked_by_climb(corner, track, seen) if corner is not None and track.pressed else corner
+
+
+def _is_under_way(push: Push, moment: float) -> bool:
+    """Whether the accelerometer felt thrust from its first sample on, so that lift-off was before a time."""
+    before = push.felt[push.time < moment]
+    return before.size > 0 and float(before.min()) > _THRUST
 
 
 def _by_push(push: Push, seen: Outline) -> Event | None:

@@ -19,6 +19,7 @@ from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import sightings
+from fieldkit.analysis.unseen_top import silence
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Flags
@@ -151,7 +152,7 @@ def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
 
 def _misses_the_top(ascent: Ascent, seen: Outline, track: Heights) -> bool:
     """Whether a curve shaped by an accelerometer is far from the apogee that the heights show."""
-    if not seen.down:
+    if not seen.down or silence(track, seen):
         return False
     place = int(np.argmax(ascent.height))
     gained = seen.top_height - seen.pad

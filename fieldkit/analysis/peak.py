@@ -29,7 +29,7 @@ it). [1]"""
 BEYOND_MEAN = (0.47, 0.34)
 """The same for the mean of the burn. [1]"""
 _MAX_LATE_START = 0.05
-"""How long after lift-off an accelerometer may start and still have recorded the whole boost. [s]"""
+"""How long after lift-off an accelerometer may start and still have recorded the peak, which ignition may cause. [s]"""
 _WINDOW = 0.05
 """Averaging window of the peak acceleration. In a log too sparse for it, the peak lies between the mean of three
 samples and a single sample. [s]"""
@@ -48,7 +48,9 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
         level = levelled(push, begin)
         if there.sum() >= 8 and level is not None:
             if push.full is None or not push.full[there].any():
-                return _felt_peak(push.time[there], level[there], begin, push)
+                if push.time[0] > begin + _MAX_LATE_START:
+                    return None  # it may have come at ignition, before the first sample
+                return _felt_peak(push.time[there], level[there], push)
             hidden = inside & (np.interp(ascent.time, push.time, push.full) > 0)
             floor = float(level[there & push.full].min()) - push.missed
             lasts = float(push.full[there].sum()) * median_step(push.time)
@@ -71,8 +73,15 @@ def _above(peak: Figure, floor: float) -> Figure:
     return Figure(value, sd * value, peak.source)
 
 
-def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: float, push: Push) -> Figure | None:
-    """Peak of an accelerometer's readings in the boost; None if it may have come before the first sample.
+def _usual_peak(mean: Figure) -> Figure:
+    """Peak from the mean acceleration alone, by the motors of the catalog."""
+    spread = float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
+    usual = mean.value * float(np.exp(BEYOND_MEAN[0]))
+    return Figure(usual, spread * usual, mean.source)
+
+
+def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push) -> Figure | None:
+    """Peak of an accelerometer's readings in the boost; None if it is not above their error.
 
     Its scale error is about as large as the difference between its climb and that of the heights, which have errors of
     their own.
@@ -80,8 +89,6 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
     width = max(3, round(_WINDOW / median_step(time)))
     smooth = running_median(net, width | 1)
     value = float(smooth.max())
-    if time[0] > begin + _MAX_LATE_START and smooth[:2].max() == smooth.max():
-        return None
     coarse = 0.0
     if 3 * median_step(time) > _WINDOW:  # between the mean of three samples, which is too long, and one of them
         coarse = (float(net.max()) - value) / 2
@@ -103,7 +110,7 @@ def _smoothed_peak(
     have at this mean by more than the uncertainty of both, only the mean is used.
     """
     burn = max(float(np.ptp(ascent.time[inside])), 1e-3)
-    usual, spread = mean.value * np.exp(BEYOND_MEAN[0]), float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
+    by_mean = _usual_peak(mean)
     if hidden is not None and hidden.any():
         curve, window = filled
         draws = ascent.accelerations[:, hidden].mean(axis=1)
@@ -112,11 +119,11 @@ def _smoothed_peak(
         curve, draws = ascent.acceleration[inside][place], ascent.accelerations[:, inside][:, place]
         window = ascent.resolution
     if curve <= 0:
-        return Figure(usual, spread * usual, mean.source)
+        return by_mean
     parts, logs, sds = np.array(BEYOND_WINDOW).T
     peak = float(curve * np.exp(np.interp(window / burn, parts, logs)))
     shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
     sd = float(np.linalg.norm([draws.std() / curve, np.interp(window / burn, parts, sds), shared]))
-    if abs(np.log(peak / usual)) > 2 * np.hypot(sd, spread):
-        peak, sd = usual, spread
+    if abs(np.log(peak / by_mean.value)) > 2 * np.hypot(sd, by_mean.sd / by_mean.value):
+        return by_mean
     return Figure(peak, sd * peak, mean.source)

@@ -25,13 +25,15 @@ _RISING = 3.0
 _DRAG = 0.35
 """Relative error of the duration of this coast. [1]"""
 _DRAG_WINDOW = 1.0
-"""Length of the window before the gap in which the drag is measured. [s]"""
+"""Length of the window before the gap in which the drag is measured, if it coasted that long. [s]"""
+_THRUST_WINDOW = 0.3
+"""Length of the window before the gap in which it is determined whether the rocket still accelerates. [s]"""
 
 
 def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
     """Start and end of a gap in the heights around the top of a climb; None if the top was recorded. [s]"""
     steps = np.diff(track.time)
-    after = np.flatnonzero(track.time[:-1] > seen.fastest)
+    after = np.flatnonzero(track.time[:-1] > (seen.lift if seen.lift is not None else seen.fastest))
     if not after.size:
         return None
     usual = float(np.median(steps[max(0, after[0] - 20) : after[0] + 20]))
@@ -46,6 +48,12 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
     return float(track.time[near[0]]), float(track.time[near[0] + 1])
 
 
+def accelerates(ascent: Ascent, moment: float) -> bool:
+    """Whether the rocket is still under thrust at a time: it speeds up, while a coast only slows down."""
+    before = (ascent.time > moment - _THRUST_WINDOW) & (ascent.time <= moment)
+    return not before.any() or float(ascent.acceleration[before].mean()) > 0
+
+
 def unseen_apogee(
     track: Heights, seen: Outline, ascent: Ascent, hole: tuple[float, float]
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
@@ -54,7 +62,9 @@ def unseen_apogee(
     The figure assumes a coast with the last measured drag; its standard deviation covers both bounds.
     """
     begin, end = hole
-    before = (ascent.time > begin - _DRAG_WINDOW) & (ascent.time <= begin)
+    until = ascent.time <= begin
+    burnout = ascent.time[int(np.argmax(np.where(until, ascent.speed, -np.inf)))]
+    before = until & (ascent.time > max(begin - _DRAG_WINDOW, min(burnout, begin - _THRUST_WINDOW)))
     if before.sum() < 3:
         return None
     speed = float(np.interp(begin, ascent.time, ascent.speed))

@@ -104,6 +104,65 @@ def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int
     assert low - 5 < truth.readouts()["apogee"] < high + 5
 
 
+@pytest.mark.parametrize("accelerometer", [0.0, 10.0])
+@pytest.mark.parametrize("begins", [0.3, 0.6, 0.9])
+def test_a_silence_from_the_boost_to_the_descent_bounds_no_apogee(begins: float, accelerometer: float) -> None:
+    truth = flown(LARGE)
+    clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
+    gap = (begins * truth.burnout, truth.apogee_time + 2)
+    recorded = measure([series_without(series, *gap) for series in clocks])
+    assert not {"apogee", "top_speed", "burn_time", "avg_accel", "coast_to_apogee"} & recorded.figures.keys()
+    assert not misses(recorded, truth, "duration")
+    assert any("begins in the boost and ends after apogee" in note for note in recorded.notes)
+
+
+@pytest.mark.parametrize("accelerometer", [0.0, 10.0])
+def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accelerometer: float) -> None:
+    truth = flown(LARGE)
+    clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
+    gap = (0.6 * truth.burnout, 0.6 * truth.burnout + 3.5)
+    recorded = measure([series_without(series, *gap) for series in clocks])
+    assert not misses(recorded, truth, "apogee", "duration")
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel"} & recorded.figures.keys()
+
+
+def test_thrust_from_the_first_sample_on_is_no_later_lift_off() -> None:
+    """A pressure error in proportion to the dynamic pressure keeps the first heights of the boost near the pad."""
+    truth = flown(HARD)
+    barometer, felt = (series_without(one, -np.inf, 0.15) for one in recording(truth, accelerometer=100.0, wait=0.0))
+    speed = np.interp(barometer.time, truth.time, truth.speed) * (barometer.time < truth.burnout)
+    recorded = measure((replace(barometer, altitude=barometer.altitude - 0.03 * speed**2 / (2 * GRAVITY)), felt))
+    assert "liftoff" not in recorded.events or recorded.events["liftoff"].time <= 0.15
+
+
+def test_a_peak_before_the_first_sample_of_an_accelerometer_is_not_measured() -> None:
+    truth = flown(LARGE)
+    barometer, felt = (series_without(one, -np.inf, 0.2) for one in recording(truth, accelerometer=100.0, wait=0.0))
+    recorded = measure((barometer, replace(felt, felt=felt.felt * np.where(felt.time < 0.4, 0.95, 1.0))))
+    assert recorded.events["liftoff"].time < 0.2
+    assert "peak_accel" not in recorded.figures
+
+
+@pytest.mark.parametrize("turn", [-1.0, 1.0])
+def test_drift_of_a_receiver_after_landing_is_no_descent(turn: float) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth, rate=5.0, noise=0.5)
+    landed = float(truth.time[-1])
+    time = np.append(series.time[series.time < landed], landed + 0.2 * np.arange(60))
+    assert series.altitude is not None
+    rest = np.interp(time, [landed + 2, landed + 6, landed + 7, landed + 11], [0.0, 5.0 * turn, 5.0 * turn, 0.0])
+    height = np.interp(time, series.time, series.altitude) + rest
+    recorded = measure((Series(time=time, gps_altitude_msl=height + 200),))
+    assert not misses(recorded, truth, "duration", "descent_speed")
+
+
+def series_without(series: Series, begin: float, end: float) -> Series:
+    """A series without the samples between two times. [s]"""
+    there = (series.time <= begin) | (series.time >= end)
+    channels = {name: getattr(series, name) for name in series.__slots__}
+    return Series(**{name: None if values is None else values[there] for name, values in channels.items()})
+
+
 @pytest.mark.parametrize("factor", [0.3, 1.5, 3.0])
 def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> None:
     truth = flown(LARGE)

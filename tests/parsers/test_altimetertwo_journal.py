@@ -1,5 +1,6 @@
 """The journal of AltimeterTwo readouts, against the one that a flyer published."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,14 @@ def test_readouts_come_in_as_si() -> None:
     assert (flight.apogee, flight.top_speed) == pytest.approx((195.072, 62.5856))
     assert (flight.apogee_to_eject, flight.burn_time) == pytest.approx((-0.1, 1.8))
     assert flight.peak_accel == pytest.approx(9.8 * 9.80665)
+
+
+@pytest.mark.parametrize("change", [str.upper, str.lower, str.title])
+def test_the_case_of_the_header_does_not_matter(change: Callable[[str], str]) -> None:
+    row = "7,1,2,2014-05-03,C6-5,,640.000,140.000,1.8,9.8,3.5,4.4,-.100,628,9,52.1,\n"
+    written, changed = (read((header + row).encode(), "j.csv", any_motor) for header in (HEADER, change(HEADER)))
+    assert changed.format == "altimetertwo_journal"
+    assert changed.flights == written.flights
 
 
 def test_empty_is_not_recorded_and_zero_is_zero() -> None:

@@ -212,6 +212,27 @@ def test_an_accelerometer_is_felt_or_net_by_what_it_shows_at_rest() -> None:
     assert (series.felt, series.acceleration is not None) == (None, True)
 
 
+@pytest.mark.parametrize(("shift", "channel_name"), [(0.0, "felt"), (-1.0, "acceleration")])
+@pytest.mark.parametrize("charge", [0.0, 15.0])
+def test_an_accelerometer_of_a_log_that_begins_in_flight_is_known_by_its_coast(
+    shift: float, channel_name: str, charge: float
+) -> None:
+    begun = [(t, h) for t, h, _ in climb() if h > 4.0]
+    top = max(begun, key=lambda sample: sample[1])[0]
+    felt = [8.0 - t if t < 1.2 else charge if abs(t - top - 1.5) < 0.06 else -0.1 for t, _ in begun]
+    rows = "".join(f"{t:.2f},{h:.2f},{g + shift:.2f}\n" for (t, h), g in zip(begun, felt, strict=True))
+    (series,), line = found(f"t (s),alt (m),accel (g)\n{rows}".encode())
+    assert getattr(series, channel_name) is not None
+    assert "from its value before apogee" in line
+
+
+def test_an_accelerometer_that_shows_no_kind_is_left_out_with_the_reason() -> None:
+    rows = "".join(f"{t:.2f},{h:.2f},{0.5 + (t < 1.2):.2f}\n" for t, h, _ in climb())
+    (series,), line = found(f"t (s),alt (m),accel (g)\n{rows}".encode())
+    assert (series.felt, series.acceleration) == (None, None)
+    assert "left out, neither one g nor zero at rest: 'accel (g)'" in line
+
+
 def test_three_axes_without_a_unit_feel_one_g_at_rest() -> None:
     rows = b"".join(b"%.2f,0.1,9.79,0.2\n" % (i / 20) for i in range(400))
     (series,), line = found(b"t (s),ax,ay,az\n" + rows)

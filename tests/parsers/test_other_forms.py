@@ -41,6 +41,10 @@ def commas_below_blanks(log: bytes) -> bytes:
     return head + b"\n" + rest.replace(b" ", b",")
 
 
+def all_commas(log: bytes) -> bytes:
+    return log.replace(b" ", b",")
+
+
 def underscores(log: bytes) -> bytes:
     return log.replace(b"filteredAltitudeAGL,filteredAcceleration", b"filtered_altitude_AGL,filtered_acceleration")
 
@@ -49,13 +53,33 @@ def named_sensors(log: bytes) -> bytes:
     return re.sub(rb"^([-\d.]+),(\d),", rb"\1,BARO\2,", log, flags=re.MULTILINE)
 
 
+def with_a_column(log: bytes) -> bytes:
+    """A table to which a program has added a column, from its line of names on."""
+    text = log.decode("utf-8-sig").replace("\r", "")
+    mark = max(",\t", key=text.count)
+    lines = text.splitlines()
+    start = next(i for i, line in enumerate(lines) if "time" in line.lower())
+    ends = [mark + "note"] + [mark + "7"] * (len(lines) - start - 1)
+    added = [*lines[:start], *(line + end for line, end in zip(lines[start:], ends, strict=True))]
+    return ("\n".join(added) + "\n").encode()
+
+
+def with_a_comment(log: bytes) -> bytes:
+    return b"# from a spreadsheet\n" + log
+
+
 @pytest.mark.parametrize(
     ("name", "change"),
     [
+        ("perfectflite__drogue_and_main.pf2", with_a_column),
+        ("perfectflite_table__tabs.txt", with_a_comment),
+        ("raven_fip__edited_by_hand.csv", with_a_column),
+        ("raven_fip__channels_that_end_early.csv", with_a_column),
         ("altos_eeprom__easymini.eeprom", flights_among_settings),
         ("altos_eeprom__telemetrum_2_with_damage.eeprom", flights_among_settings),
         ("altos_eeprom__telemetrum_1_among_commands.eeprom", oldest),
         ("arts2__interpreted.csv", commas_below_blanks),
+        ("arts2__interpreted.csv", all_commas),
         ("cats__filtered_data_info.csv", underscores),
         ("cats__two_barometers.csv", named_sensors),
     ],
@@ -68,6 +92,20 @@ def test_another_form_reads_as_the_sample_does(name: str, change: Callable[[byte
     for one, two in zip(clocks(log), clocks(other), strict=True):
         for channel in one.__slots__:
             np.testing.assert_array_equal(getattr(one, channel), getattr(two, channel), channel)
+
+
+def test_cells_with_their_units_belong_to_a_table_of_numbers() -> None:
+    log = with_a_column((LOGS / "perfectflite_table__tabs.txt").read_bytes())
+    (reading,) = (item for item in open_log(log, "log", None).found if isinstance(item, Reading))
+    assert claims(log) == ["mapped_table"]
+    assert reading.clocks[0].altitude is not None
+
+
+def test_a_column_and_its_copy_are_one() -> None:
+    log = (LOGS / "mapped_table__milliseconds_and_no_unit_of_height.csv").read_text().splitlines()
+    copied = "\n".join(f"{line},{line.split(',')[2]}" if line.count(",") > 1 else line for line in log)
+    before, after = clocks("\n".join(log).encode()), clocks(copied.encode())
+    np.testing.assert_array_equal(before[0].pressure, after[0].pressure)
 
 
 @pytest.mark.parametrize("silence", [0.0, 90.0])

@@ -195,7 +195,9 @@ def _differ_in_zero(one: Pick, values: Float[Array, "row"], other: Pick, others:
 
 
 def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
-    """Whether two columns agree in the units they state."""
+    """Whether two columns agree in the units they state, or one is a copy of the other."""
+    if one.unit == other.unit and np.array_equal(values, others, equal_nan=True):
+        return True
     units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
     if units[0] is None or units[1] is None:
         return False

@@ -14,6 +14,7 @@ from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
     height_unit_by_pressure,
+    last_of_climb,
     rest,
     settle_felt,
     settle_pressure,
@@ -24,14 +25,18 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
 
 AXES = ("felt_x", "felt_y", "felt_z")
+NO_UNIT, NO_KIND = "no unit", "neither one g nor zero at rest"
+"""Why a column is dropped."""
+_FELT_COAST, _NET_COAST = (-0.4, 0.2), (-1.4, -0.8)
+"""Acceleration felt in the last second of a climb, when drag is small, and net of gravity. [g]"""
 ABOVE_GROUND = 30.0
 """A height that is constant above this before lift-off is not relative to the pad. [m]"""
 
 
 def units_of(
     picks: Sequence[Pick], values: dict[str, Float[Array, "row"]]
-) -> tuple[dict[str, tuple[Unit, str, str]], list[str]]:
-    """The unit of every channel, with its name and the reason; and the names of the dropped columns.
+) -> tuple[dict[str, tuple[Unit, str, str]], dict[str, str]]:
+    """The unit of every channel, with its name and the reason; and the names of the dropped columns with the reason.
 
     `values` are updated: `felt?` is renamed to what it proves to be, and a height above another zero to `altitude_msl`.
     Raises DamagedLog for a unit that neither the header nor the values determine.
@@ -48,7 +53,7 @@ def units_of(
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     for name, one in settled.items():
         units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
-    left_out = []
+    left_out: dict[str, str] = {}
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
         if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
@@ -60,8 +65,10 @@ def units_of(
                 column=printable(pick.name),
             )
         if name not in units:
-            left_out.append(pick.name)
-    _settle_kind(values, units)
+            left_out[pick.name] = NO_UNIT
+    if "felt?" in units and not _settle_kind(values, units):
+        left_out[by_channel["felt?"].name] = NO_KIND
+    _settle_zero(values, units)
     return units, left_out
 
 
@@ -113,16 +120,29 @@ def _settled(
     return {name: one for name, one in settled.items() if name not in units}
 
 
-def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
-    """Rename columns to what they prove to be: felt or net acceleration, height above the pad or another level."""
-    if "felt?" in units:
-        unit = units.pop("felt?")
-        time = to_si(units["time"][0], values["time"]) if "time" in units else None
-        at_rest = rest(to_si(unit[0], values["felt?"]), time) / STANDARD_GRAVITY
-        name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
-        if name and name not in units:
-            units[name] = unit[0], unit[1], unit[2] or "from its value at rest"
-            values[name] = values["felt?"] * (-1 if name == "felt" and at_rest < 0 else 1)
+def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> bool:
+    """Rename an acceleration to what it proves to be, felt or net; False if neither."""
+    unit = units.pop("felt?")
+    time = to_si(units["time"][0], values["time"]) if "time" in units else None
+    felt = to_si(unit[0], values["felt?"])
+    at_rest, why = rest(felt, time) / STANDARD_GRAVITY, "from its value at rest"
+    name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
+    sign = -1 if name == "felt" and at_rest < 0 else 1
+    if name != "felt" and time is not None and "altitude" in units:  # it may begin in flight
+        coast = last_of_climb(time, to_si(units["altitude"][0], values["altitude"]), felt) / STANDARD_GRAVITY
+        sides = {"felt": _FELT_COAST, "acceleration": _NET_COAST}
+        by_coast = next((kind for kind, (low, high) in sides.items() if low < coast < high), name)
+        name, why = by_coast, why if by_coast == name else "from its value before apogee"
+    if not name:
+        return False
+    if name not in units:
+        units[name] = unit[0], unit[1], unit[2] or why
+        values[name] = values["felt?"] * sign
+    return True
+
+
+def _settle_zero(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
+    """Rename heights that do not start at the pad."""
     if "altitude" in units and "altitude_msl" not in units:
         height = to_si(units["altitude"][0], values["altitude"])
         start = height[np.isfinite(height)][:20]

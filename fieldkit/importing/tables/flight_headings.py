@@ -6,7 +6,7 @@ A table without headers has the columns `#1`, `#2`, and is recognized by their c
 import re
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -30,7 +30,8 @@ _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 class ColumnRole:
     """The content of one column: a field of `Flight`, a value `beside` a readout (its sd or source), or neither.
 
-    `unit` is empty if the cells include theirs; `loose` if the name may mean something else as well.
+    `unit` is empty if the cells include theirs; `loose` if the name may mean something else as well; `repeats` is the
+    earlier column with the same meaning, if any.
     """
 
     spelled: str
@@ -38,10 +39,11 @@ class ColumnRole:
     unit: str = ""
     beside: ReadoutColumn | None = None
     loose: bool = False
+    repeats: str = ""
 
     @property
     def key(self) -> str:
-        """Identifier that no second column may share."""
+        """Identifier of the meaning of a column."""
         return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
 
 
@@ -181,7 +183,7 @@ def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
 
 
 def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
-    """Interpret all columns. Raises DamagedLog for an ambiguous or repeated header."""
+    """Interpret all columns. Raises DamagedLog for an ambiguous header, or for a repeated one of an sd or source."""
     own = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
     certain = {role_of(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:
@@ -197,9 +199,11 @@ def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
         except BadValue as error:
             raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
         if role.key and role.key in seen:
-            found = f"found a second column that means the same as {printable(seen[role.key])}, expected one"
-            raise DamagedLog(found, row=row, column=printable(role.spelled))
-        seen[role.key] = role.spelled
+            if role.beside:
+                found = f"found a second column that means the same as {printable(seen[role.key])}, expected one"
+                raise DamagedLog(found, row=row, column=printable(role.spelled))
+            role = replace(role, repeats=seen[role.key])
+        seen.setdefault(role.key, role.spelled)
         headings.append(role)
     return headings
 

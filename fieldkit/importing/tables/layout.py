@@ -17,6 +17,8 @@ LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
+_WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*[A-Za-z°%]{1,4}\s*")
+"""A number with its unit in the cell, such as `57.6F`: it belongs to a table of numbers, but is not read."""
 _ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
@@ -90,8 +92,8 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 
 
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
-    """Whether most cells are numbers, and the others single words."""
-    said = [cell for cell in cells if cell.strip().lower() not in _ABSENT_MARKS]
+    """Whether most cells are numbers, and the others single words or numbers with a unit."""
+    said = [c for c in cells if c.strip().lower() not in _ABSENT_MARKS and not _WITH_UNIT.fullmatch(c)]
     count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in said)
     return count >= 2 and count * 2 > len(said) and not (separator is None and any("," in cell for cell in cells))
 

@@ -241,6 +241,19 @@ def _ascent(
     return (time[: top + 1], calm[: top + 1]) if top >= 4 else (None, None)
 
 
+_COAST_END = (1.0, 0.2)
+"""Start and end of the last second of a climb, before apogee: slow enough for little drag, before any charge. [s]"""
+
+
+def last_of_climb(time: Float[Array, "time"], height: Float[Array, "time"], values: Float[Array, "time"]) -> float:
+    """The median of some values in the last second of a climb, in their unit [SI]; nan if there are none."""
+    climb, _ = _ascent(_with_heights({"time": time, "altitude": height}), {"time": "s", "altitude": "m"})
+    if climb is None:
+        return float("nan")
+    before = climb[-1] - time
+    return _median(values[(before > _COAST_END[1]) & (before < _COAST_END[0])])
+
+
 _TESTS = (
     ("the pressure", _pressure_agrees),
     ("speed and height", _speed_agrees),
