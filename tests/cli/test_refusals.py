@@ -39,6 +39,13 @@ REFUSED = {
     "a waiver below the pad": ["--waiver=-500m"],
     "a waiver of nothing": ["--waiver", "0"],
     "a field of no size": ["--field-size", "0"],
+    "a stability of next to nothing": ["--stability-cal", "1e-320"],
+    "a parachute that opens after thirty years": ["--opening-time", "1e9"],
+    "a parachute of a hair's width": ["--parachute-diameter", "0.1"],
+    "a wind aloft faster than sound": ["--wind-aloft", "400", "--wind-aloft-height", "300"],
+    "a wind above the air": ["--wind-aloft", "10", "--wind-aloft-height", "1e9"],
+    "a main above the air": ["--main-altitude", "1e9"],
+    "a wind that turns a thousand times": ["--wind-aloft", "10", "--wind-aloft-turn", "360000"],
     "a mass in twenty thousand digits": ["--dry-mass", "1" * 20_000 + " 1"],
 }
 
