@@ -107,6 +107,17 @@ def test_a_home_that_cannot_be_used_stands_in_no_ones_way_who_names_a_ledger(
     assert "home" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("named", ["~no_such_user/home", "~no_such_user"])
+def test_the_home_of_nobody_is_an_ordinary_name(
+    named: str, ledger: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("FIELDKIT_HOME", named)
+    for words in (["flights"], ["motors", "F24"], ["--ledger", ledger, "predict", "--motor", "F24-4W"]):
+        assert main(words) == 0
+    assert main(["--ledger", f"{named}.db", "flights"]) == 0
+
+
 @pytest.mark.parametrize("date", ["0001-01-01T00:00", "9999-12-31T23:59", "0001-01-01", "9999-12-31"])
 def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp_path: Path) -> None:
     for words in (["predict", "--motor", "F24-4W"], ["edit", "2", f"date_time={date}"]):

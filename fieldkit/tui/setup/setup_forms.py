@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
@@ -117,9 +116,9 @@ def _import(page: PageScreen, text: str | None) -> None:
 
     def work() -> "list[Motor]":
         from fieldkit.motors.own import import_file
-        from fieldkit.paths import motor_folder
+        from fieldkit.paths import expanded, motor_folder
 
-        return import_file(Path(text.strip()).expanduser(), motor_folder())
+        return import_file(expanded(text.strip()), motor_folder())
 
     page.ask(work, partial(_imported, page), "import")
 
