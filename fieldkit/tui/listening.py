@@ -71,9 +71,9 @@ class Handler(web.RequestHandler):  # type: ignore[misc]  # mypy does not read a
         super().connection_made(transport)
         asyncio.get_running_loop().call_later(IDLE_PERIOD, self._end_silent, transport)
 
-    def _end_silent(self, transport: asyncio.Transport) -> None:
+    def _end_silent(self, transport: asyncio.BaseTransport) -> None:
         if not self.has_asked:
-            transport.abort()
+            transport.close()
 
     def handle_error(
         self, request: web.BaseRequest, status: int = 500, exc: BaseException | None = None, message: str | None = None
