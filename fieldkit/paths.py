@@ -29,6 +29,11 @@ DataFile = Literal[
 DATA_FILES: tuple[DataFile, ...] = get_args(DataFile)
 
 
+def expanded(text: str | Path) -> Path:
+    """A path with `~` replaced; that of a user who is unknown stays, which `Path.expanduser` refuses with an error."""
+    return Path(os.path.expanduser(text))
+
+
 def data_folder() -> Path:
     """The folder of the user's data, created if possible.
 
@@ -129,4 +134,4 @@ def _identity(file: Path) -> tuple[int, int]:
 
 def _home() -> Path | None:
     named = os.environ.get(HOME)
-    return Path(named).expanduser() if named else None
+    return expanded(named) if named else None

@@ -145,7 +145,10 @@ def page(found: Sequence[Outcome], command: str, others: int) -> str:
     """The summary, in Markdown."""
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
-    rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
+    rows = [
+        f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} | {one.commit} |"
+        for one in found
+    ]
     system = f"Python {platform.python_version()}, SQLite {sqlite3.sqlite_version}, {platform.system()}"
     if commits := list(dict.fromkeys(one.commit for one in found if one.commit)):
         system += f"; of the commits {', '.join(commits)}"

@@ -85,7 +85,7 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
 def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: Given) -> "Flight":
     """A row of a table of plans, completed with the day's conditions and from its rocket."""
     from fieldkit.flight import CONDITIONS, MOTOR_TEMPERATURE
-    from fieldkit.flight.recovery import RECOVERY_NAMES, recovery_header
+    from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
@@ -97,4 +97,5 @@ def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: 
     if warm := given.get("motor_temperature"):
         extra[MOTOR_TEMPERATURE] = warm
     row = row.with_changes(**open_ones, extra={**extra, **row.extra})
+    check_recovery(row)
     return completed_plan(ledger, motors, row, read_settings())

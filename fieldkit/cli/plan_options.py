@@ -30,7 +30,14 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     Raises BadValue.
     """
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of, stability
+    from fieldkit.flight.recovery import (
+        RECOVERY_NAMES,
+        check_recovery,
+        rail_direction,
+        recovery_header,
+        recovery_of,
+        stability,
+    )
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.planning.safety import motor_temperature
@@ -60,6 +67,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     plan = plan.with_changes(extra={**plan.extra, **typed})
     plan = completed_plan(ledger, motors, plan, read_settings())
     recovery_of(plan)
+    check_recovery(plan)
     rail_direction(plan)
     stability(plan)
     return plan

@@ -36,6 +36,19 @@ RECOVERY_COLUMNS = {
     "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
 }
 """Recovery columns that are numbers: quantity, external unit, and meaning."""
+LIMITS = {
+    "drogue_speed": (0.1, 1000.0),
+    "main_altitude": (1.0, 200_000.0),
+    "main_speed": (0.1, 1000.0),
+    "parachute_diameter": (0.01, 100.0),
+    "opening_time": (0.0, 600.0),
+    "wind_aloft": (0.0, 150.0),
+    "wind_aloft_height": (1.0, 50_000.0),
+    "wind_aloft_turn": (-2 * math.pi, 2 * math.pi),
+}
+"""Lowest and highest possible number of each recovery column of a plan, in SI."""
+MAX_STABILITY = 100.0
+"""A static margin is shorter than a rocket, and this is many times as long as the longest. [body diameters]"""
 STABILITY = "stability_cal"
 """The column for a rocket's static margin, as a design program states it. [body diameters]"""
 RECOVERY_TEXTS = {
@@ -70,6 +83,16 @@ def recovery_figure(flight: Flight, name: str) -> float | None:
                 raise BadValue(f"{header}: {error}") from error
             return value
     return None
+
+
+def check_recovery(plan: Flight) -> None:
+    """Raise BadValue for a recovery column whose number is beyond `LIMITS`."""
+    for name, (low, high) in LIMITS.items():
+        value = recovery_figure(plan, name)
+        if value is not None and not low <= value <= high:
+            quantity, unit, _ = RECOVERY_COLUMNS[name]
+            found, least, most = (f"{units.unit(quantity, unit).from_si(one):g}" for one in (value, low, high))
+            raise BadValue(f"{recovery_header(name)}: found {found}, expected {least} to {most}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +150,7 @@ def stability(flight: Flight) -> float | None:
         margin = float(text.replace(",", "."))
     except ValueError:
         margin = math.nan
-    if not 0 < margin < math.inf:
+    if not 1 / MAX_STABILITY <= margin <= MAX_STABILITY:
         raise BadValue(f"{STABILITY}: found {text!r}, expected body diameters above zero, such as 2.5")
     return margin
 

@@ -7,7 +7,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
 from fieldkit.errors import LedgerError
-from fieldkit.paths import data_file
+from fieldkit.paths import data_file, expanded
 
 _DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
 
@@ -22,7 +22,7 @@ def location(where: str | Path | None) -> URL:
     """
     where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
     if isinstance(where, Path) or "://" not in where:
-        return _keeping(URL.create("sqlite", database=str(Path(where).expanduser())), str(where))
+        return _keeping(URL.create("sqlite", database=str(expanded(where))), str(where))
     try:
         url = make_url(where)
     except ArgumentError:

@@ -14,7 +14,7 @@ from fieldkit.importing.read import read, read_recordings
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.to_flights import derived_id
 from fieldkit.ledger import Ledger
-from fieldkit.services.imports import read_file, recordings_of
+from fieldkit.services.imports import StoredFiles, read_file, stored_files
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,21 +32,40 @@ class Recording:
     """Readouts that the device stated. [SI]"""
 
 
-def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
-    """The samples of a flight of the ledger, read again from the stored bytes; None if it has none.
+class FlightRecordings:
+    """The samples of flights of the ledger, read again from the stored bytes.
 
-    `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an unknown id, and if
-    it is unclear which flight of a log it is.
+    A file that holds several flights is read once while its flights follow each other.
     """
-    flight = ledger.flight(id)
-    try:
-        readings = recordings_of(ledger, id, choices)
-    except (DamagedLog, UnknownFormat):
-        return None
-    readings = [one for one in readings if one.describes == "flight"] or readings
-    if not readings:
-        return None
-    return _recording(id, _part(flight, readings, id))
+
+    def __init__(self, ledger: Ledger, choices: Sequence[ColumnChoice] = ()) -> None:
+        """`choices` say which columns of a table of samples are what, best first."""
+        self._ledger, self._choices = ledger, choices
+        self._last: tuple[StoredFiles, list[Reading]] | None = None
+
+    def of(self, id: str) -> Recording | None:
+        """The samples of a flight; None if it has none. Raises LedgerError for an unknown id, and if it is unclear
+        which flight of a log it is."""
+        files = stored_files(self._ledger, id)
+        if files is None:
+            return None
+        if self._last is None or self._last[0] != files:
+            self._last = files, self._read(files, id)
+        readings = self._last[1]
+        return _recording(id, _part(self._ledger.flight(id), readings, id)) if readings else None
+
+    def _read(self, files: StoredFiles, id: str) -> list[Reading]:
+        """The recorded flights of some files, or else the simulations; empty without samples."""
+        try:
+            readings = read_recordings(files.log, id, files.format, self._choices, files.others)
+        except (DamagedLog, UnknownFormat):
+            return []
+        return [one for one in readings if one.describes == "flight"] or readings
+
+
+def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
+    """The samples of one flight of the ledger, as `FlightRecordings` reads them."""
+    return FlightRecordings(ledger, choices).of(id)
 
 
 def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:

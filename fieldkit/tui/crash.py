@@ -16,7 +16,7 @@ from pathlib import Path
 import fieldkit
 from fieldkit.errors import FieldkitError
 from fieldkit.files import replace
-from fieldkit.paths import crash_folder
+from fieldkit.paths import crash_folder, expanded
 
 MAX_CRASH_FILES = 20
 """Number of crash files retained. [1]"""
@@ -85,11 +85,11 @@ def _frames(error: BaseException) -> list[tuple[str, int, str, str]]:
 
 def shortened(file: str) -> str:
     """A file of the program by its path in the package, any other from the home folder on."""
-    path = Path(file)
+    path, home = Path(file), expanded("~")
     for root in (Path(fieldkit.__file__).parents[1], *map(Path, sys.path), Path(sys.base_prefix)):
-        if root.is_absolute() and root != Path(root.anchor) and root != Path.home() and path.is_relative_to(root):
+        if root.is_absolute() and root != Path(root.anchor) and root != home and path.is_relative_to(root):
             return path.relative_to(root).as_posix()
     try:
-        return f"~/{path.relative_to(Path.home()).as_posix()}"
+        return f"~/{path.relative_to(home).as_posix()}"
     except ValueError:
         return path.name

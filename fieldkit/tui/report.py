@@ -4,6 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from fieldkit.files import check_target, is_taken
+from fieldkit.paths import expanded
 from fieldkit.progress import no_op
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
@@ -21,7 +22,7 @@ def ask_report(page: PageScreen, what: str) -> None:
 def _write(page: PageScreen, what: str, name: str | None) -> None:
     if not name or not name.strip():
         return
-    path = Path(name.strip()).expanduser()
+    path = expanded(name.strip())
 
     if is_taken(path):
         question = f"{path} exists. Replace it?"

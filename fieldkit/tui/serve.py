@@ -136,9 +136,10 @@ def within(text: str, most: int) -> int:
 def _netloc(origin: str) -> str:
     """Host name and port of an origin, empty for a malformed one."""
     try:
-        return urlsplit(origin).netloc
+        split = urlsplit(origin)
     except ValueError:
         return ""
+    return split.netloc if origin == f"{split.scheme}://{split.netloc}" else ""
 
 
 class OneLine(logging.Formatter):
@@ -179,7 +180,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             asyncio.run(self._serve())
 
     async def _serve(self) -> None:
-        await listening.serve(await self._make_app(), self.host, self.port)
+        await listening.serve(await self._make_app(), self.host, self.port, HEADERS)
 
     async def on_shutdown(self, app: web.Application) -> None:
         """End the running apps."""
@@ -244,6 +245,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
 
     async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         """Check access, and set the font size for phones."""
+        if isinstance(request.protocol, listening.Handler):
+            request.protocol.has_asked = True
         self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))

@@ -16,6 +16,7 @@ from fieldkit.ledger import Ledger, journal
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
+from bench.faults import __main__ as bench
 from bench.faults import calls, damage, failing, histories, kills, laptops, ledgers, servers, session, statements
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
@@ -206,3 +207,11 @@ def test_a_server_that_dies_in_mid_transaction_loses_that_change_alone(
         assert ledger.flights() == [FIRST]
         ledger.add([SECOND])
         assert [change.number for change in ledger.history()] == [1, 2]
+
+
+def test_the_page_says_on_which_commit_each_part_ran() -> None:
+    found = [ledgers.Outcome("kill -9", "add", commit="aaaa111"), ledgers.Outcome("damage", "cut", commit="bbbb222")]
+    page = bench.page(found, "python -m bench.faults", 8)
+    rows = [line.split("|") for line in page.splitlines() if line.startswith(("| kill", "| damage"))]
+    assert [row[-2].strip() for row in rows] == ["aaaa111", "bbbb222"]
+    assert {len(row) for row in rows} == {8}

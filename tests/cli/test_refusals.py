@@ -39,6 +39,13 @@ REFUSED = {
     "a waiver below the pad": ["--waiver=-500m"],
     "a waiver of nothing": ["--waiver", "0"],
     "a field of no size": ["--field-size", "0"],
+    "a stability of next to nothing": ["--stability-cal", "1e-320"],
+    "a parachute that opens after thirty years": ["--opening-time", "1e9"],
+    "a parachute of a hair's width": ["--parachute-diameter", "0.1"],
+    "a wind aloft faster than sound": ["--wind-aloft", "400", "--wind-aloft-height", "300"],
+    "a wind above the air": ["--wind-aloft", "10", "--wind-aloft-height", "1e9"],
+    "a main above the air": ["--main-altitude", "1e9"],
+    "a wind that turns a thousand times": ["--wind-aloft", "10", "--wind-aloft-turn", "360000"],
     "a mass in twenty thousand digits": ["--dry-mass", "1" * 20_000 + " 1"],
 }
 
@@ -98,6 +105,17 @@ def test_a_home_that_cannot_be_used_stands_in_no_ones_way_who_names_a_ledger(
     capsys.readouterr()
     assert main(["flights"]) == 1
     assert "home" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("named", ["~no_such_user/home", "~no_such_user"])
+def test_the_home_of_nobody_is_an_ordinary_name(
+    named: str, ledger: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("FIELDKIT_HOME", named)
+    for words in (["flights"], ["motors", "F24"], ["--ledger", ledger, "predict", "--motor", "F24-4W"]):
+        assert main(words) == 0
+    assert main(["--ledger", f"{named}.db", "flights"]) == 0
 
 
 @pytest.mark.parametrize("date", ["0001-01-01T00:00", "9999-12-31T23:59", "0001-01-01", "9999-12-31"])

@@ -176,7 +176,7 @@ def test_what_a_page_says_is_bounded_or_nothing(text: str, said: object) -> None
 async def test_no_stranger_takes_every_connection(unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listening, "MAX_OF_ADDRESS", 3)
     app = await GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)._make_app()
-    serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port))
+    serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port, serve.HEADERS))
     try:
         async with asyncio.timeout(PATIENCE), ClientSession() as http:
             await listening_(http, f"http://127.0.0.1:{unused_tcp_port}/")
@@ -202,6 +202,76 @@ class Transport(asyncio.BaseTransport):
 
     def is_closing(self) -> bool:
         return self.closing
+
+
+@asynccontextmanager
+async def listening_server(port: int) -> AsyncIterator[GuardedServer]:
+    """A server as `fieldkit serve` runs it, until it is cancelled."""
+    server = GuardedServer("127.0.0.1", port, "a token", None)
+    running_ = asyncio.ensure_future(server._serve())
+    try:
+        async with ClientSession() as http:
+            await listening_(http, f"http://127.0.0.1:{port}/?token=a+token")
+        yield server
+    finally:
+        running_.cancel()
+        with suppress(asyncio.CancelledError):
+            await running_
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"GET /?token=a+token HTTP/1.1\r\nHost: x\r\nDate: \x1b[2J\r\n\r\n",
+        b"GET *?token=a+token HTTP/1.1\r\nHost: x\r\n\r\n",
+        b"GET /%s HTTP/1.1\r\nHost: x\r\n\r\n" % (b"a" * 9000),
+        b"\x16\x03\x01\r\n\r\n",
+    ],
+)
+async def test_a_malformed_request_is_refused_with_the_headers_and_without_an_echo(
+    unused_tcp_port: int, sent: bytes
+) -> None:
+    async with listening_server(unused_tcp_port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", unused_tcp_port)
+        writer.write(sent)
+        answer = await asyncio.wait_for(reader.read(), PATIENCE)
+        writer.close()
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert head.split()[1] == b"400"
+    assert b"frame-ancestors 'none'" in head
+    assert b"Server: fieldkit" in head
+    assert body == b"malformed request"
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost: "])
+async def test_a_connection_without_a_request_ends(
+    unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch, sent: bytes
+) -> None:
+    monkeypatch.setattr(listening, "IDLE_PERIOD", 0.2)
+    async with listening_server(unused_tcp_port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", unused_tcp_port)
+        writer.write(sent)
+        with suppress(ConnectionResetError):
+            assert await asyncio.wait_for(reader.read(), PATIENCE) == b""
+        writer.close()
+
+
+async def test_a_connection_that_cannot_be_accepted_ends_nothing(
+    unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on systems that report a connection closed before it was accepted."""
+    loop = asyncio.get_running_loop()
+    accept, failures = loop.sock_accept, [ConnectionAbortedError(), OSError(24, "too many open files")]
+
+    async def failing(listener: Any) -> Any:
+        if failures:
+            raise failures.pop()
+        return await accept(listener)
+
+    monkeypatch.setattr(loop, "sock_accept", failing)
+    async with listening_server(unused_tcp_port), ClientSession() as http:
+        assert (await http.get(f"http://127.0.0.1:{unused_tcp_port}/?token=a+token")).status == 200
+    assert not failures
 
 
 def test_who_has_gone_leaves_room(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +15,12 @@ from fieldkit.progress import ReportProgress
 from fieldkit.quantities import ShownUnits, measure
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
-from fieldkit.services.replay import recording_of
+from fieldkit.services.replay import FlightRecordings
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.flights import Inferred
 
 CARD_DRAWS = 2000
 """Number of draws from a forecast given as a mixture. [1]"""
@@ -71,6 +75,15 @@ class Card:
         return self.flight.apogee - self.forecast.interval[1]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Record:
+    """A rocket's apogees in the order flown [m], which flights are clean, and the place of each by flight_id."""
+
+    apogees: Float[Array, "flight"]
+    clean: Flags
+    places: Mapping[str, int]
+
+
 def cards(
     ledger: Ledger,
     motors: Catalogue,
@@ -81,7 +94,10 @@ def cards(
 ) -> list[Card]:
     """A card for each of some flights of the ledger, in the units of a system; `known` are forecasts by rocket and
     flight_id, shown for flights without a saved one."""
-    said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
+    rockets = {one.rocket for one in flights}
+    said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in rockets}
+    records = {rocket: _record(ledger.flights(rocket)) for rocket in rockets}
+    learned, recordings = _learned(ledger, flights, motors), FlightRecordings(ledger)
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         on_progress(f"flight {id}", number / len(flights))
@@ -93,7 +109,8 @@ def cards(
             forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
             forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)
-        found.append(_card(ledger, motors, id, flight, forecast, system))
+        trace, record = _trace(recordings, id), records[flight.rocket]
+        found.append(_card(id, flight, forecast, learned.get(_identity(flight), ()), trace, record, system))
     return found
 
 
@@ -126,22 +143,35 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
 
 
 def _card(
-    ledger: Ledger, motors: Catalogue, id: str, flight: Flight, forecast: CardForecast | None, system: str
+    id: str,
+    flight: Flight,
+    forecast: CardForecast | None,
+    learned: Rows,
+    trace: HeightTrace | None,
+    record: _Record,
+    system: str,
 ) -> Card:
-    own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
-    names = [one.flight_id for one in own]
     return Card(
         id=id,
         flight=flight,
         readouts=_rows(flight, READOUTS, system),
         circumstances=_rows(flight, (*SETUP, *CONDITIONS), system),
-        learned=_learned(ledger, flight, motors),
+        learned=learned,
         forecast=forecast,
-        trace=_trace(ledger, id),
-        record=np.array([one.apogee or np.nan for one in own], float),
-        clean=np.array([one.clean for one in own], bool),
-        place=names.index(flight.flight_id) if flight.flight_id in names else -1,
+        trace=trace,
+        record=record.apogees,
+        clean=record.clean,
+        place=record.places.get(flight.flight_id, -1),
         system=system,
+    )
+
+
+def _record(flights: Sequence[Flight]) -> _Record:
+    flown = [one for one in flights if one.apogee is not None]
+    return _Record(
+        np.array([one.apogee for one in flown], float),
+        np.array([one.clean for one in flown], bool),
+        {one.flight_id: place for place, one in enumerate(flown)},
     )
 
 
@@ -151,25 +181,32 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
     return tuple((column.title, measure(column, value, system)) for column, value in values if value is not None)
 
 
-def _learned(ledger: Ledger, flight: Flight, motors: Catalogue) -> Rows:
-    """Drag and thrust from this flight alone."""
+def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
+    """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that constrain them."""
     from fieldkit.services.inferred import FlightInference
 
     try:
-        (one,) = FlightInference(ledger, motors).infer([flight]).inferred
-    except (FieldkitError, ValueError):
-        return ()
-    rows = []
-    if np.isfinite(one.cd):
-        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}"))
-    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}"))
-    return tuple(rows)
+        inferred = FlightInference(ledger, motors).infer(flights).inferred
+    except FieldkitError:
+        return {}
+    return {_identity(one.flight): _drag_and_thrust(one) for one in inferred}
 
 
-def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
+def _drag_and_thrust(one: "Inferred") -> Rows:
+    thrust = ("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}")
+    if not np.isfinite(one.cd):
+        return (thrust,)
+    return ("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}"), thrust
+
+
+def _identity(flight: Flight) -> tuple[str, str]:
+    return flight.rocket, flight.flight_id
+
+
+def _trace(recordings: FlightRecordings, id: str) -> HeightTrace | None:
     """The log of a flight; None if it has no samples of height or cannot be read."""
     try:
-        found = recording_of(ledger, id)
+        found = recordings.of(id)
     except FieldkitError:
         return None
     if found is None or found.reading is None:

@@ -12,7 +12,14 @@ from fieldkit.presentation.report.card import Card
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import svg
 from fieldkit.presentation.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
-from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log, picture
+from fieldkit.presentation.report.pictures import (
+    FORECAST_MARGINS,
+    LOG_MARGINS,
+    forecast,
+    forecasts_and_apogees,
+    log,
+    picture,
+)
 from fieldkit.presentation.report.style import bound, drawn, styled
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
@@ -95,11 +102,19 @@ def _card(card: Card) -> dict[str, Any]:
         "title": title,
         "subtitle": subtitle,
         "figures": headline(card),
-        "forecast": embedded(picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "svg")),
-        "log": embedded(picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "svg")),
+        "forecast": embedded(_forecast(card, "svg")),
+        "log": embedded(_log(card, "svg")),
         "columns": [("Readouts", card.readouts), ("Setup and conditions", card.circumstances)],
         "remarks": remarks(card),
     }
+
+
+def _forecast(card: Card, kind: str) -> bytes:
+    return picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), kind, FORECAST_MARGINS)
+
+
+def _log(card: Card, kind: str) -> bytes:
+    return picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), kind, LOG_MARGINS)
 
 
 def _overview(book: FlightReport, kind: str) -> bytes:
@@ -128,11 +143,9 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
-        yield beside(
-            f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Forecast"
-        )
+        yield beside(f"{number}-forecast", _forecast(card, "png"), "Forecast")
         told = "The log" if card.trace else "Flights of this rocket so far"
-        yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
+        yield beside(f"{number}-log", _log(card, "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, ""), figures), ""]

@@ -2,7 +2,7 @@
 
 from fieldkit.services.imports.add_files import Receipt, bring_in, take_in
 from fieldkit.services.imports.gather import Gathered, gather, read_file
-from fieldkit.services.imports.remeasure import Remeasured, recordings_of, remeasured
+from fieldkit.services.imports.remeasure import Remeasured, StoredFiles, remeasured, stored_files
 from fieldkit.services.imports.view import FileView, FlightView
 
 __all__ = [
@@ -11,10 +11,11 @@ __all__ = [
     "Gathered",
     "Receipt",
     "Remeasured",
+    "StoredFiles",
     "bring_in",
     "gather",
     "read_file",
-    "recordings_of",
     "remeasured",
+    "stored_files",
     "take_in",
 ]

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, Column, Flight
-from fieldkit.importing import ColumnChoice, Reading
+from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
-from fieldkit.importing.read import read_recordings, read_stored
+from fieldkit.importing.read import read_stored
 from fieldkit.importing.recognize import parsers
 from fieldkit.services.imports.within_motor import within_motor
 
@@ -50,6 +50,15 @@ class Remeasured:
         return (*found, *(name for name in {**old, **new} if old.get(name) != new.get(name)))
 
 
+@dataclass(frozen=True, slots=True)
+class StoredFiles:
+    """The original bytes of a flight's log and of its additional files, and the parser that reads the log."""
+
+    log: bytes
+    format: str | None
+    others: tuple[bytes, ...] = ()
+
+
 def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
     """A flight of the ledger with its files read again; None if no file has samples.
 
@@ -73,12 +82,12 @@ def _within(fresh: Flight, flight: Flight) -> Flight:
     return within_motor(known)[0].with_changes(motor=fresh.motor, dry_mass=fresh.dry_mass)
 
 
-def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:
-    """The readings of all files of a flight of the ledger; empty if it has none. Raises the errors of `remeasured`."""
+def stored_files(ledger: "Ledger", id: str) -> StoredFiles | None:
+    """The files of a flight of the ledger; None if it has none. Raises LedgerError for an unknown id."""
     flight, log = ledger.flight(id), ledger.log(id)
     if log is None:
-        return []
-    return read_recordings(log, id, format_of(flight), choices, ledger.other_logs(id))
+        return None
+    return StoredFiles(log, format_of(flight), tuple(ledger.other_logs(id)))
 
 
 def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:

@@ -15,6 +15,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
+from fieldkit.paths import expanded
 from fieldkit.safe_text import printable
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
@@ -276,7 +277,7 @@ class ImportScreen(PageScreen):
     def _went(self, text: str | None) -> None:
         if not text:
             return
-        path = Path(abspath(Path(text.strip()).expanduser()))
+        path = Path(abspath(expanded(text.strip())))
         if path.is_dir():
             self.go(path)
         elif path.exists():

@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
-from fieldkit.paths import motor_folder
+from fieldkit.paths import expanded, motor_folder
 from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
@@ -119,7 +118,7 @@ def _import(page: PageScreen, text: str | None) -> None:
     def work() -> "list[Motor]":
         from fieldkit.motors.own import import_file
 
-        return import_file(Path(text.strip()).expanduser(), motor_folder())
+        return import_file(expanded(text.strip()), motor_folder())
 
     page.ask(work, partial(_imported, page), "import")
 

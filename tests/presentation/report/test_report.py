@@ -1,8 +1,10 @@
 """Flight cards and reports of a day or a rocket: contents in every file format, and escaped names."""
 
 import re
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,15 +12,21 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError, LedgerError
 from fieldkit.flight import Flight
+from fieldkit.importing import Reading
+from fieldkit.importing.read import read_recordings
+from fieldkit.inference.network.flights import Inferences
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
 from fieldkit.presentation.report import book as book_module
 from fieldkit.presentation.report import card as card_module
+from fieldkit.presentation.report import pictures
 from fieldkit.presentation.report.book import FlightReport, book, table
+from fieldkit.presentation.report.card import HeightTrace, cards
 from fieldkit.presentation.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.presentation.report.style import A4, styled
 from fieldkit.presentation.report.write import check_report, write_report
 from fieldkit.safe_text import as_markdown
+from fieldkit.services import inferred, replay
 from fieldkit.services.forecasts import predict_plans
 from tests.presentation.report.pages import Page
 from tests.seasons import season
@@ -116,6 +124,55 @@ def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flig
     shown = [one.forecast.interval[1] for one in made.cards if one.forecast]
     assert shown == pytest.approx(expected, rel=0.02)
     assert all("the loop forecasts" in one.forecast.by for one in made.cards if one.forecast)
+
+
+def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [f"{n},Astra,F24-4W,{320 + n},66,{250 + n}" for n in range(12)]
+    (tmp_path / "flights.csv").write_text("\n".join(["flight_id,rocket,motor,dry_mass_g,diameter_mm,apogee_m", *rows]))
+    reads: list[Any] = []
+    batches: list[int] = []
+    read, infer = read_recordings, inferred.FlightInference.infer
+
+    def counted_read(*given: Any) -> list[Reading]:
+        reads.append(given)
+        return read(*given)
+
+    def counted_infer(self: inferred.FlightInference, flights: list[Flight]) -> Inferences:
+        batches.append(len(flights))
+        return infer(self, flights)
+
+    monkeypatch.setattr(replay, "read_recordings", counted_read)
+    monkeypatch.setattr(inferred.FlightInference, "infer", counted_infer)
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "import", str(tmp_path / "flights.csv")]) == 0
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        found = cards(ledger, catalogue(), ledger.flights("Astra"), quiet)
+    assert (len(reads), batches) == (1, [12])
+    assert [one.place for one in found] == list(range(12))
+    assert all(one.learned and one.trace is None for one in found)
+
+
+@pytest.mark.parametrize("top", [9.0, 400.0, 40_000.0])
+def test_words_of_a_picture_stay_inside_its_margins(day: FlightReport, top: float) -> None:
+    from matplotlib.figure import Figure
+
+    time = np.linspace(0.0, 30.0, 50)
+    height, speed = top * np.sin(time / 10), -top * np.cos(time / 10)
+    card = replace(day.cards[0], trace=HeightTrace("Rook", time, height, speed, {"apogee": 15.7}))
+    for draw, size, margins in (
+        (pictures.forecast, (7.2, 2.2), pictures.FORECAST_MARGINS),
+        (pictures.log, (7.2, 3.1), pictures.LOG_MARGINS),
+    ):
+        with styled():
+            figure = Figure(figsize=size)
+            draw(figure, card)
+            pictures.fit(figure, margins)
+            words = figure.get_tightbbox()
+        assert words.x0 >= 0
+        assert words.y0 >= 0
+        assert words.x1 <= size[0]
+        assert words.y1 <= size[1]
 
 
 def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
