@@ -52,16 +52,15 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
         rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - abs(speed)) / _TRANSITION))
         return -GRAVITY - drag * rise * exp(min(-height / SCALE_HEIGHT, 1.0)) * speed * abs(speed)
 
-    height, speed = top, 0.0
-    rows = [(height, speed, -GRAVITY)]
+    height, speed, now = top, 0.0, -GRAVITY
+    rows = [(height, speed, now)]
     for _ in range(count):
-        now = push(height, speed)
         middle = speed + now * step / 2
         height += step * middle
         speed += step * push(height - step * middle / 2, middle)
-        if abs(speed) > _MAX_SPEED:
-            speed = _MAX_SPEED if speed > 0 else -_MAX_SPEED
-        rows.append((height, speed, push(height, speed) if abs(speed) < _MAX_SPEED else 0.0))
+        speed = max(-_MAX_SPEED, min(speed, _MAX_SPEED))
+        now = push(height, speed)
+        rows.append((height, speed, now if abs(speed) < _MAX_SPEED else 0.0))
     return rows
 
 

@@ -64,7 +64,8 @@ _MIN_LOG_DRAG, _MAX_LOG_DRAG = np.log(1e-5), np.log(0.1)
 """Bounds of the logarithm of a rocket's drag, b in 1/m. [1]"""
 _START_LOG_DRAG = float(np.log(2e-3))
 """Logarithm of drag at which a fit starts: a rocket of 0.4 kg and 60 mm. [1]"""
-_FIT_ROUNDS = 10
+_FIT_ROUNDS, _LAST_STEP = 10, 1e-6
+"""Most iterations of a fit, and the squared step, in standard deviations of the fit, after which it ends. [1]"""
 _MAX_STEPS = np.array([2.0, 200.0, 1.5, 0.3])
 """Largest step of one fit iteration in time [s], height [m], and the logarithms of drag and of scale [1]."""
 _DIFFERENCE_STEPS = np.array([0.02, 0.2, 0.02, 0.02])
@@ -161,10 +162,7 @@ def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Flo
     values, prior = start, np.diag([0.0, 0.0, 0.0, _HEIGHT_SCALE_SD**-2])
     freedom = np.sqrt(time.size / (time.size - len(start)))
     for _ in range(_FIT_ROUNDS):
-        at = _heights(values, time)
-        slope = np.stack(
-            [(_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)], axis=-1
-        )
+        at, slope = _linearized(values, time)
         left = height - at
         noise, lag1 = max(mad_sd(left) * freedom, _MIN_SAMPLE_SD), lag_one(left)
         weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
@@ -173,7 +171,26 @@ def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Flo
         values = values + np.clip(step, -_MAX_STEPS, _MAX_STEPS)
         if not _MIN_LOG_DRAG < values[2] < _MAX_LOG_DRAG:
             return None
+        if step @ precision @ step < _LAST_STEP:
+            break
     return _Fit(values, np.linalg.inv(precision), time, height, weight)
+
+
+def _linearized(
+    values: Float[Array, "four"], time: Float[Array, "time"]
+) -> tuple[Float[Array, "time"], Float[Array, "time four"]]:
+    """Heights as the altimeter reports them [m] and their derivatives.
+
+    A later apogee shifts the coast and the scale stretches it; only for apogee height and drag is it integrated again.
+    """
+    path = _path(values, float(time[0]), float(time[-1]))
+    stretch, below = np.exp(values[3]), values[1] - np.interp(time, path.time, path.height)
+    at = np.asarray(values[1] - stretch * below)
+    by_time, by_scale = -stretch * np.interp(time, path.time, path.speed), -stretch * below
+    by_top, by_drag = (
+        (_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)[1:3]
+    )
+    return at, np.stack([by_time, by_top, by_drag, by_scale], axis=-1)
 
 
 def _path(values: Float[Array, "four"], begin: float, end: float = 0.0) -> Coast:
