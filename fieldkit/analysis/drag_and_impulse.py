@@ -187,9 +187,7 @@ def _linearized(
     stretch, below = np.exp(values[3]), values[1] - np.interp(time, path.time, path.height)
     at = np.asarray(values[1] - stretch * below)
     by_time, by_scale = -stretch * np.interp(time, path.time, path.speed), -stretch * below
-    by_top, by_drag = (
-        (_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)[1:3]
-    )
+    by_top, by_drag = ((_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)[1:3])
     return at, np.stack([by_time, by_top, by_drag, by_scale], axis=-1)
 
 
