@@ -56,9 +56,9 @@ settings.load_profile("fieldkit")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """`-m fast` replaces the default `-m 'not slow'`; slow tests stay out of it all the same."""
+    """`-m fast` replaces the default `-m 'not slow and not thorough'`; long tests stay out of it all the same."""
     if config.option.markexpr == "fast":
-        config.option.markexpr = "fast and not slow"
+        config.option.markexpr = "fast and not slow and not thorough"
 
 
 @pytest.fixture(scope="session", autouse=True)

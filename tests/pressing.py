@@ -18,6 +18,7 @@ from unittest.mock import patch
 
 import pytest
 from jaxtyping import config as shapes
+from textual._compositor import Compositor
 from textual.css.parse import parse
 from textual.events import Key
 from textual.pilot import Pilot
@@ -111,6 +112,7 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
     return STYLES[asked]
 
 
+PAINTED = Compositor.render_update
 LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
 """Keys that only add a letter if a text is typed."""
 
@@ -231,9 +233,12 @@ async def _no_wait(*_: float) -> None:
     """Replaces a pause for idling: `calm` detects it without a clock."""
 
 
-def _unpainted(compositor: Any, *_: object, **__: object) -> None:
+def _unpainted(compositor: Compositor, full: bool = False, **how: Any) -> object:
     """Replaces painting after every change, two fifths of the time of these tests: `shown` paints what is looked at."""
+    if full:  # a picture
+        return PAINTED(compositor, full=True, **how)
     compositor._dirty_regions.clear()
+    return None
 
 
 def typed(text: str) -> list[str]:

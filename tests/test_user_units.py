@@ -60,6 +60,7 @@ def us_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("us_home")
 def test_commands_show_no_metric_figures_to_a_user_of_us_units(capsys: pytest.CaptureFixture[str]) -> None:
     found = []

@@ -13,9 +13,9 @@ app = typer.Typer()
 @app.command()
 def kits(
     name: Annotated[str | None, typer.Argument(help="Name of the kit to show, save, or delete.")] = None,
-    dry_mass: Annotated[str | None, typer.Option(help="Ready to fly, without the motor: 80g.")] = None,
-    diameter: Annotated[str | None, typer.Option(help="The widest tube of its body: 41.6mm.")] = None,
-    mount: Annotated[str | None, typer.Option(help="The widest motor that its mount takes: 18mm.")] = None,
+    dry_mass: Annotated[str | None, typer.Option(help="Ready to fly, without the motor: 80g, 2.8oz.")] = None,
+    diameter: Annotated[str | None, typer.Option(help="The widest tube of its body: 41.6mm, 1.64in.")] = None,
+    mount: Annotated[str | None, typer.Option(help="The widest motor that its mount takes: 18mm, 0.71in.")] = None,
     delete: Annotated[bool, typer.Option("--delete", help="Delete the kit.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:

@@ -117,7 +117,7 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
     """Frontal area of the body; without a diameter, the typical area of a rocket of this dry mass. [m^2]
 
     The typical diameter is the mean over the first `flown` flights, by default over all; for a rocket never flown, each
-    plan has its own.
+    plan has its own. Derivation: the area of a circle.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """

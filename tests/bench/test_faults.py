@@ -83,6 +83,7 @@ def test_every_line_of_the_bench_goes_through_if_nothing_is_wrong(tmp_path: Path
 traced = pytest.mark.skipif(not calls.can_trace(), reason="there is no strace that may look at a process here")
 
 
+@pytest.mark.thorough
 @traced
 def test_a_command_whose_calls_fail_says_what_is_so(tmp_path: Path) -> None:
     found = tmp_path / "found"

@@ -29,7 +29,6 @@ def test_a_repeated_fit_has_the_weight_of_importance_sampling() -> None:
     sampled = replace(one, sampled=replace(one.sampled, pareto_k_without=np.zeros(FLIGHTS)))
     refitted = replace(one, sampled=unreliable)
     both = left_out(SetPosterior((sampled, refitted)))
-    assert both.refits == FLIGHTS
-    count = len(both.forecasts.weight) // 2
-    share = both.forecasts.weight[:count].sum(axis=0)
+    count = len(both.weight) // 2
+    share = both.weight[:count].sum(axis=0)
     assert np.abs(share - 0.5).max() < 0.2

@@ -121,6 +121,7 @@ def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(f
     assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
 
 
+@pytest.mark.thorough
 def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     parts = tuple(
         Part(name, (strength,)) for name, strength in (("mass_offset", 0.15), ("wear", 0.04), ("motor_thrust", 0.12))

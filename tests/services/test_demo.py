@@ -27,6 +27,7 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
 
 
+@pytest.mark.thorough
 def test_the_demo_goes_from_readouts_to_the_next_apogee_and_leaves_the_flyers_ledger_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

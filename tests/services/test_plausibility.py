@@ -110,7 +110,9 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     return run
 
 
-@pytest.mark.parametrize("what", IMPOSSIBLE)
+@pytest.mark.parametrize(
+    "what", [pytest.param(WHOLLY[0], marks=pytest.mark.thorough), *(what for what in IMPOSSIBLE if what != WHOLLY[0])]
+)
 def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(what: str, told: Told) -> None:
     rows = IMPOSSIBLE[what]
     odd = len(rows) if what.startswith("all") else 1
@@ -126,6 +128,7 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_inv
         assert status == 0 or what.startswith("all"), err
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("rows", [[], season(6, dry_mass_g=32200)], ids=["none", "none plausible"])
 def test_no_command_fails_unforeseen_without_a_flight_to_fit(
     rows: list[dict[str, object]], told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

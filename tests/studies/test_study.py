@@ -134,6 +134,7 @@ def test_a_history_is_forecast_forward_in_time() -> None:
     assert "| 1 | 5 |" in histories_page([one], [], unnamed=True)
 
 
+@pytest.mark.thorough
 def test_the_shortfall_is_traced_to_what_the_flights_were_made_with() -> None:
     """Flights 20% lower than simulated with Cd 0.6: the bias is present at first and gone with all causes."""
     plans = [

@@ -567,6 +567,7 @@ async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file:
         assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
 
 
+@pytest.mark.thorough
 async def test_pages_are_made_ready_out_of_sight_and_are_as_they_would_be(file: Path) -> None:
     async with opened(file, stays=True) as pilot:
         made = {stack[0] for stack in pilot.app._screen_stacks.values()}

@@ -206,7 +206,7 @@ class Transport(asyncio.BaseTransport):
 
 @asynccontextmanager
 async def listening_server(port: int) -> AsyncIterator[GuardedServer]:
-    """A server as `fieldkit serve` runs it, until it is cancelled."""
+    """A server as `fieldkit serve` runs it, until it is canceled."""
     server = GuardedServer("127.0.0.1", port, "a token", None)
     running_ = asyncio.ensure_future(server._serve())
     try:

@@ -38,7 +38,10 @@ def strength_posterior(
 
 
 def log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
-    """Log of the mass of a normal distribution between two bounds."""
+    """Log of the probability of a normal distribution between two bounds. [nat]
+
+    Derivation: the difference of its distribution function at the bounds, mirrored where both values would be near 1.
+    """
     above, below = (high - mean) / sd, (low - mean) / sd
     mirrored = below > 0  # where both would be near 1
     above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)

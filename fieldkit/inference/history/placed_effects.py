@@ -96,21 +96,19 @@ def directions(candidates: Sequence[PlacedEffect]) -> Placed:
 
 def _of_term(number: int, candidate: PlacedEffect, term: Term, names: Mapping[int, str]) -> Iterator[_Direction]:
     """The direction of a term, or one around each start of an effect's strength."""
-    whole = _Direction(
-        number, candidate.effect, "", term.weight, candidate.log_share, term.mean, term.sd, term.low, term.high, 1.0
-    )
+    about = (number, candidate.effect)
+    bounded = (term.mean, term.sd, term.low, term.high, 1.0)
     if not isinstance(term.bends, Effect):
-        yield whole._replace(moves=term.bends)
+        yield _Direction(*about, term.bends, term.weight, candidate.log_share, *bounded)
         return
     name = names[id(term.bends)]
     if not term.bends.starts:
-        yield whole._replace(moves=started(name, 0))
+        yield _Direction(*about, started(name, 0), term.weight, candidate.log_share, *bounded)
         return
     density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
     for place, start in enumerate(term.bends.starts):
         part = candidate.log_share + float(np.log(density[place] / sum(density)))
-        around = whole._replace(moves=started(name, place), log_share=part, unit=start)
-        yield around._replace(mean=1.0, sd=START_SD, low=-np.inf, high=np.inf)
+        yield _Direction(*about, started(name, place), term.weight, part, 1.0, START_SD, -np.inf, np.inf, start)
 
 
 def _stacked(some: Sequence[_Direction]) -> Directions:
