@@ -212,14 +212,14 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, falls = {id(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
+    known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     return [
         MotorChoice(
             motor,
             delay,
             _ejections(motor, coast if (said.apogee > 0).mean() > 0.5 else math.nan),
             said,
-            id(motor) in known,
+            label(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
             tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits)),
             fall,
