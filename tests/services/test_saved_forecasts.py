@@ -182,6 +182,15 @@ def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledge
     assert one.changes == ()
 
 
+def test_a_flight_on_a_drilled_delay_is_compared_with_the_forecast_for_the_delay_on_the_bag(ledger: Ledger) -> None:
+    plan = PLAN.with_changes(flight_id="", motor="AeroTech H128W-17A", dry_mass=0.6)
+    predict_plans(ledger, catalogue(), [plan])
+    ledger.add([FLOWN.with_changes(flight_id="8", motor="AeroTech H128W-8", dry_mass=0.6, apogee=900.0)])
+    one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "8"]
+    assert one.made.payload["motor"] == plan.motor
+    assert one.changes == ("ejection delay was 17 s, now 8 s",)
+
+
 def test_a_date_without_a_time_is_the_whole_day_and_two_weeks_are_the_limit(ledger: Ledger) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
     dates = {"6": datetime(2026, 6, 1), "7": datetime(2026, 6, 1) + timedelta(days=16)}
