@@ -16,7 +16,7 @@ from fieldkit.motors import catalogue
 from fieldkit.presentation.after_flight_text import outcome_lines, question
 from fieldkit.services.after_flight import expected_instead, outcome
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.manual_entry import enter, offer, planned_answers
+from fieldkit.services.manual_entry import enter, offer, planned_answers, setup_answers
 from fieldkit.services.saved_forecasts import of_flight
 
 pytestmark = pytest.mark.fast
@@ -168,3 +168,19 @@ def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Le
     assert found is not None
     assert found.forecast == pytest.approx(tuple(said.apogee_quantiles()), rel=0.01)
     assert found.cd[0] == pytest.approx(said.cd.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("motor", "text"),
+    [
+        ("AeroTech HP-I205W", "AeroTech HP-I205W-6"),
+        ("Q-Jet D16", "Q-Jet D16-6"),
+        ("3 x C6-5", "3 x C6-5"),
+        ("3 x C6", "3 x C6-6"),
+        ("F24-4W", "F24-4W"),
+        ("H128W-14A", "H128W-14A"),
+    ],
+)
+def test_the_delay_of_a_plan_is_offered_with_its_motor(motor: str, text: str) -> None:
+    assert setup_answers(PLAN.with_changes(motor=motor, delay=6.0))["motor"] == text
+    assert catalogue().resolve_several(text).delay is not None
