@@ -72,16 +72,23 @@ def recovery_header(name: str) -> str:
 def recovery_figure(flight: Flight, name: str) -> float | None:
     """An extra number of a flight in SI, None if it was not recorded. Raises BadValue that names the column."""
     quantity, unit, _ = RECOVERY_COLUMNS[name]
+    header = recovery_column(flight, name)
+    if header is None:
+        return None
+    try:
+        return units.parse(flight.extra[header], quantity, header[len(name) :].removeprefix("_") or unit)
+    except BadValue as error:
+        raise BadValue(f"{header}: {error}") from error
+
+
+def recovery_column(flight: Flight, name: str) -> str | None:
+    """The extra column of a flight, with or without a unit, that has a text for one of `RECOVERY_NAMES`; None if there
+    is none."""
+    known = units.UNITS[RECOVERY_COLUMNS[name][0]] if name in RECOVERY_COLUMNS else ()
     for header, text in flight.extra.items():
-        if header.startswith(name) and text.strip():
-            given = header[len(name) :].removeprefix("_")
-            if header != name and given not in units.UNITS[quantity]:
-                continue
-            try:
-                value = units.parse(text, quantity, given or unit)
-            except BadValue as error:
-                raise BadValue(f"{header}: {error}") from error
-            return value
+        ours = header == name or (header.startswith(name) and header[len(name) :].removeprefix("_") in known)
+        if ours and text.strip():
+            return header
     return None
 
 

@@ -23,8 +23,8 @@ class Prediction:
     `drift` and `across` are the positions of the apogee downwind and to the right of that, and `drift_speed` and
     `across_speed` the velocity there. `cd` and `alpha` are the drag coefficient and thrust factor, and `random_draws`
     the scatter of single flights by cause. `rests_on` counts the flights in the model's fit. `stretched_by` is the
-    factor on the width of `apogee` from the results of `earlier_forecasts`, 1 if there are too few of them. `left_out`
-    has a line for each flight that was not used, and for each outlier readout.
+    factor on the width of both apogees from the results of `earlier_forecasts`, 1 if there are too few of them.
+    `left_out` has a line for each flight that was not used, and for each outlier readout.
     """
 
     plan: Flight
@@ -57,10 +57,12 @@ class Prediction:
         return quantiles(self.apogee, LEVELS)
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
-        """A copy with the log apogee stretched around its median by a factor [1]; None changes nothing."""
+        """A copy with the log of the shown and of the true apogee stretched around their medians by a factor [1]; None
+        changes nothing."""
         if factor is None:
             return self
-        return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
+        shown, true = (spread_out(draws, factor) for draws in (self.apogee, self.true_apogee))
+        return replace(self, apogee=shown, true_apogee=true, stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
         """The expected ratio of the 90% interval's width after this number of further clean flights like the plan to

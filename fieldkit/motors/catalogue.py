@@ -17,7 +17,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
-from fieldkit.motors.names import tidy
+from fieldkit.motors.names import parse, tidy
 from fieldkit.motors.own_corrections import OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
 from fieldkit.motors.several import Booster, names_several, resolve_several
@@ -54,7 +54,7 @@ class Catalogue:
         """The motor that a text most probably means; see `fieldkit.motors.search.resolve`."""
         plain, lot = split_lot(text)
         found = search.resolve(self.listings, plain, maker)
-        return self._of_lot(found, lot) if lot else found
+        return self._of_lot(found, plain, lot) if lot else found
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
         """The motor named by a text, or the cluster or stages it names combined into one motor; see
@@ -66,13 +66,14 @@ class Catalogue:
             self._several[key] = resolve_several(text, self.resolve, boosters)
         return self._several[key]
 
-    def _of_lot(self, found: Found, lot: str) -> Found:
+    def _of_lot(self, found: Found, plain: str, lot: str) -> Found:
         """The motor of a lot if its data is known, else the motor type, with a note."""
         own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
         if own is None:
             note = f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
             return replace(found, notes=(*found.notes, note))
-        return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
+        motor = search.as_printed(own, parse(plain))
+        return replace(found, motor=motor, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
     def complaint(self, text: str) -> str | None:
         """What is wrong with a motor's name, in one line; None if one or more motors match."""

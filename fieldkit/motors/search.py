@@ -190,7 +190,7 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 
 
 def _found(name: Name, listing: Listing, note: str = "") -> Found:
-    motor = _as_printed(listing.motor(), name)
+    motor = as_printed(listing.motor(), name)
     notes = [note] if note else []
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
@@ -212,7 +212,7 @@ def _bag(motor: Motor, longest: float) -> Motor:
     return replace(motor, delays=(longest,))
 
 
-def _as_printed(motor: Motor, name: Name) -> Motor:
+def as_printed(motor: Motor, name: Name) -> Motor:
     """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that one, whatever the catalog has."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor

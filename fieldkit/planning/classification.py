@@ -7,6 +7,9 @@ from typing import Any
 from fieldkit.motors.motor import Motor
 from fieldkit.planning.rules import RuleSet
 
+ROUNDING = 1e-6
+"""Excess over a limit that is only the rounding of a sum of masses. [g]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Build:
@@ -52,9 +55,9 @@ def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
             return why
     if build.impulse > limit["impulse_of_several_ns"]:
         return f"more than {limit['impulse_of_several_ns']:g} N s in all its motors"
-    if build.propellant * 1e3 > limit["propellant_g"]:
+    if build.propellant * 1e3 > limit["propellant_g"] + ROUNDING:
         return f"more than {limit['propellant_g']:g} g of propellant"
-    if build.mass * 1e3 > limit["mass_g"]:
+    if build.mass * 1e3 > limit["mass_g"] + ROUNDING:
         return f"more than {limit['mass_g']:g} g at lift-off"
     return ""
 
@@ -82,5 +85,5 @@ def legal_class(build: Build, laws: Mapping[str, Any]) -> int:
     """Class 1, 2 or 3 of a rocket under the bounds of an air law."""
     if build.impulse > laws["class2_impulse_ns"]:
         return 3
-    light = not build.mass * 1e3 > laws["class1_mass_g"]
-    return 1 if light and build.propellant * 1e3 <= laws["class1_propellant_g"] else 2
+    light = not build.mass * 1e3 > laws["class1_mass_g"] + ROUNDING
+    return 1 if light and build.propellant * 1e3 <= laws["class1_propellant_g"] + ROUNDING else 2

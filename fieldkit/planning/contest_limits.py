@@ -10,6 +10,9 @@ from fieldkit.planning.check import SafetyCheck, Verdict
 from fieldkit.planning.contest import Season
 from fieldkit.planning.rules import MARKS
 
+ROUNDING = 1e-9
+"""Excess over a limit that is only the rounding of a sum, as a fraction of the limit. [1]"""
+
 
 def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
     """The motors on a season's approved list, in the user's file `2027_motors.txt`, one per line; None without it."""
@@ -56,7 +59,7 @@ def allowed(
         if value is None:
             lines.append(SafetyCheck(name, "unknown", f"not given; {wanted}", source))
             continue
-        well = value <= limit if how == "at most" else value >= limit
+        well = value <= limit * (1 + ROUNDING) if how == "at most" else value >= limit * (1 - ROUNDING)
         verdict: Verdict = "ok" if well else "unsafe"
         lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
     for name, text in rule.by_hand:

@@ -94,8 +94,9 @@ def _letter(motor: Motor) -> str:
 class MotorChoice:
     """A motor with its most suitable delay, the forecast flight and its safety lines.
 
-    `ejections` are its delays for sale, and the median time after apogee at which each would fire [s]; `flown` is
-    whether this rocket has flown it. Thrust to weight is for the first half second and for the average. [1]
+    `ejections` are its delays for sale, and the expected time after apogee at which each would fire [s], negative
+    before it; `flown` is whether this rocket has flown it. Thrust to weight is for the first half second and for the
+    average. [1]
     """
 
     motor: Motor
@@ -211,24 +212,25 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, falls = {id(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
+    known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     return [
         MotorChoice(
             motor,
             delay,
-            _ejections(motor, three(said.coast_time)[1] if (said.apogee > 0).mean() > 0.5 else math.nan),
+            _ejections(motor, coast if (said.apogee > 0).mean() > 0.5 else math.nan),
             said,
-            id(motor) in known,
+            label(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
             tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits)),
             fall,
         )
-        for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
+        for motor, (delay, coast, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]
 
 
-ForecastWithDelay = tuple[float | None, Prediction]
-"""The most suitable delay for sale, if any [s], and the flight with it."""
+ForecastWithDelay = tuple[float | None, float, Prediction]
+"""The most suitable delay for sale, if any [s], the coast from burnout to apogee without a charge [s], and the flight
+with that delay. A charge before apogee would end the coast."""
 
 
 def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
@@ -237,7 +239,7 @@ def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
     made = flown_ahead(rocket, _with_delays(fitted, delays), delay_sd=sd)
-    return list(zip(delays, made, strict=True))
+    return list(zip(delays, coasts.tolist(), made, strict=True))
 
 
 def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:

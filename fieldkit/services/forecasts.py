@@ -187,12 +187,19 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
-    """The forecast of a flight from the other flights of its rocket; nothing is saved.
+    """The forecast of a flight from the other flights of its rocket and its design, with the interval corrected by
+    earlier forecasts; nothing is saved.
 
     Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """
     history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-    averaged, shared = accepted_average(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
-    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], averaged=averaged, shared=shared)
-    return made
+    (made,) = predict(
+        history,
+        [(plan, motors.resolve(flight.motor))],
+        averaged=accepted_average(ledger, flight.rocket),
+        cds=design_cds(ledger.starts(flight.rocket), [*(one for one, _ in history), plan]),
+        shared=fleet_prior(ledger, motors, flight.rocket),
+    )
+    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    return made.corrected(stretch(surprises), len(surprises))

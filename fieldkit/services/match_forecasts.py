@@ -23,7 +23,7 @@ def made_for(
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
-    unnamed: dict[tuple[str, str, object], list[StoredPrediction]] = {}
+    unnamed: dict[tuple[str, str, str], list[StoredPrediction]] = {}
     for one in predictions:
         if "apogee_m" not in one.payload:
             continue  # a replayed forecast
@@ -74,15 +74,15 @@ def resolved(motors: Catalogue, flight: Flight) -> Found | None:
         return None
 
 
-def _motors(motors: Catalogue) -> Callable[[str], object]:
-    """The motor that a text names, without its delay; the name of a cluster; the text if there is none."""
+def _motors(motors: Catalogue) -> Callable[[str], str]:
+    """The motor or cluster that a text names, without its delay and its lot; the text if there is none."""
 
     @cache
-    def motor_of(text: str) -> object:
+    def motor_of(text: str) -> str:
         found = resolved(motors, Flight(motor=text))
         if found is None:
             return text
-        return f"{found.motor.maker} {found.motor.designation}" if found.motor.parts else found.motor
+        return f"{found.motor.maker} {found.motor.designation}"
 
     return motor_of
 

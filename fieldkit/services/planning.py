@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import STABILITY
+from fieldkit.flight.recovery import DEVICES, STABILITY, recovery_column
 from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
@@ -69,26 +69,35 @@ def _of_kit(plan: Flight) -> Flight:
 
 
 INHERITED_RECOVERY = (
-    "recovery",
-    "drogue_speed",
-    "main_altitude",
-    "main_speed",
-    "parachute_diameter",
-    "opening_time",
-    STABILITY,
+    ("recovery",),
+    ("drogue_speed",),
+    ("main_altitude",),
+    ("main_speed", "parachute_diameter"),
+    ("opening_time",),
+    (STABILITY,),
 )
-"""The recovery and stability of a plan, from the last flight of its configuration that has them."""
+"""The recovery and stability of a plan, from the last flight of its configuration that has them. Descent speed and
+diameter of a parachute describe the same one, so a plan with either takes neither."""
+OF_ANY_DEVICE = ("recovery", STABILITY)
+"""Columns that a plan takes from a flight on another device too."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
-    """A plan with the recovery of its configuration's last flight, unless it has its own."""
-    own = [flight for flight in flights if flight.config == plan.config]
-    extra = dict(plan.extra)
-    for name in INHERITED_RECOVERY:
-        keys = [(flight, key) for flight in reversed(own) for key in flight.extra if key.startswith(name)]
-        if not any(key.startswith(name) for key in extra) and keys:
-            extra[keys[0][1]] = keys[0][0].extra[keys[0][1]]
-    return plan.with_changes(extra=extra) if extra != plan.extra else plan
+    """A plan with the recovery of its configuration's last flight, unless it has its own; on another device it takes
+    nothing that describes the former one."""
+    own = [flight for flight in reversed(flights) if flight.config == plan.config]
+    for names in INHERITED_RECOVERY:
+        if any(recovery_column(plan, name) for name in names):
+            continue
+        like = own if names[0] in OF_ANY_DEVICE else [flight for flight in own if _device(flight) == _device(plan)]
+        last = next((flight for flight in like if any(recovery_column(flight, name) for name in names)), plan)
+        found = {key: last.extra[key] for name in names if (key := recovery_column(last, name))}
+        plan = plan.with_changes(extra={**plan.extra, **found}) if found else plan
+    return plan
+
+
+def _device(flight: Flight) -> str:
+    return flight.extra.get("recovery", "").strip().lower() or DEVICES[0]
 
 
 def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:

@@ -1,11 +1,13 @@
 """The flights that fits may use, each with its motor, and notes on the implausible ones."""
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import far_from_usual, implausible, middles
-from fieldkit.motors import Catalogue, Found
+from fieldkit.motors import Catalogue, Found, is_cluster
+from fieldkit.motors.names import tidy
 
 MIN_COMPARED = 3
 """Flights of which a median can say that one is far from the others. [1]"""
@@ -52,9 +54,16 @@ def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str,
     return found
 
 
+_TO_THE_LETTERS = re.compile(r"(?:.*?[\s-])??\d*(?:1/[248])?[A-O]-?\d[\d.]*[A-Z]*(?=[-\s]|$)")
+"""A motor's name up to its propellant letters. Hyphens occur before its class too: `Q-Jet C12-4`, `HP-I205W-6`."""
+
+
 def without_delay(motor: str) -> str:
-    """A motor's name without its delay, to compare by."""
-    return motor.partition("-")[0].strip().casefold()
+    """A motor's name without its delay, to compare by; a cluster's whole name."""
+    if is_cluster(motor):
+        return tidy(motor)
+    found = _TO_THE_LETTERS.match(tidy(motor))
+    return found[0] if found else motor.partition("-")[0].strip().upper()
 
 
 def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found]]:

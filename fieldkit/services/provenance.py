@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fieldkit import __version__
 from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
+from fieldkit.flight.recovery import STABILITY, recovery_column
 from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
 from fieldkit.quantities import spelled
@@ -24,13 +25,16 @@ OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
 """Parts set by the user, in which a flight can differ from its prediction."""
 FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
 """What a plan may take from its rocket's design: columns, and the name of the coefficient."""
+OF_THE_CLIMB = ("rail_direction", "wind_aloft", "wind_aloft_height", STABILITY)
+"""Extra columns that change the simulated climb."""
 USED_IN_FIT, FLOWN_ONLY = "+", "-"
 """Prefixes of a flight's digest: used in the fit, or only counted as flown."""
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
     """The parts that the user sets, for a plan completed from earlier flights."""
-    delay = found.delay if found.delay is not None else plan.delay
+    delay = plan.delay if plan.delay is not None else found.delay  # as simulated
+    climb = _of_the_climb(plan)
     return {
         "mass": _columns(plan, ["dry_mass"]),
         "configuration": {"config": plan.config, **_columns(plan, ["diameter"])},
@@ -40,7 +44,14 @@ def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
             "thrust": motor_digest(found.motor),
         },
         "conditions": _columns(plan, [column.name for column in CONDITIONS]),
+        **({"climb": climb} if climb else {}),
     }
+
+
+def _of_the_climb(flight: Flight) -> dict[str, str]:
+    """The extra columns that the simulation of a flight reads, as recorded; most flights have none."""
+    headers = (recovery_column(flight, name) for name in OF_THE_CLIMB)
+    return {header: flight.extra[header].strip() for header in headers if header}
 
 
 def model_parts(history: Sequence[Flight], name: str, version: int | None) -> dict[str, dict[str, str]]:
@@ -85,6 +96,7 @@ def flight_digest(flight: Flight) -> str:
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
     read += [f"{BY_NAME[name].sd_header} {render_sd(name, sd)}" for name, sd in sorted(flight.sd.items())]
+    read += [f"{header} {text}" for header, text in _of_the_climb(flight).items()]
     return (USED_IN_FIT if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
 
 

@@ -51,6 +51,15 @@ def test_a_lot_has_its_own_figures_and_an_unknown_one_reports_it(tmp_path: Path)
     assert split_lot("Lots of F24") == ("Lots of F24", "")
 
 
+def test_a_lot_is_drilled_from_the_delay_on_its_bag(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_text(HEADER + "AeroTech,H128W,total_impulse_ns,,200,sure,own test,7,\n")
+    motors, _ = known_motors(tmp_path)
+    found = motors.resolve("AeroTech H128W-17A lot 7")
+    assert found.motor.total_impulse == 200
+    assert found.motor.delays == motors.resolve("AeroTech H128W-17A").motor.delays == (17.0,)
+    assert motors.resolve("AeroTech H128W-17A lot 7").motor is found.motor
+
+
 def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_path: Path) -> None:
     fields = {"total_impulse_ns": "44", "loaded_g": "62", "burn_s": "1.9", "delays": '"4,7,9"', "length_mm": "71"}
     (tmp_path / FILE_NAME).write_text(

@@ -236,6 +236,25 @@ def test_a_plan_comes_down_as_its_configuration_last_did(tmp_path: Path) -> None
         assert plan.extra == {"main_altitude_m": "80"}
 
 
+@pytest.mark.parametrize(
+    ("flown", "planned", "completed"),
+    [
+        ({"main_speed_mps": "5"}, {"parachute_diameter_mm": "900"}, {"parachute_diameter_mm": "900"}),
+        ({"parachute_diameter_in": "18"}, {"main_speed_mps": "4"}, {"main_speed_mps": "4"}),
+        ({"main_speed_mps": "5", "opening_time_s": "1"}, {"recovery": "streamer"}, {"recovery": "streamer"}),
+        ({"recovery_notes": "in a tree", "recovery": "streamer"}, {}, {"recovery": "streamer"}),
+        ({"main_speed_mps": "5", "stability_cal": "2"}, {}, {"main_speed_mps": "5", "stability_cal": "2"}),
+    ],
+)
+def test_a_plan_on_another_parachute_does_not_take_the_speed_of_the_former_one(
+    tmp_path: Path, flown: dict[str, str], planned: dict[str, str], completed: dict[str, str]
+) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        ledger.add([PLAN.with_changes(flight_id="1", apogee=200.0, extra=flown)])
+        plan = Flight(rocket="Comet", motor="F39T-6", extra=planned)
+        assert completed_plan(ledger, catalogue(), plan, Settings()).extra == completed
+
+
 def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     tmp_path: object, capsys: pytest.CaptureFixture[str]
 ) -> None:

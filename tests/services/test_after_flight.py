@@ -9,13 +9,14 @@ import pytest
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
+from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
 from fieldkit.presentation.after_flight_text import outcome_lines, question
 from fieldkit.services.after_flight import expected_instead, outcome
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.manual_entry import enter, offer, planned_answers
+from fieldkit.services.manual_entry import enter, offer, planned_answers, setup_answers
 from fieldkit.services.saved_forecasts import of_flight
 
 pytestmark = pytest.mark.fast
@@ -155,3 +156,31 @@ def test_a_flight_that_nobody_forecast_is_compared_with_earlier_flights(ledger: 
     assert found is not None
     assert not found.kept
     assert next(iter(outcome_lines(found, "SI"))).startswith("From earlier flights ")
+
+
+def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Ledger) -> None:
+    ledger.keep_start(Start("Comet", "A", 0.32, 0.066, None, 1.4, "comet.ork"))
+    plan = Flight(rocket="Comet", config="A", motor="F24W-4", dry_mass=0.32, diameter=0.066)
+    (said,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    flight = plan.with_changes(flight_id="1", apogee=float(np.median(said.apogee)))
+    ledger.add([flight])
+    found = outcome(ledger, catalogue(), flight)
+    assert found is not None
+    assert found.forecast == pytest.approx(tuple(said.apogee_quantiles()), rel=0.01)
+    assert found.cd[0] == pytest.approx(said.cd.mean(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("motor", "text"),
+    [
+        ("AeroTech HP-I205W", "AeroTech HP-I205W-6"),
+        ("Q-Jet D16", "Q-Jet D16-6"),
+        ("3 x C6-5", "3 x C6-5"),
+        ("3 x C6", "3 x C6-6"),
+        ("F24-4W", "F24-4W"),
+        ("H128W-14A", "H128W-14A"),
+    ],
+)
+def test_the_delay_of_a_plan_is_offered_with_its_motor(motor: str, text: str) -> None:
+    assert setup_answers(PLAN.with_changes(motor=motor, delay=6.0))["motor"] == text
+    assert catalogue().resolve_several(text).delay is not None

@@ -19,7 +19,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import Motor
-from fieldkit.services.plausible_flights import followed
+from fieldkit.services.plausible_flights import followed, outlying, without_delay
 from fieldkit.units import STANDARD_GRAVITY
 
 CHECK_SHAPES = False
@@ -296,3 +296,26 @@ def test_what_passes_is_within_the_bound_whatever_was_typed(
     assert bool(followed([flight], catalogue())) == (implausible(flight, F24) is None)
     if implausible(flight, F24) is None:
         assert apogee <= READ_TOO_HIGH * best_apogee(dry_mass, F24)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("F24-4W", "f24-7W", True),
+        ("F24-4W lot 0412", "F24-4W", True),
+        ("Q-Jet C12-4", "Q-Jet C12-6", True),
+        ("Q-Jet A3-4", "Q-Jet D16-6", False),
+        ("HP-I205W-6", "HP-H550ST-14A", False),
+        ("C6-5", "C6-5 + 2 x B6-4", False),
+        ("1/2A3-2T", "A3-4T", False),
+    ],
+)
+def test_flights_are_compared_on_the_same_motor_with_any_delay(one: str, other: str, same: bool) -> None:
+    assert (without_delay(one) == without_delay(other)) == same
+
+
+def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_one() -> None:
+    small = [Flight(str(number), "Comet", motor="Q-Jet A3-4", apogee=60.0 + number) for number in range(4)]
+    large = Flight("9", "Comet", motor="Q-Jet D16-6", apogee=400.0)
+    assert outlying([*small, large], {"9"}) == []
+    assert outlying([*small, large.with_changes(motor="Q-Jet A3-6")], {"9"}) != []

@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
+from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, list_forecasts
@@ -112,6 +114,26 @@ def test_each_thing_that_a_prediction_is_made_from_gives_it_another_digest() -> 
     assert made(whole.with_changes(notes="a new shock cord", flight_id="9")) == digests[0]
 
 
+@pytest.mark.parametrize(
+    ("column", "text"),
+    [("rail_direction", "away"), ("stability_cal", "4"), ("wind_aloft_mps", "9"), ("wind_aloft_height_m", "100")],
+)
+def test_extra_columns_that_change_the_climb_are_inputs_of_a_prediction(column: str, text: str) -> None:
+    found, extra = catalogue().resolve(PLAN.motor), {column: text}
+    changed = [PAST[0].with_changes(extra=extra), *PAST[1:]]
+    assert plan_parts(PLAN.with_changes(extra=extra), found) != plan_parts(PLAN, found)
+    assert model_parts(changed, "field", 0) != model_parts(PAST, "field", 0)
+    unrelated = [PAST[0].with_changes(extra={"color": "red", column: ""}), *PAST[1:]]
+    assert model_parts(unrelated, "field", 0) == model_parts(PAST, "field", 0)
+
+
+def test_the_delay_of_a_plan_goes_before_that_in_the_name_of_its_motor() -> None:
+    found = catalogue().resolve("F24-4W")
+    (said,) = forecasts(Rocket((), (), None, 0), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
+    assert np.median(said.eject + said.coast_time) == pytest.approx(7.0, abs=0.6)
+    assert plan_parts(PLAN.with_changes(delay=7.0), found)["motor"]["delay_s"] == "7"
+
+
 def test_the_flight_is_paired_and_what_comes_later_is_no_fault_of_the_prediction(ledger: Ledger) -> None:
     ledger.add([FLOWN])
     ledger.tag("1", "weak_launch")
@@ -158,6 +180,15 @@ def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledge
     one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "7"]
     assert one.made.payload["made_from"]["mass"] == {"dry_mass_g": "340"}
     assert one.changes == ()
+
+
+def test_a_flight_on_a_drilled_delay_is_compared_with_the_forecast_for_the_delay_on_the_bag(ledger: Ledger) -> None:
+    plan = PLAN.with_changes(flight_id="", motor="AeroTech H128W-17A", dry_mass=0.6)
+    predict_plans(ledger, catalogue(), [plan])
+    ledger.add([FLOWN.with_changes(flight_id="8", motor="AeroTech H128W-8", dry_mass=0.6, apogee=900.0)])
+    one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "8"]
+    assert one.made.payload["motor"] == plan.motor
+    assert one.changes == ("ejection delay was 17 s, now 8 s",)
 
 
 def test_a_date_without_a_time_is_the_whole_day_and_two_weeks_are_the_limit(ledger: Ledger) -> None:
