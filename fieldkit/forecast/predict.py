@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, apogee_scatter, fleet_term
+from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, fleet_term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
@@ -217,7 +217,7 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     )
     model = replace(model, terms=terms).with_prior("drag", middle, DESIGN_CD_SD)
     for config, log in logs.items():
-        model = model.with_prior(f"drag of {config}", log - middle)
+        model = model.with_prior(config_term("drag", config), log - middle)
     return model
 
 

@@ -219,7 +219,8 @@ def _quantity_terms(
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
         for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
             weight = np.array([own == kind for own in group], float)
-            name = f"{quantity} on {kind}" if level in ("rocket_motor", "day") else f"{quantity} of {kind}"
+            joint = "on" if level in ("rocket_motor", "day") else "of"
+            name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
 
 
@@ -246,6 +247,11 @@ def _shared_days(days: Sequence[str], flown: int) -> list[str]:
 def fleet_term(quantity: str) -> str:
     """The name of the term for one quantity of a flyer's whole fleet."""
     return f"{quantity} of the fleet"
+
+
+def config_term(quantity: str, config: str) -> str:
+    """The name of the term for one quantity of one configuration, unlike that of a motor type of the same name."""
+    return f"{quantity} of configuration {config}"
 
 
 def shared_names(model: Model) -> list[str]:
