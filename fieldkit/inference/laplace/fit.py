@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.inference.laplace.damped_steps import DampedSteps
-from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
+from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope, launch_angle_slope, tangents
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
@@ -201,7 +201,7 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
 def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
     """Fits without each of some flights, in parallel, starting from the fit to all of them."""
     every = tuple(range(len(whole.model.terms)))
-    angle_slope = whole.tangent.scatter_slope[..., -1]
+    angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
     found = [solve(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, likely) for row in rows]
     walks = [DampedSteps(whole.tangent.at) for _ in rows]
@@ -252,7 +252,7 @@ def _bounded(result: Fit) -> Fit:
 
 def _followed(result: Fit) -> Fit:
     """The fit relinearized at its posterior mean, or the fit itself if it is linearized there."""
-    walk, angle_slope = DampedSteps(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    walk, angle_slope = DampedSteps(result.tangent.at), known_angle_slope(result.model, result.tangent)
     if not walk.advance(result, near=True):
         return result
     (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], angle_slope)

@@ -14,7 +14,7 @@ from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.damped_steps import DampedSteps
-from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
@@ -366,3 +366,13 @@ def test_a_term_that_says_nothing_costs_no_evidence_and_keeps_its_prior() -> Non
     mean, sd = more.moments()
     assert mean[-1] == pytest.approx(0.5)
     assert sd[-1] == pytest.approx(0.2)
+
+
+def test_refits_keep_the_scatter_of_the_launch_angle() -> None:
+    halved = replace(model(), hyperprior=CERTIFIED_PRIOR.with_sds(tilt__flight=0.5))
+    whole = fit(halved, fits()[0].data)
+    (rest,) = refits_without(whole, [0])
+    kinds = [kind.bends for kind in halved.scatter]
+    slopes = [one.tangent.scatter_slope[:, 0, kinds.index("tilt")] for one in (rest, whole)]
+    assert np.abs(slopes[1]).min() > 1e-4
+    np.testing.assert_allclose(*slopes)
