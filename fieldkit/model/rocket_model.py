@@ -119,7 +119,7 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
     A flight without a diameter has the mean diameter of its configuration over the first `flown` flights, by default
     over all, or else that of the rocket. If none of them has one, every flight, planned ones too, has the mean of the
     typical diameters for their dry masses: another area for a plan would change its drag, which the flights determine.
-    For a rocket never flown, each plan has its own diameter, or else its typical one.
+    For a rocket never flown, each plan has its own diameter, or else its typical one. Derivation: the area of a circle.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -250,7 +250,7 @@ def fleet_term(quantity: str) -> str:
 
 
 def config_term(quantity: str, config: str) -> str:
-    """The name of the term for one quantity of one configuration, unlike that of a motor type of the same name."""
+    """The name of the term for one quantity of one configuration, also if it is called like a motor type."""
     return f"{quantity} of configuration {config}"
 
 

@@ -45,7 +45,7 @@ def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "
 
 
 def known_angle_slope(model: Model, near: Tangent) -> Float[Array, "flight readout"]:
-    """As `launch_angle_slope`, from a known linearization."""
+    """As `launch_angle_slope`, from a known linearization. [1] or [s]"""
     kinds = [kind.bends for kind in model.scatter]
     if "tilt" not in kinds:
         return np.zeros(near.values.shape)
