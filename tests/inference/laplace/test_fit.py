@@ -386,4 +386,4 @@ def test_refits_keep_the_scatter_of_the_launch_angle() -> None:
     kinds = [kind.bends for kind in halved.scatter]
     slopes = [one.tangent.scatter_slope[:, 0, kinds.index("tilt")] for one in (rest, whole)]
     assert np.abs(slopes[1]).min() > 1e-4
-    np.testing.assert_allclose(*slopes)
+    np.testing.assert_allclose(slopes[0], slopes[1])
