@@ -58,3 +58,11 @@ def test_each_plan_of_a_rocket_never_flown_has_its_own_diameter() -> None:
     area = reference_area(plans, 0)
     assert area[1] / area[0] == pytest.approx((0.066 / 0.034) ** 2)
     assert area[2] == pytest.approx(np.pi / 4 * (0.060 * 0.2**0.2) ** 2)
+
+
+def test_the_drag_coefficient_of_a_design_does_not_measure_the_body() -> None:
+    def width(plan: Flight) -> float:
+        (said,) = predict([], [(plan, MOTOR)], cds={"A": 0.6}, draws=1000)
+        return float(np.std(np.log(said.cd)))
+
+    assert width(PLAN.with_changes(diameter=None)) > 1.2 * width(PLAN)
