@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, diameter_known, fleet_term
+from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, fleet_term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
@@ -147,7 +147,7 @@ def learn(
     if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
-    model = _designed(model, designs, diameter_known(flights, len(flown))) if designs else model
+    model = _designed(model, designs) if designs else model
     past = slice(
         0, max(len(flown), 1)
     )  # without flown flights, the first plan is a placeholder that is not used in the fit
@@ -205,10 +205,12 @@ def _drawn_with(
     return at, values, scales, outlier_lines(result) if flown else ()
 
 
-def _designed(model: Model, cds: Mapping[str, float], area_known: bool) -> Model:
+def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
-    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect."""
-    sd = DESIGN_CD_SD if area_known else float(np.hypot(DESIGN_CD_SD, model.hyperprior.unknown_area))
+    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
+    design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains."""
+    usual = model.hyperprior.sd("drag", "rocket")
+    sd = float(np.sqrt(DESIGN_CD_SD**2 + sum(term.sd**2 - usual**2 for term in model.terms if term.name == "drag")))
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
     fleet = fleet_term("drag")

@@ -126,7 +126,7 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
     typical, diameter = typical_diameters(flights), recorded(flights, "diameter")
     if flown == 0:
         return np.asarray(np.pi / 4 * np.where(np.isnan(diameter), typical, diameter) ** 2)
-    if not diameter_known(flights, flown):
+    if not diameter_known(diameter, flown):
         return np.full(len(flights), np.pi / 4 * typical[:flown].mean() ** 2)
     config, known = np.array([flight.config for flight in flights]), np.isfinite(diameter)[:flown]
     for row in np.flatnonzero(np.isnan(diameter)):
@@ -135,10 +135,10 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
     return np.asarray(np.pi / 4 * diameter**2)
 
 
-def diameter_known(flights: Sequence[Flight], flown: int | None = None) -> bool:
-    """Whether any of the first `flown` flights, by default of all, has a diameter; for a rocket never flown, whether
-    every plan has one."""
-    known = np.isfinite(recorded(flights, "diameter"))
+def diameter_known(diameter: Float[Array, "flight"], flown: int | None = None) -> bool:
+    """Whether any of the first `flown` flights, by default of all, has a diameter [m], nan for none; for a rocket never
+    flown, whether every plan has one."""
+    known = np.isfinite(diameter)
     return bool(known.all() if flown == 0 else known[:flown].any())
 
 
@@ -173,7 +173,7 @@ def base_model(
     past = len(flights) if flown is None else flown
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
     terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
-    if not diameter_known(flights, flown):
+    if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))
