@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, apogee_scatter, fleet_term
+from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, fleet_term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
@@ -207,7 +207,10 @@ def _drawn_with(
 
 def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
-    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect."""
+    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
+    design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains."""
+    usual = model.hyperprior.sd("drag", "rocket")
+    sd = float(np.sqrt(DESIGN_CD_SD**2 + sum(term.sd**2 - usual**2 for term in model.terms if term.name == "drag")))
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
     fleet = fleet_term("drag")
@@ -215,9 +218,9 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
         replace(term, mean=0.0, weight=np.zeros_like(term.weight)) if term.name == fleet else term
         for term in model.terms
     )
-    model = replace(model, terms=terms).with_prior("drag", middle, DESIGN_CD_SD)
+    model = replace(model, terms=terms).with_prior("drag", middle, sd)
     for config, log in logs.items():
-        model = model.with_prior(f"drag of {config}", log - middle)
+        model = model.with_prior(config_term("drag", config), log - middle)
     return model
 
 

@@ -3,6 +3,7 @@
 Derivation: draws of a normal posterior, and of the independent normal prior of terms that no flight constrains.
 """
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +11,9 @@ import numpy as np
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.rocket_model import Model, fleet_term
 from fieldkit.shapes import Array, Float, Int, Integers
+
+_GROUPED = re.compile("( of | on )")
+"""What separates a quantity from the group of flights, whose name may contain either."""
 
 
 def term_draws(
@@ -38,8 +42,8 @@ def _level(name: str) -> str:
     """The common name of the terms of one random effect, such as `thrust of` for every motor."""
     if name == fleet_term(name.partition(" of ")[0]):
         return name
-    first, between, _ = name.partition(" on " if " on " in name else " of ")
-    return first + between
+    quantity, between, _ = _GROUPED.split(name, 1) if _GROUPED.search(name) else (name, "", "")
+    return quantity + between
 
 
 def _sampled(

@@ -280,12 +280,13 @@ def read_card(text: str, name: str) -> Hyperprior:
         *found.fixed,
         *found.ratio,
         found.unknown_area,
-        found.tail,
     ]
-    values = [*found.means.values(), *positive]
+    never_zero = [found.tail, found.opening[1]]
+    never_zero += [end for scale in (found.scatter, found.reading) for end in (scale.median, scale.log_sd)]
+    values = [*found.means.values(), found.opening[0], *positive, *never_zero]
     unknown = [key for key in found.sds if not _known(key)]
-    if unknown or not np.isfinite(values).all() or min(positive) < 0:
-        wrong = f"the unknown effect {unknown[0]!r}" if unknown else "a figure that is negative or not finite"
+    if unknown or not np.isfinite(values).all() or min(positive) < 0 or min(never_zero) <= 0:
+        wrong = f"the unknown effect {unknown[0]!r}" if unknown else "a figure that is zero, negative or not finite"
         raise DamagedModel(f"{name}: found {wrong}, expected standard deviations of {', '.join(QUANTITIES)}")
     about = {key: value for key, value in card.items() if key not in found.json()}
     return replace(found, about=MappingProxyType(about))

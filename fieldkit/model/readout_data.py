@@ -62,7 +62,7 @@ def reading_sd(
 
 
 def own_sd(flights: Sequence[Flight], raw: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
-    """The recorded standard deviation of each readout, as compared; nan if there is none. [1] or [s]
+    """The recorded standard deviation of each readout, as compared; nan if none above zero is recorded. [1] or [s]
 
     `raw` are the readouts in SI. For a readout compared by its logarithm it is the relative standard deviation.
     """
@@ -70,6 +70,7 @@ def own_sd(flights: Sequence[Flight], raw: Float[Array, "flight readout"]) -> Fl
         [np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED_READOUTS], axis=-1
     )
     with np.errstate(invalid="ignore", divide="ignore"):
+        found = np.where(found > 0, found, np.nan)  # no readout is exact
         relative = found / np.where(raw > 0, raw, np.nan)
     return np.where(IS_LOGARITHMIC, relative, found)
 

@@ -114,18 +114,32 @@ class Model:
 
 
 def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
-    """Frontal area of the body; without a diameter, the typical area of a rocket of this dry mass. [m^2]
+    """Frontal area of the body, to which drag is relative. [m^2]
 
-    The typical diameter is the mean over the first `flown` flights, by default over all; for a rocket never flown, each
-    plan has its own. Derivation: the area of a circle.
+    A flight without a diameter has the mean diameter of its configuration over the first `flown` flights, by default
+    over all, or else that of the rocket. If none of them has one, every flight, planned ones too, has the mean of the
+    typical diameters for their dry masses: another area for a plan would change its drag, which the flights determine.
+    For a rocket never flown, each plan has its own diameter, or else its typical one. Derivation: the area of a circle.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
-    guess = typical_diameters(flights)
-    guess = guess if flown == 0 else guess[:flown].mean()
-    diameter = recorded(flights, "diameter")
-    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), guess, diameter) ** 2
-    return result
+    typical, diameter = typical_diameters(flights), recorded(flights, "diameter")
+    if flown == 0:
+        return np.asarray(np.pi / 4 * np.where(np.isnan(diameter), typical, diameter) ** 2)
+    if not diameter_known(diameter, flown):
+        return np.full(len(flights), np.pi / 4 * typical[:flown].mean() ** 2)
+    config, known = np.array([flight.config for flight in flights]), np.isfinite(diameter)[:flown]
+    for row in np.flatnonzero(np.isnan(diameter)):
+        alike = known & (config[:flown] == config[row])
+        diameter[row] = diameter[:flown][alike if alike.any() else known].mean()
+    return np.asarray(np.pi / 4 * diameter**2)
+
+
+def diameter_known(diameter: Float[Array, "flight"], flown: int | None = None) -> bool:
+    """Whether any of the first `flown` flights, by default of all, has a diameter [m], nan for none; for a rocket never
+    flown, whether every plan has one."""
+    known = np.isfinite(diameter)
+    return bool(known.all() if flown == 0 else known[:flown].any())
 
 
 def has_logs(flights: Sequence[Flight]) -> bool:
@@ -156,11 +170,10 @@ def base_model(
     from 0.
     """
     area = reference_area(flights, flown)
-    unknown = bool(np.isnan(recorded(flights, "diameter")).any())
     past = len(flights) if flown is None else flown
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
     terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
-    if unknown:
+    if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))
@@ -206,7 +219,8 @@ def _quantity_terms(
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
         for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
             weight = np.array([own == kind for own in group], float)
-            name = f"{quantity} on {kind}" if level in ("rocket_motor", "day") else f"{quantity} of {kind}"
+            joint = "on" if level in ("rocket_motor", "day") else "of"
+            name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
 
 
@@ -233,6 +247,11 @@ def _shared_days(days: Sequence[str], flown: int) -> list[str]:
 def fleet_term(quantity: str) -> str:
     """The name of the term for one quantity of a flyer's whole fleet."""
     return f"{quantity} of the fleet"
+
+
+def config_term(quantity: str, config: str) -> str:
+    """The name of the term for one quantity of one configuration, also if it is called like a motor type."""
+    return f"{quantity} of configuration {config}"
 
 
 def shared_names(model: Model) -> list[str]:

@@ -18,7 +18,7 @@ from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
 LAYER = 50.0
-"""Thickest layer of constant density in the closed form. [m]"""
+"""Mean thickness of the layers of constant density in the closed form; those passed at high speed are thicker. [m]"""
 LEAST_DRAG = 1e-12
 """Drag per mass and speed squared below which drag counts as zero, so that one formula covers all cases. [1/m]"""
 SPEED_STEP = 12.0

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.linearization import Tangent, tangents
+from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Term
@@ -94,7 +94,7 @@ def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
         for start in starts:
             lanes.append(((*base, len(wide.terms) - 1), np.array([*near.tangent.at, start])))
             keys.append((key, start))
-    found = tangents(wide, lanes, near.tangent.scatter_slope[..., -1]) if lanes else []
+    found = tangents(wide, lanes, known_angle_slope(near.model, near.tangent)) if lanes else []
     return {key: _moved(tangent, near) for key, tangent in zip(keys, found, strict=True)}
 
 

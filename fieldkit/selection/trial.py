@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
+from fieldkit.inference.laplace.linearization import known_angle_slope
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
@@ -77,7 +78,7 @@ def try_all(
         wide,
         data,
         lanes,
-        near.tangent.scatter_slope[..., -1],
+        known_angle_slope(near.model, near.tangent),
         on_progress=on_progress,
         flight_weight=near.flight_weight,
     )
@@ -102,7 +103,8 @@ def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) 
     best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
     likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]
     lanes = [Lane(tuple(range(count)), trial.fit.tangent.at[:count]) for trial in likely]
-    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1], flight_weight=known.flight_weight)
+    angle_slope = known_angle_slope(known.model, known.tangent)
+    fits = fit_lanes(model, data, lanes, angle_slope, flight_weight=known.flight_weight)
     return max([known, *fits], key=lambda result: result.log_evidence)
 
 

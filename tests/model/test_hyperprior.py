@@ -43,6 +43,11 @@ def test_a_card_of_before_has_no_word_on_means_and_readouts_from_samples() -> No
         ({"mean_sds": {"drag": -0.1}}, "negative"),
         ({"noise": {}}, "expected a hyperprior"),
         ({"tail": "many"}, "expected a hyperprior"),
+        ({"tail": 0.0}, "zero"),
+        ({"scatter": {"median": 1.0, "log_sd": 0.0}}, "zero"),
+        ({"reading": {"median": -1.0, "log_sd": 0.5}}, "negative"),
+        ({"opening_s": [float("nan"), 0.4]}, "not finite"),
+        ({"opening_s": [0.6, 0.0]}, "zero"),
     ],
 )
 def test_a_card_that_cannot_be_is_refused_by_name(change: dict[str, object], wanted: str) -> None:

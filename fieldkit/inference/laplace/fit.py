@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.inference.laplace.damped_steps import DampedSteps
-from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
+from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope, launch_angle_slope, tangents
+from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.readout_data import Data
@@ -200,7 +201,7 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
 def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
     """Fits without each of some flights, in parallel, starting from the fit to all of them."""
     every = tuple(range(len(whole.model.terms)))
-    angle_slope = whole.tangent.scatter_slope[..., -1]
+    angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
     found = [solve(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, likely) for row in rows]
     walks = [DampedSteps(whole.tangent.at) for _ in rows]
@@ -229,20 +230,29 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
     each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
     variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is the part of a readout that
-    terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The result has the
-    finer grids of scales of `Hyperprior.refined`.
+    terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The log evidence
+    is a lower bound. The result has the finer grids of scales of `Hyperprior.refined`.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
         for _ in range(TRUST_ROUNDS):
             result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
-    return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
+    return _bounded(solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent))
+
+
+def _bounded(result: Fit) -> Fit:
+    """The fit with the lower bound of the log evidence of Student t residuals, in place of that of normal residuals
+    with the outliers' variances."""
+    data = result.data
+    compared = np.isfinite(result.tangent.values) & data.seen
+    tail = log_tail(data.trust.ravel(), compared.ravel().astype(int), result.model.hyperprior.tail)
+    return replace(result, log_weight=result.log_weight + tail.sum())
 
 
 def _followed(result: Fit) -> Fit:
     """The fit relinearized at its posterior mean, or the fit itself if it is linearized there."""
-    walk, angle_slope = DampedSteps(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    walk, angle_slope = DampedSteps(result.tangent.at), known_angle_slope(result.model, result.tangent)
     if not walk.advance(result, near=True):
         return result
     (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], angle_slope)

@@ -162,7 +162,8 @@ def log_likelihood(
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
     likelihood = constant - 0.5 * told.log_det - (nu + count) / 2 * np.log1p(square / nu)
-    return np.where(count > 0, likelihood, 0.0)
+    # a flight that cannot be compared has the density of readouts without any information, as in a fit
+    return np.where(fit.data.seen.any(axis=1), likelihood, 0.0)
 
 
 def _squares(

@@ -9,7 +9,8 @@ import numpy as np
 
 from fieldkit.inference.laplace.apogee_scatter import ScatterWeights, apogee_spread
 from fieldkit.inference.laplace.batched_inverse import inverses
-from fieldkit.inference.laplace.posterior import Fit, residual_variance
+from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
+from fieldkit.inference.laplace.posterior import Fit, density_constant, residual_variance
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS, reading_sd
 from fieldkit.shapes import Array, Float
@@ -50,7 +51,10 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     missed = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
     weighed = _applied(sharper, missed)
     distance = (missed * weighed).sum(axis=-1)
-    own = -0.5 * (distance + 2 * told.log_det - log_det)
+    constant = density_constant(result.data.seen[:, told.readouts])
+    own = -0.5 * (distance + 2 * told.log_det - log_det - constant)
+    if result.flight_weight is not None:
+        own += log_tail(result.flight_weight, readouts_used(result.data, near), result.model.hyperprior.tail)
     residual = np.zeros((len(told.noise), *result.data.seen.shape))
     residual[..., told.readouts] = _applied(told.noise, weighed) / np.sqrt(
         ((told.noise @ sharper) * told.noise).sum(axis=-1)

@@ -44,6 +44,15 @@ def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "
     return np.asarray(leaning - upright)
 
 
+def known_angle_slope(model: Model, near: Tangent) -> Float[Array, "flight readout"]:
+    """As `launch_angle_slope`, from a known linearization. [1] or [s]"""
+    kinds = [kind.bends for kind in model.scatter]
+    if "tilt" not in kinds:
+        return np.zeros(near.values.shape)
+    place = kinds.index("tilt")
+    return np.asarray(near.scatter_slope[..., place] / model.scatter[place].sd)
+
+
 def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
     """The time from burnout to apogee of flights at a point. [s]"""
     return np.asarray(shown(model, at[None], {})["coast_time"][0])

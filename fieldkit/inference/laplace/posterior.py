@@ -187,10 +187,14 @@ def flight_evidence(
         wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
         noise *= wider[:, :, None] * wider[:, None, :]
     sharpness, log_det = inverses(noise)
+    return FlightEvidence(readouts, slope, miss, noise, sharpness, log_det + density_constant(seen))
+
+
+def density_constant(seen: Flags) -> Float[Array, "flight"]:
+    """What the logarithm of the determinant of a flight's noise lacks: the 2 pi of a normal density, and the removal of
+    the unobserved readouts among those used. [1]"""
     known = seen.sum(axis=-1)
-    unknown = len(readouts) - known
-    constant = log(2 * pi) * known - 2 * log(UNOBSERVED_SD) * unknown
-    return FlightEvidence(readouts, slope, miss, noise, sharpness, log_det + constant)
+    return np.asarray(log(2 * pi) * known - 2 * log(UNOBSERVED_SD) * (seen.shape[-1] - known))
 
 
 def used_readouts(seen: Flags) -> Int[Integers, "used"]:

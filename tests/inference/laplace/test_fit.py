@@ -14,7 +14,7 @@ from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.damped_steps import DampedSteps
-from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
@@ -223,7 +223,18 @@ def test_leaving_a_flight_out_is_solving_without_it(flight: int) -> None:
     assert np.all(np.diff(own.reshape(6, 3), axis=0) > 0), "more scatter, more spread"
     evidence = rest.log_weight - _log_inside(rest.model, rest.mean, rest.covariance)
     other = left.log_weight[:, flight] - _log_inside(result.model, result.mean, result.covariance)
-    np.testing.assert_allclose(evidence - evidence[0], other - other[0], atol=1e-7)
+    np.testing.assert_allclose(evidence, other, atol=1e-6)
+
+
+def test_leaving_an_outlier_out_leaves_the_evidence_of_the_others() -> None:
+    plain = fits()[0]
+    weight = np.linspace(0.2, 1.3, len(plain.data.seen))
+    data = replace(plain.data, seen=plain.data.seen & (np.arange(plain.data.seen.shape[1]) != 1))
+    result = solve(plain.model, data, plain.tangent, weight)
+    rest = solve(plain.model, without(data, 2), plain.tangent, weight)
+    inside = [_log_inside(one.model, one.mean, one.covariance) for one in (rest, result)]
+    left = leave_one_out(result).log_weight[:, 2]
+    np.testing.assert_allclose(rest.log_weight - inside[0], left - inside[1], atol=1e-6)
 
 
 def test_leaving_a_flight_out_is_close_to_refitting_without_it() -> None:
@@ -366,3 +377,13 @@ def test_a_term_that_says_nothing_costs_no_evidence_and_keeps_its_prior() -> Non
     mean, sd = more.moments()
     assert mean[-1] == pytest.approx(0.5)
     assert sd[-1] == pytest.approx(0.2)
+
+
+def test_refits_keep_the_scatter_of_the_launch_angle() -> None:
+    halved = replace(model(), hyperprior=CERTIFIED_PRIOR.with_sds(tilt__flight=0.5))
+    whole = fit(halved, fits()[0].data)
+    (rest,) = refits_without(whole, [0])
+    kinds = [kind.bends for kind in halved.scatter]
+    slopes = [one.tangent.scatter_slope[:, 0, kinds.index("tilt")] for one in (rest, whole)]
+    assert np.abs(slopes[1]).min() > 1e-4
+    np.testing.assert_allclose(slopes[0], slopes[1])

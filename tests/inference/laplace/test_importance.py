@@ -53,6 +53,15 @@ def test_the_bound_of_the_fit_lies_below_the_evidence_and_near_it() -> None:
     assert -3 * drawn().error < gap < 2.5
 
 
+def test_a_flight_that_cannot_lift_off_is_no_evidence_for_a_model() -> None:
+    model, data = _season()
+    heavy = [one.with_changes(dry_mass=9.0) if row == 2 else one for row, one in enumerate(model.flights)]
+    result = fit(base_model(heavy, model.found), data, outlier_flights=True)
+    assert np.isnan(result.tangent.values[2]).all()
+    found = sampled(result, np.random.default_rng(1))
+    assert -3 * found.error < found.log_evidence - result.log_evidence < 2.5
+
+
 def test_without_a_flight_it_is_the_fit_that_never_saw_it() -> None:
     result, rows = fitted(), [0, 4]
     for row, again in zip(rows, refits_without(result, rows), strict=True):

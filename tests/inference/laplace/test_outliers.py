@@ -4,11 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import integrate, stats
 
 from fieldkit.flight import CHECKED_TAG
 from fieldkit.forecast.predict import predict
+from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.outliers import FALSE_ALARMS, smallest_usual_weight
+from fieldkit.model.hyperprior import START
+from fieldkit.model.readout_data import observe
+from fieldkit.model.rocket_model import base_model
+from fieldkit.model.scale import Scale
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 from tests.forecast.test_predict import PLAN, Flown, season
 
@@ -62,3 +68,24 @@ def test_one_good_flight_in_a_hundred_is_named() -> None:
     usual = smallest_usual_weight(np.full(len(squares), 5), 4.0)
     named = ((5 / (4 + squares)) < usual[:, None]).any(axis=1)
     assert named.mean() == pytest.approx(FALSE_ALARMS, rel=0.05)
+
+
+@pytest.mark.parametrize("slip", [1.0, 1.8])
+def test_the_evidence_of_a_fit_is_that_of_student_t_residuals(slip: float) -> None:
+    motor = catalogue().resolve(PLAN.motor)
+    flights = [PLAN.with_changes(apogee=200.0 * factor, sd={"apogee": 10.0}) for factor in (1.0, 1.03, 0.96, slip)]
+    same = Scale((1.0,), 1.0, 0.5)
+    hyperprior = replace(START, scatter=same, reading=same, sds={"apogee.rocket": 0.4, "drag.flight": 1e-6})
+    whole = base_model(flights, [motor] * 4, hyperprior)
+    model = whole.only([whole.names.index("apogee")])
+    data = observe(flights, [True] * 4, hyperprior)
+    center = np.log(shown(model, np.zeros((1, 1)), {})["apogee"][0])
+
+    def density(bias: float) -> float:
+        residual = stats.t.pdf((data.values[:, 0] - center - bias) / data.sd[:, 0], hyperprior.tail) / data.sd[:, 0]
+        return float(stats.norm.pdf(bias, 0.0, 0.4) * residual.prod())
+
+    middle = float(np.log(200.0) - center[0])
+    exact = np.log(integrate.quad(density, middle - 1.0, middle + 1.0, points=[middle])[0])
+    found = fit_robustly(model, data).log_evidence
+    assert exact - 0.3 < found < exact
