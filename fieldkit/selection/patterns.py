@@ -62,7 +62,7 @@ def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
     """Patterns that flights may have in common: single days, the hour, a lasting change between two flights, every
     second or third flight, a site, a recorded condition, and other columns of the flyer's table that were known before
     lift-off (`fieldkit.selection.covariates`)."""
-    return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind]
+    return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind] if flights else []
 
 
 def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:

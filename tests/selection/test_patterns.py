@@ -68,6 +68,12 @@ def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
     assert len(rocket_model(flights, model.found, [Place("", "the day 2026-05-02")]).terms) == len(model.terms)
 
 
+def test_a_pattern_of_a_rocket_whose_flights_were_removed_is_left_out() -> None:
+    plan = (PLAN, catalogue().resolve(PLAN.motor))
+    before, after = (predict([], [plan], places, draws=20)[0] for places in ((), (Place("", "temperature"),)))
+    np.testing.assert_array_equal(before.apogee, after.apogee)
+
+
 def test_a_forecast_follows_a_lasting_change() -> None:
     """From the seventh flight on, apogees are 10% lower than the model's."""
     history: Flown = [
