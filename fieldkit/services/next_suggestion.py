@@ -33,8 +33,8 @@ COMPARED_DRAWS = 200
 class Suggestion:
     """What to do next.
 
-    `loop`: `outside` of the last `forecasts` clean flights were outside their 90% interval. `motor`: the safe `motor` with
-    the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
+    `loop`: `outside` of the last `forecasts` clean flights were outside their 90% interval. `motor`: the safe `motor`
+    with the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
     interval by the fraction `narrows`. [1]
     """
 
