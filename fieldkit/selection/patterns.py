@@ -53,9 +53,10 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
 
 
 def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
-    """The weight of a pattern on the flown flights, and on each plan as if the earlier plans were like it."""
+    """The weight of a pattern on the flown flights, and on each plan at its place, as if the earlier plans were like
+    it."""
     past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
-    ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
+    ahead = [weigh([*past[:turn], *[plan] * (max(turn - flown, 0) + 1)])[-1] for plan, turn in planned]
     return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 
 

@@ -12,7 +12,7 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import saved_surprises, stretch
-from fieldkit.forecast.predict import predict
+from fieldkit.forecast.predict import fly_ahead, learn, predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
@@ -187,12 +187,26 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
-    """The forecast of a flight from the other flights of its rocket; nothing is saved.
+    """The forecast of a flight from the other flights of its rocket, as of its place in the order flown; nothing is
+    saved.
 
-    Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+    A flight that is not in the ledger is the next one. Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """
-    history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-    averaged, shared = accepted_average(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
-    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], averaged=averaged, shared=shared)
-    return made
+    itself = flight.rocket, flight.flight_id
+    history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
+    planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
+    turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)
+    if turn < len(names):
+        history[turn] = planned  # it counts as flown, without its readouts
+    fitted = learn(
+        history,
+        [planned],
+        flight_index=[turn],
+        averaged=accepted_average(ledger, flight.rocket),
+        cds=design_cds(ledger.starts(flight.rocket), [plan, *(one for one, _ in history)]),
+        shared=fleet_prior(ledger, motors, flight.rocket),
+    )
+    (made,) = fly_ahead(fitted, paired=True)
+    others = [kept.payload for kept in ledger.predictions() if (kept.rocket, kept.flight_id) != itself]
+    surprises = saved_surprises(others)
+    return made.corrected(stretch(surprises), len(surprises))
