@@ -14,7 +14,7 @@ from tests.selection.test_verdict import season
 pytestmark = pytest.mark.fast
 
 
-def test_an_option_has_the_same_evidence_wherever_it_is_in_the_list(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_option_has_the_same_evidence_at_every_position(monkeypatch: pytest.MonkeyPatch) -> None:
     model = season()
     flights = [
         flight.with_changes(apogee=250.0 * float(np.exp(-0.03 * row))) for row, flight in enumerate(model.flights)
