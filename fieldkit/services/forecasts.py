@@ -55,10 +55,32 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     return wanted
 
 
-def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
-    """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model."""
+def accepted_average(
+    ledger: Ledger, rocket: str, which: Which = "after", flights: Sequence[Flight] | None = None
+) -> Averaged:
+    """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model.
+
+    With `flights`, an effect whose first flight is not among them, because it was renamed or removed, starts at the
+    flight in its place.
+    """
     version = ledger.active_version(rocket) if which == "after" else None
-    return version_average(version.payload) if version else ()
+    averaged = version_average(version.payload) if version else ()
+    if version is None or flights is None:
+        return averaged
+    before, now = version.payload.get("flights", ()), [flight.flight_id for flight in flights]
+    return tuple(
+        (chance, tuple(place for one in places if (place := _started(one, before, now)))) for chance, places in averaged
+    )
+
+
+def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place | None:
+    """An effect in its place among the flights there are now, with its version's flights `before`: it starts after the
+    last earlier flight that is still there; None if no flight is left."""
+    if place.start not in before or place.start in now:
+        return place
+    known = [now.index(one) for one in before[: before.index(place.start)] if one in now]
+    turn = max(known, default=-1) + 1
+    return place.starting_at(now[turn]) if turn < len(now) else None
 
 
 def version_average(payload: Mapping[str, Any]) -> Averaged:
@@ -123,7 +145,7 @@ def predict_plans(
         made = predict(
             history,
             planned,
-            averaged=accepted_average(ledger, rocket, which),
+            averaged=accepted_average(ledger, rocket, which, before),
             declared=which == "after",
             cds=cds,
             shared=fleet_prior(ledger, motors, rocket, on_progress),
@@ -202,7 +224,7 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
         history,
         [planned],
         flight_index=[turn],
-        averaged=accepted_average(ledger, flight.rocket),
+        averaged=accepted_average(ledger, flight.rocket, flights=[one for one, _ in history]),
         cds=design_cds(ledger.starts(flight.rocket), [plan, *(one for one, _ in history)]),
         shared=fleet_prior(ledger, motors, flight.rocket),
     )

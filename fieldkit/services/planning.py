@@ -24,9 +24,10 @@ SHORTLIST = "shortlist"
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue."""
     surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    history = flown(ledger, motors, name)
     return Rocket(
-        history=tuple(flown(ledger, motors, name)),
-        averaged=accepted_average(ledger, name),
+        history=tuple(history),
+        averaged=accepted_average(ledger, name, flights=[flight for flight, _ in history]),
         stretched=stretch(surprises),
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),

@@ -1,4 +1,4 @@
-"""The forecast of a past flight from the others: in its place in the order flown, without its own readouts."""
+"""Forecasts keep the order flown: a past flight in its place, and an effect that starts at a renamed flight."""
 
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -13,8 +13,10 @@ from fieldkit.flight.start import Start
 from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import catalogue
+from fieldkit.planning.forecasts import forecasts
 from fieldkit.selection.candidates import Place
-from fieldkit.services.forecasts import forecast_from_others
+from fieldkit.services.forecasts import forecast_from_others, predict_plans
+from fieldkit.services.planning import rocket_of
 
 pytestmark = pytest.mark.fast
 
@@ -27,6 +29,8 @@ FLOWN = [
     for row, apogee in enumerate([250.0, 246.0, 253.0, 249.0, 251.0, 248.0, 283.0, 280.0, 284.0, 281.0])
 ]
 
+LASTING = [Place("altimeter_scale", "", "F6"), Place("", "every flight from F6 on")]
+
 
 @pytest.fixture
 def ledger(tmp_path: Path) -> Iterator[Ledger]:
@@ -37,14 +41,15 @@ def ledger(tmp_path: Path) -> Iterator[Ledger]:
 
 def accept(ledger: Ledger, place: Place) -> None:
     sets = [{"probability": 1.0, "places": [asdict(place)]}]
-    ledger.keep_version("Astra", {"effects": [], "averaged": sets})
+    names = [flight.flight_id for flight in FLOWN]
+    ledger.keep_version("Astra", {"effects": [], "averaged": sets, "flights": names})
 
 
 def median(ledger: Ledger, flight: Flight) -> float:
     return float(np.median(forecast_from_others(ledger, catalogue(), flight).apogee))
 
 
-@pytest.mark.parametrize("place", [Place("altimeter_scale", "", "F6"), Place("", "every flight from F6 on")])
+@pytest.mark.parametrize("place", LASTING)
 def test_a_lasting_change_acts_on_a_past_flight_only_if_it_flew_after_it(ledger: Ledger, place: Place) -> None:
     accept(ledger, place)
     for row in (2, CHANGED, 8):
@@ -80,3 +85,25 @@ def test_an_interval_is_corrected_by_the_forecasts_of_other_flights(ledger: Ledg
     after = forecast_from_others(ledger, catalogue(), FLOWN[8])
     assert after.stretched_by > 4
     assert np.ptp(after.apogee_quantiles()) > 3 * np.ptp(before.apogee_quantiles())
+
+
+@pytest.mark.parametrize("place", LASTING)
+def test_a_lasting_change_stays_if_its_first_flight_is_renamed_or_removed(ledger: Ledger, place: Place) -> None:
+    accept(ledger, place)
+    plan = FLOWN[9].with_changes(flight_id="", apogee=None, date_time=None)
+
+    def said() -> tuple[np.ndarray, np.ndarray]:
+        (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        (planned,) = forecasts(rocket_of(ledger, catalogue(), "Astra"), [(plan, made.found)], draws=1000)
+        return made.apogee_quantiles(), planned.apogee_quantiles()
+
+    before = said()[0]
+    (first,) = ledger.ids([FLOWN[CHANGED]])
+    ledger.edit(first, flight_id="new name")
+    for renamed in said():
+        np.testing.assert_allclose(renamed, before, rtol=1e-6)
+    ledger.remove("Astra/new name")
+    for removed in said():
+        assert removed[1] == pytest.approx(before[1], rel=0.02)
+    ledger.remove(*(f"Astra/F{row}" for row in (7, 8, 9)))
+    assert said()[0][1] == pytest.approx(250.0, rel=0.03), "no flight shows it any longer"
