@@ -133,7 +133,7 @@ def predict_plans(
     for a plan without a rocket if none has flown, and ImpossibleFlight for a plan without a mass.
     """
     answers: dict[int, Prediction] = {}
-    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    surprises = earlier_surprises(ledger)
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
@@ -208,13 +208,22 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
     return NewPrediction(payload, digest, row.rocket, row.flight_id)
 
 
+def earlier_surprises(ledger: Ledger, but: Flight | None = None) -> list[float]:
+    """Surprises of the saved forecasts of flights that are still in the ledger, clean and with the same apogee, except
+    of one flight. [1]"""
+    flown = {(one.rocket, one.flight_id): one.apogee for one in ledger.flights() if one.clean}
+    if but is not None:
+        flown.pop((but.rocket, but.flight_id), None)
+    saved = [kept.payload for kept in ledger.predictions() if "flown_m" in kept.payload]
+    return saved_surprises([one for one in saved if flown.get((one["rocket"], one["flight_id"])) == one["flown_m"]])
+
+
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
     """The forecast of a flight from the other flights of its rocket, as of its place in the order flown; nothing is
     saved.
 
     A flight that is not in the ledger is the next one. Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """
-    itself = flight.rocket, flight.flight_id
     history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
     turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)
@@ -229,6 +238,5 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
         shared=fleet_prior(ledger, motors, flight.rocket),
     )
     (made,) = fly_ahead(fitted, paired=True)
-    others = [kept.payload for kept in ledger.predictions() if (kept.rocket, kept.flight_id) != itself]
-    surprises = saved_surprises(others)
+    surprises = earlier_surprises(ledger, but=flight)
     return made.corrected(stretch(surprises), len(surprises))

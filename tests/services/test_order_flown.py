@@ -75,12 +75,12 @@ def test_a_flight_before_any_other_starts_from_the_design(ledger: Ledger) -> Non
 
 def test_an_interval_is_corrected_by_the_forecasts_of_other_flights(ledger: Ledger) -> None:
     before = forecast_from_others(ledger, catalogue(), FLOWN[9])
-    missed = {"flown_m": 300.0, "interval_m": [240.0, 250.0, 260.0]}
-    for number in range(MIN_FORECASTS_TO_CORRECT):
-        flight_id = f"B{number}" if number else FLOWN[9].flight_id
-        rocket = "Bolt" if number else "Astra"
-        payload = {"rocket": rocket, "flight_id": flight_id, **missed}
-        ledger.keep_predictions([NewPrediction(payload, str(number), rocket, flight_id)])
+    others = [Flight(str(number), "Bolt", apogee=300.0) for number in range(1, MIN_FORECASTS_TO_CORRECT)]
+    ledger.add(others)
+    for flight in (FLOWN[9], *others):
+        payload = {"flown_m": flight.apogee, "interval_m": [240.0, 250.0, 260.0]}
+        payload |= {"rocket": flight.rocket, "flight_id": flight.flight_id}
+        ledger.keep_predictions([NewPrediction(payload, flight.flight_id, flight.rocket, flight.flight_id)])
     assert forecast_from_others(ledger, catalogue(), FLOWN[9]).stretched_by == 1.0, "its own result does not count"
     after = forecast_from_others(ledger, catalogue(), FLOWN[8])
     assert after.stretched_by > 4
