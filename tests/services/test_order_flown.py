@@ -29,7 +29,7 @@ FLOWN = [
     for row, apogee in enumerate([250.0, 246.0, 253.0, 249.0, 251.0, 248.0, 283.0, 280.0, 284.0, 281.0])
 ]
 
-LASTING = [Place("altimeter_scale", "", "F6"), Place("", "every flight from F6 on")]
+LASTING_PLACES = [Place("altimeter_scale", "", "F6"), Place("", "every flight from F6 on")]
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def median(ledger: Ledger, flight: Flight) -> float:
     return float(np.median(forecast_from_others(ledger, catalogue(), flight).apogee))
 
 
-@pytest.mark.parametrize("place", LASTING)
+@pytest.mark.parametrize("place", LASTING_PLACES)
 def test_a_lasting_change_acts_on_a_past_flight_only_if_it_flew_after_it(ledger: Ledger, place: Place) -> None:
     accept(ledger, place)
     for row in (2, CHANGED, 8):
@@ -78,7 +78,7 @@ def test_an_interval_is_corrected_by_the_forecasts_of_other_flights(ledger: Ledg
     others = [Flight(str(number), "Bolt", apogee=300.0) for number in range(1, MIN_FORECASTS_TO_CORRECT)]
     ledger.add(others)
     for flight in (FLOWN[9], *others):
-        payload = {"flown_m": flight.apogee, "interval_m": [240.0, 250.0, 260.0]}
+        payload: dict[str, object] = {"flown_m": flight.apogee, "interval_m": [240.0, 250.0, 260.0]}
         payload |= {"rocket": flight.rocket, "flight_id": flight.flight_id}
         ledger.keep_predictions([NewPrediction(payload, flight.flight_id, flight.rocket, flight.flight_id)])
     assert forecast_from_others(ledger, catalogue(), FLOWN[9]).stretched_by == 1.0, "its own result does not count"
@@ -87,7 +87,7 @@ def test_an_interval_is_corrected_by_the_forecasts_of_other_flights(ledger: Ledg
     assert np.ptp(after.apogee_quantiles()) > 3 * np.ptp(before.apogee_quantiles())
 
 
-@pytest.mark.parametrize("place", LASTING)
+@pytest.mark.parametrize("place", LASTING_PLACES)
 def test_a_lasting_change_stays_if_its_first_flight_is_renamed_or_removed(ledger: Ledger, place: Place) -> None:
     accept(ledger, place)
     plan = FLOWN[9].with_changes(flight_id="", apogee=None, date_time=None)
