@@ -32,13 +32,14 @@ def _news(
     flown: Sequence[tuple[Flight, Found]], plans: Sequence[Flight], found: Sequence[Found]
 ) -> Iterator[tuple[object, ...]]:
     """The properties of each plan that decide the model's terms: whether its motor, configuration, site and day are
-    new, whether it has a diameter, and the conditions that effects need or replace. Configurations of a rocket never
-    flown are distinguished, because each may have its own design."""
+    new, whether it has a date and a diameter, and the conditions that effects need or replace. New configurations are
+    distinguished, because each may have its own design."""
     past = [flight for flight, _ in flown]
     known = {per: set(groups(past, [one for _, one in flown], per)) for per in GROUP_LEVELS}
     ours = {per: groups(plans, found, per) for per in GROUP_LEVELS}
     columns = {name for effect in effects().values() for name in (effect.needs, effect.lacks) if name}
     for row, plan in enumerate(plans):
-        new = [bool(flown) and ours[per][row] in known[per] for per in GROUP_LEVELS]
+        old = [bool(flown) and ours[per][row] in known[per] for per in GROUP_LEVELS]
         given = [(plan.number(name) is None, bool(plan.number(name))) for name in ("diameter", *sorted(columns))]
-        yield (*new, *given, None if flown else plan.config)
+        own_design = None if flown and plan.config in known["config"] else plan.config
+        yield (*old, *given, plan.date_time is None, own_design)

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ EACH_GROUP = "each"
 
 SMOOTHLY = ", smoothly"
 """Suffix of the name of a pattern that is a smooth function of a number."""
+LASTING_PREFIX = "every flight from "
+"""Start of the name of a lasting change, before the flight at which it starts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +47,17 @@ class Place:
             return str(self).replace(self.effect, title, 1)
         if self.where.endswith(SMOOTHLY):
             return f"a trend with {self.where.removesuffix(SMOOTHLY)}"
-        return self.where.replace("every flight from ", "a change from flight ", 1)
+        return self.where.replace(LASTING_PREFIX, "a change from flight ", 1)
+
+    @property
+    def start(self) -> str:
+        """The flight at which an effect or a lasting change starts, empty for none."""
+        lasting = not self.effect and self.where.startswith(LASTING_PREFIX)
+        return self.where.removeprefix(LASTING_PREFIX).removesuffix(" on") if lasting else self.since
+
+    def starting_at(self, flight_id: str) -> "Place":
+        """The same with another flight at which it starts."""
+        return replace(self, since=flight_id) if self.since else replace(self, where=f"{LASTING_PREFIX}{flight_id} on")
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]

@@ -137,8 +137,9 @@ def diagnose(
     said, forecast_by = verdict(posterior), posterior
     if given:
         pinned = checked(SetPosterior((plain, *chain(plain.fit, data, families, given))), window=np.inf)
-        said = given_verdict(SetPosterior((*posterior.hypotheses, *pinned.hypotheses[1:])), given)
         forecast_by = SetPosterior(pinned.hypotheses[1:])
+        others = (one for one in posterior.hypotheses if one.members != frozenset(given))  # a single one was tried too
+        said = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
     before = left_out(SetPosterior((plain,)))
     after = left_out(forecast_by, part(on_progress, 0.85, 0.15))
     return Diagnosis(

@@ -193,10 +193,13 @@ def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout 
 
 
 def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:
-    """The fitted model for planned flights: the same terms with their weights on those flights."""
+    """The fitted model for planned flights, each as the next one: the same terms with their weights on those
+    flights."""
+    flown = len(model.flights)
     flights = [*model.flights, *(flight for _, flight, _ in plans)]
     found = [*model.found, *(motor for *_, motor in plans)]
-    wide = rocket_model(flights, found, side.places)
+    order = [*model.flight_index, *[flown] * len(plans)]
+    wide = rocket_model(flights, found, side.places, flown=flown, flight_index=order)
     area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
     own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
-    return replace(wide, area=own).part(slice(len(model.flights), None))
+    return replace(wide, area=own).part(slice(flown, None))

@@ -6,6 +6,7 @@ the flown flights (Karhunen and Loeve; Rasmussen and Williams, Gaussian Processe
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import time
 
 import numpy as np
 
@@ -52,9 +53,10 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
 
 
 def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
-    """The weight of a pattern on the flown flights, and on each plan as if the earlier plans were like it."""
+    """The weight of a pattern on the flown flights, and on each plan at its place, as if the earlier plans were like
+    it."""
     past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
-    ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
+    ahead = [weigh([*past[:turn], *[plan] * (max(turn - flown, 0) + 1)])[-1] for plan, turn in planned]
     return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 
 
@@ -62,18 +64,18 @@ def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
     """Patterns that flights may have in common: single days, the hour, a lasting change between two flights, every
     second or third flight, a site, a recorded condition, and other columns of the flyer's table that were known before
     lift-off (`fieldkit.selection.covariates`)."""
-    return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind]
+    return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind] if flights else []
 
 
 def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
     """Patterns in the order and hours of flights."""
     yield {f"the day {day}": _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
-    hours = _hours(flights)
-    if np.isfinite(hours).all() and hours.std() > 1:
-        middle = hours.mean()
+    known = hours(flights)
+    if np.isfinite(known).all() and known.std() > 1:
+        middle = known.mean()
         yield {
-            "the hour of the day": lambda some: np.nan_to_num((_hours(some) - middle) / 4),
-            "the hour of the day, smoothly": _smooth(_hours, _hours(flights)),
+            "the hour of the day": lambda some: np.nan_to_num((hours(some) - middle) / 4),
+            "the hour of the day, smoothly": _smooth(hours, known),
         }
     if len(flights) >= 8:
         yield {"the number of flights, smoothly": _smooth(_number_flown, _number_flown(flights))}
@@ -161,9 +163,10 @@ def _day(flight: Flight) -> str:
     return flight.date_time.date().isoformat() if flight.date_time else ""
 
 
-def _hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    times = [flight.date_time for flight in flights]
-    return np.array([time.hour + time.minute / 60 if time else np.nan for time in times])
+def hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """The hour of the day of each flight; nan without a time, which is recorded as midnight. [h]"""
+    times = [flight.date_time.time() if flight.date_time else time() for flight in flights]
+    return np.array([at.hour + at.minute / 60 if at != time() else np.nan for at in times])
 
 
 def _odd(name: str, weight: Array) -> tuple[Term, ...]:

@@ -15,6 +15,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.physics.setups import recorded
 from fieldkit.scoring.score import forecasts_of
 from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.patterns import hours
 from fieldkit.selection.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
 
@@ -226,11 +227,10 @@ def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
 def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
     """All recorded numbers of the flights, and their flight index, hour and expected speed."""
     flights = diagnosis.model.flights
-    hours = [f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights]
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}
     speed = np.exp(diagnosis.base.fit.tangent.values[:, 1])
     return numbers | {
         "flight_number": np.arange(1.0, len(flights) + 1),
-        "hour": np.array(hours, float),
+        "hour": hours(flights),
         "expected_top_speed_mps": speed,
     }

@@ -79,7 +79,7 @@ def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> lis
 
 
 def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
-    """Simulations of every effect at each of its starts, acting fully on every flight."""
+    """Simulations of every effect at each of its starts, acting fully on every flight on which it can act."""
     model, base = near.model, tuple(range(len(near.model.terms)))
     wide, lanes, keys = model, [], []
     wanted: dict[int, tuple[Term, tuple[float, ...]]] = {}
@@ -88,8 +88,8 @@ def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
             if isinstance(bends := one.terms[0].bends, Effect):
                 wanted.setdefault(id(bends), (one.terms[0], one.starts))
     for key, (term, starts) in wanted.items():
-        lacks = isinstance(term.bends, Effect) and term.bends.lacks
-        every = (term.weight != 0).astype(float) if lacks else np.ones(len(model.flights))
+        lacks = term.bends.lacks if isinstance(term.bends, Effect) else ""
+        every = np.isnan(model.recorded(lacks)).astype(float) if lacks else np.ones(len(model.flights))
         wide = wide.with_terms(replace(term, weight=every))
         for start in starts:
             lanes.append(((*base, len(wide.terms) - 1), np.array([*near.tangent.at, start])))

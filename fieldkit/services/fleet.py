@@ -1,7 +1,7 @@
 """Information from a ledger's other rockets about the terms they share with a rocket: fleet means and motor types.
 
-Each rocket's message is saved in the ledger with a digest of its inputs. It is recomputed when its flights, its motors
-or the hyperprior change.
+Each rocket's message is saved in the ledger with a digest of its inputs. It is recomputed when its flights, its motors,
+the hyperprior or the version of fieldkit change.
 """
 
 import hashlib
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fieldkit import __version__
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
@@ -84,7 +85,8 @@ def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hy
 
 def _digest(flown: FlownFlights, hyperprior: Hyperprior) -> str:
     motors = {id(found.motor): motor_digest(found.motor) for _, found in flown}
-    parts = [hyperprior.json(), [(flight_digest(flight), motors[id(found.motor)]) for flight, found in flown]]
+    read = [(flight_digest(one), sorted(one.source.items()), motors[id(found.motor)]) for one, found in flown]
+    parts = [__version__, hyperprior.json(), read]
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]
 
 

@@ -12,7 +12,7 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import saved_surprises, stretch
-from fieldkit.forecast.predict import predict
+from fieldkit.forecast.predict import fly_ahead, learn, predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
@@ -55,10 +55,32 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     return wanted
 
 
-def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
-    """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model."""
+def accepted_average(
+    ledger: Ledger, rocket: str, which: Which = "after", flights: Sequence[Flight] | None = None
+) -> Averaged:
+    """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model.
+
+    With `flights`, an effect whose first flight is not among them, because it was renamed or removed, starts at the
+    flight in its place.
+    """
     version = ledger.active_version(rocket) if which == "after" else None
-    return version_average(version.payload) if version else ()
+    averaged = version_average(version.payload) if version else ()
+    if version is None or flights is None:
+        return averaged
+    before, now = version.payload.get("flights", ()), [flight.flight_id for flight in flights]
+    return tuple(
+        (chance, tuple(place for one in places if (place := _started(one, before, now)))) for chance, places in averaged
+    )
+
+
+def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place | None:
+    """An effect in its place among the flights there are now, with its version's flights `before`: it starts after the
+    last earlier flight that is still there; None if no flight is left."""
+    if place.start not in before or place.start in now:
+        return place
+    known = [now.index(one) for one in before[: before.index(place.start)] if one in now]
+    turn = max(known, default=-1) + 1
+    return place.starting_at(now[turn]) if turn < len(now) else None
 
 
 def version_average(payload: Mapping[str, Any]) -> Averaged:
@@ -111,7 +133,7 @@ def predict_plans(
     for a plan without a rocket if none has flown, and ImpossibleFlight for a plan without a mass.
     """
     answers: dict[int, Prediction] = {}
-    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    surprises = earlier_surprises(ledger)
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
@@ -123,7 +145,7 @@ def predict_plans(
         made = predict(
             history,
             planned,
-            averaged=accepted_average(ledger, rocket, which),
+            averaged=accepted_average(ledger, rocket, which, before),
             declared=which == "after",
             cds=cds,
             shared=fleet_prior(ledger, motors, rocket, on_progress),
@@ -186,20 +208,35 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
     return NewPrediction(payload, digest, row.rocket, row.flight_id)
 
 
-def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
-    """The forecast of a flight from the other flights of its rocket and its design, with the interval corrected by
-    earlier forecasts; nothing is saved.
+def earlier_surprises(ledger: Ledger, but: Flight | None = None) -> list[float]:
+    """Surprises of the saved forecasts of flights that are still in the ledger, clean and with the same apogee, except
+    of one flight. [1]"""
+    flown = {(one.rocket, one.flight_id): one.apogee for one in ledger.flights() if one.clean}
+    if but is not None:
+        flown.pop((but.rocket, but.flight_id), None)
+    saved = [kept.payload for kept in ledger.predictions() if "flown_m" in kept.payload]
+    return saved_surprises([one for one in saved if flown.get((one["rocket"], one["flight_id"])) == one["flown_m"]])
 
-    Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+
+def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
+    """The forecast of a flight from the other flights of its rocket, as of its place in the order flown; nothing is
+    saved.
+
+    A flight that is not in the ledger is the next one. Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
     """
-    history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-    (made,) = predict(
+    history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
+    planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
+    turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)
+    if turn < len(names):
+        history[turn] = planned  # it counts as flown, without its readouts
+    fitted = learn(
         history,
-        [(plan, motors.resolve(flight.motor))],
-        averaged=accepted_average(ledger, flight.rocket),
-        cds=design_cds(ledger.starts(flight.rocket), [*(one for one, _ in history), plan]),
+        [planned],
+        flight_index=[turn],
+        averaged=accepted_average(ledger, flight.rocket, flights=[one for one, _ in history]),
+        cds=design_cds(ledger.starts(flight.rocket), [plan, *(one for one, _ in history)]),
         shared=fleet_prior(ledger, motors, flight.rocket),
     )
-    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    (made,) = fly_ahead(fitted, paired=True)
+    surprises = earlier_surprises(ledger, but=flight)
     return made.corrected(stretch(surprises), len(surprises))

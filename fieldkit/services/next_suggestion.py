@@ -33,8 +33,8 @@ COMPARED_DRAWS = 200
 class Suggestion:
     """What to do next.
 
-    `loop`: `outside` of the last `forecasts` flights were outside their 90% interval. `motor`: the safe `motor` with
-    the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
+    `loop`: `outside` of the last `forecasts` clean flights were outside their 90% interval. `motor`: the safe `motor`
+    with the `apogee` nearest to the `target` [m], which is within its interval. `repeat`: one more flight narrows the
     interval by the fraction `narrows`. [1]
     """
 
@@ -69,9 +69,9 @@ def suggestion(
 
 
 def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
-    """The loop, if more of the latest flights were outside their intervals than by chance, and the rocket has enough
-    flights."""
-    flown = [one for one in said if one.flown is not None][-RECENT_FORECASTS:]
+    """The loop, if more of the latest clean flights were outside their intervals than by chance, and the rocket has
+    enough flights."""
+    flown = [one for one in said if one.flight and one.flight.clean and one.flown is not None][-RECENT_FORECASTS:]
     outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)
     usable = sum(flight.clean and flight.apogee is not None for flight in flights)
     if usable < MIN_FLIGHTS or not outside or chance_of(outside, len(flown)) >= SIGNIFICANCE:

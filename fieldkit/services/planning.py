@@ -6,12 +6,12 @@ from typing import Any
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import DEVICES, STABILITY, recovery_column
 from fieldkit.flight.start import completed
-from fieldkit.forecast.conformal import saved_surprises, stretch
+from fieldkit.forecast.conformal import stretch
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import accepted_average, flown, start_of
+from fieldkit.services.forecasts import accepted_average, earlier_surprises, flown, start_of
 from fieldkit.services.kits import kit_of_rocket, kits
 from fieldkit.services.plausible_flights import implausible_flights, plausible
 from fieldkit.services.sites import site_of
@@ -23,10 +23,11 @@ SHORTLIST = "shortlist"
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue."""
-    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
+    surprises = earlier_surprises(ledger)
+    history = flown(ledger, motors, name)
     return Rocket(
-        history=tuple(flown(ledger, motors, name)),
-        averaged=accepted_average(ledger, name),
+        history=tuple(history),
+        averaged=accepted_average(ledger, name, flights=[flight for flight, _ in history]),
         stretched=stretch(surprises),
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),

@@ -76,6 +76,7 @@ def test_a_flight_scored_twice_counts_once() -> None:
 def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_reports_it(tmp_path: Path) -> None:
     plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(str(n), "Astra", apogee=169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
         (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)
         keep_forecasts(ledger, [forecast(n, 169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
         (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
@@ -90,3 +91,19 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_reports_it(tmp_path:
     )
     spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
     assert spans[1] == pytest.approx(2 * spans[0], rel=1e-5)
+
+
+@pytest.mark.parametrize("changes", [{"apogee": 100.0}, {"tags": ("cato",)}, None])
+def test_a_flight_that_was_changed_tagged_or_removed_no_longer_corrects_intervals(
+    tmp_path: Path, changes: dict[str, object] | None
+) -> None:
+    plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(str(n), "Astra", apogee=169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
+        keep_forecasts(ledger, [forecast(n, 169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
+        if changes:
+            ledger.edit("Astra/3", **changes)
+        else:
+            ledger.remove("Astra/3")
+        (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    assert made.stretched_by == 1.0

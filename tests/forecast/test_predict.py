@@ -1,6 +1,7 @@
 """Forecasts trust the simulator and the device only as far as the flights confirm them."""
 
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
-from fieldkit.selection.candidates import Place
+from fieldkit.selection.candidates import EACH_GROUP, Place
 from tests import seasons
 
 CHECK_SHAPES = False
@@ -117,6 +118,26 @@ def test_what_is_reported_of_a_plan_does_not_hang_on_the_plans_beside_it(past: i
     (alone,), (*_, beside) = predict(flown, planned[:1], draws=30), predict(flown, planned[::-1], draws=30)
     assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
+
+
+def test_a_new_configuration_without_a_design_is_forecast_as_alone() -> None:
+    flown, motor = season({}, 2), catalogue().resolve("F24")
+    new, designed = ((PLAN.with_changes(config=config), motor) for config in ("B", "C"))
+    cds = {"A": 0.5, "C": 0.9}
+    (alone,), (beside, _) = (predict(flown, plans, cds=cds, draws=30) for plans in ([new], [new, designed]))
+    assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
+
+
+def test_a_plan_without_a_date_is_forecast_as_alone() -> None:
+    flown = [
+        (one.with_changes(date_time=datetime(2026, 5, 1 + row // 2)), motor)
+        for row, (one, motor) in enumerate(season({}, 3))
+    ]
+    averaged = ((0.5, (Place("weather", EACH_GROUP),)), (0.5, ()))
+    plan = (PLAN, catalogue().resolve("F24"))
+    dated = (PLAN.with_changes(date_time=datetime(2026, 6, 1)), plan[1])
+    (alone,), (beside, _) = (predict(flown, plans, averaged=averaged, draws=30) for plans in ([plan], [plan, dated]))
+    assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
 
 
 @pytest.mark.parametrize("place", [Place("mass_offset"), Place("wear"), Place("mass_offset", "", "4")])

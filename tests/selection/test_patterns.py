@@ -61,11 +61,26 @@ def test_what_was_not_written_down_of_a_plan_is_as_ever() -> None:
     assert weights("temperature", flown(), warm)[1] > 3
 
 
+def test_a_date_without_a_time_has_no_hour() -> None:
+    dated = [
+        flight.with_changes(date_time=datetime(2026, 5, 2 + row)) if row % 2 else flight
+        for row, flight in enumerate(flown())
+    ]
+    assert not any("the hour of the day" in kind for kind in known_patterns(dated))
+    assert weights("the hour of the day", flown(), [PLAN.with_changes(date_time=datetime(2026, 6, 1))]).tolist() == [0]
+
+
 def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
     flights = flown(4)
     model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
     assert pattern_terms(Place("", "every flight from F9 on"), model, 4) == ()
     assert len(rocket_model(flights, model.found, [Place("", "the day 2026-05-02")]).terms) == len(model.terms)
+
+
+def test_a_pattern_of_a_rocket_whose_flights_were_removed_is_left_out() -> None:
+    plan = (PLAN, catalogue().resolve(PLAN.motor))
+    before, after = (predict([], [plan], places, draws=20)[0] for places in ((), (Place("", "temperature"),)))
+    np.testing.assert_array_equal(before.apogee, after.apogee)
 
 
 def test_a_forecast_follows_a_lasting_change() -> None:

@@ -1,6 +1,7 @@
 """Screening of places: linear readouts agree with fits."""
 
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
 from fieldkit.selection import screen
 from fieldkit.selection.candidates import Candidate, effect_candidates
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.screen import MAX_PLACES, screened
 from fieldkit.selection.trial import by_effect, try_all
 from tests.selection.test_verdict import measured, season
@@ -63,6 +65,29 @@ def test_the_first_step_of_a_fit_is_what_flying_its_start_gives() -> None:
     own = flown.slope[seen][:, -1]
     assert step.slope[seen][:, -1] == pytest.approx(own, abs=0.05 * np.abs(own).max())
     assert list(step.at) == list(flown.at)
+
+
+def test_every_place_of_an_effect_that_needs_a_blank_column_is_screened_on_its_own_flights(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(screen, "PLACE_WINDOW", np.inf)
+    monkeypatch.setattr(screen, "MAX_PLACES", 1000)
+    base = season()
+    flights = [
+        flight.with_changes(date_time=datetime(2026, 5, 1 + 7 * (row // 6)), site="AB"[row % 2])
+        for row, flight in enumerate(base.flights)
+    ]
+    model = measured(rocket_model(flights, base.found))
+    plain = fit(model, observe(model.flights, [True] * 16), outlier_flights=True)
+    air = [one for one in effect_candidates(model, np.ones(16, bool)) if one.effect == "air_density"]
+    assert {str(one.place) for one in air} >= {"blank_elevation of A", "blank_elevation of B", "weather of each day"}
+    steps = screened({"air_density": air}, plain).steps
+    for one in air:
+        step, own = steps[one.place, one.starts[0]], len(one.terms)
+        wide = plain.model.with_terms(*one.terms)
+        (flown,) = tangents(wide, [(tuple(range(len(wide.terms))), step.at)], plain.tangent.scatter_slope[..., -1])
+        assert (step.slope[:, 0, -own:] != 0).any(axis=0).all()
+        np.testing.assert_allclose(step.slope[:, 0, -own:], flown.slope[:, 0, -own:], rtol=0.1, atol=1e-9)
 
 
 def test_every_effect_has_a_family_that_the_prior_knows() -> None:

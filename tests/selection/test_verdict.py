@@ -156,6 +156,12 @@ def test_an_effect_that_the_flyer_knows_of_is_taken_whatever_the_evidence() -> N
     assert taken.confidence < 0.5
 
 
+def test_the_probability_of_a_given_effect_is_counted_once() -> None:
+    model = measured(season())
+    taken = diagnose(model, observe(model.flights, [True] * 16), given=("mass_offset",))
+    assert taken.confidence == pytest.approx(taken.posterior.inclusion["mass_offset"], rel=0.3)
+
+
 @pytest.mark.parametrize("name", ["gremlins", "", "wind"])
 def test_an_effect_that_nobody_knows_or_no_flight_could_show_is_an_error(name: str) -> None:
     model = measured(season())

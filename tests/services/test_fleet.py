@@ -43,6 +43,21 @@ def test_a_flight_that_changes_is_seen(ledger: Ledger) -> None:
     assert np.abs(after.mean - before.mean).max() > 1e-4
 
 
+def test_a_message_is_for_one_version_and_one_source_of_the_readouts(
+    ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def saved() -> str:
+        fleet_prior(ledger, catalogue(), "New")
+        return str((ledger.draft(f"{MESSAGE_PREFIX}R0") or {})["digest"])
+
+    found = [saved()]
+    ledger.edit(ledger.ids(ledger.flights("R0"))[0], source={"apogee": "baro"})
+    found.append(saved())
+    monkeypatch.setattr("fieldkit.services.fleet.__version__", "next")
+    found.append(saved())
+    assert len(set(found)) == 3
+
+
 def test_a_rocket_does_not_inform_itself(ledger: Ledger) -> None:
     of_the_other = fleet_prior(ledger, catalogue(), "R0")
     ledger.edit(ledger.ids(ledger.flights("R0"))[0], apogee=120.0)
