@@ -4,9 +4,23 @@ The message names the file, row and column if there are any, what was found, and
 exception is a bug and keeps its traceback.
 """
 
+LONGEST_LINE = 1000
+"""Length to which lines of messages that quote a file are shortened. [characters]"""
+
+
+def shortened(text: str) -> str:
+    """A message without the middle of its overlong lines."""
+    return "\n".join(
+        line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 2 :]}"
+        for line in text.split("\n")
+    )
+
 
 class FieldkitError(Exception):
     """A problem that the flyer can fix; its `str()` is one complete line."""
+
+    def __init__(self, found: str = "") -> None:
+        super().__init__(shortened(found))
 
 
 class DamagedLog(FieldkitError):
@@ -19,7 +33,7 @@ class DamagedLog(FieldkitError):
         self, found: str, *, row: int | None = None, column: str | None = None, source: str | None = None
     ) -> None:
         super().__init__(found)
-        self.found = found
+        self.found = shortened(found)
         self.row = row
         self.column = column
         self.source = source

@@ -6,10 +6,12 @@ import errno
 import os
 import shutil
 import stat
+import tomllib
 from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
 from secrets import token_hex
+from typing import Any
 
 from fieldkit.errors import FieldkitError
 from fieldkit.paths import is_own
@@ -18,6 +20,10 @@ MAX_FILE_SIZE = 1 << 30
 """Size limit of a log or table. [byte]"""
 LARGEST_OWN = 4 << 20
 """Size limit of a settings file. [byte]"""
+LARGEST_TOML = 256 << 10
+"""Size limit of a file of kits, limits, rules or seasons. [byte]"""
+MAX_DOTS = 200
+"""Largest number of dots in a line of such a file: the parser's memory grows with the square of a key's parts. [1]"""
 BACKUPS = "-backups"
 """Suffix of the folder with a ledger's backups."""
 
@@ -52,6 +58,30 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
 def read_own(file: Path) -> str:
     """The text of a small file such as the settings. Raises OSError, UnicodeDecodeError."""
     return read(file, plain=True, most=LARGEST_OWN).decode()
+
+
+def read_toml(file: Path) -> dict[str, Any]:
+    """The tables of a small TOML file. Raises OSError, and ValueError for any other content."""
+    return toml_of(read(file, plain=True, most=LARGEST_TOML).decode())
+
+
+def toml_of(text: str) -> dict[str, Any]:
+    """The tables in a TOML text. Raises ValueError, also for a text that the parser cannot read within its limits and
+    for an integer of more than 64 bits."""
+    if any(line.count(".") > MAX_DOTS for line in text.splitlines()):
+        raise ValueError(f"a line of more than {MAX_DOTS} dots")
+    try:
+        tables = tomllib.loads(text)
+    except RecursionError as error:
+        raise ValueError("values nested too deeply") from error
+    left: list[Any] = [tables]
+    while left:
+        value = left.pop()
+        if isinstance(value, dict | list):
+            left += value.values() if isinstance(value, dict) else value
+        elif isinstance(value, int) and value.bit_length() > 63:
+            raise ValueError("an integer of more than 64 bits")
+    return tables
 
 
 def _poured(file: Path, most: int) -> bytes | None:

@@ -147,6 +147,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found = _in_user_units(str(error)) if isinstance(error, ImpossibleFlight) else str(error)
     except BrokenPipeError:
         return 1  # the reader of the pipe has closed it
+    except MemoryError:
+        found = "found too little memory for this many flights or configurations, expected fewer in the ledger"
     except OSError as error:
         found = f"{error.filename or 'the output'}: found {error.strerror}, expected a file that can be read or written"
         if not error.filename:

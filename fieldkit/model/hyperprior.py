@@ -272,7 +272,7 @@ def read_card(text: str, name: str) -> Hyperprior:
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),
         )
-    except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
+    except (ValueError, RecursionError, OverflowError, KeyError, TypeError, AttributeError, IndexError) as error:
         raise DamagedModel(f"{name}: found {error!r}, expected a hyperprior as `fieldkit learn` writes it") from error
     positive = [
         *found.sds.values(),

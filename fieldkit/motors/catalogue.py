@@ -17,7 +17,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
-from fieldkit.motors.names import parse, tidy
+from fieldkit.motors.names import MAX_NAME, parse, tidy
 from fieldkit.motors.own_corrections import OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
 from fieldkit.motors.several import Booster, names_several, resolve_several
@@ -125,7 +125,7 @@ _LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 def split_lot(text: str) -> tuple[str, str]:
     """Split a motor's name from its lot, empty if none is given: `F24-4W lot 0412`."""
-    found = _LOT.search(text)
+    found = _LOT.search(text) if len(text) <= MAX_NAME else None
     return (text[: found.start()], found[1]) if found else (text, "")
 
 

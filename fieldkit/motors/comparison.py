@@ -81,11 +81,15 @@ def compare_tests(
     the column.
     """
     table = csv.DictReader(content.decode("utf-8-sig", "replace").splitlines())
+    try:
+        lines = list(table)
+    except csv.Error as error:
+        raise BadValue(f"{name}, row {table.line_num + 1}: found {error}, expected a table of tests") from error
     if not set(NAMES[:2]) <= set(table.fieldnames or ()):
         raise BadValue(f"{name}: found the columns {table.fieldnames}, expected manufacturer, designation and figures")
     tests: dict[int, tuple[Motor, dict[str, list[tuple[int, float, str]]]]] = {}
     unknown, rows = [], 0
-    for number, row in enumerate(table, start=2):
+    for number, row in enumerate(lines, start=2):
         rows += 1
         motor = _motor(catalogue, row)
         if motor is None:

@@ -37,6 +37,9 @@ MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 """Makers as the catalog names them, and other names that flyers use."""
 
+MAX_NAME = 1000
+"""Length beyond which a text is no name of a motor or a cluster. [characters]"""
+
 _MAKER_OF = {alias: maker for maker, aliases in MAKERS.items() for alias in (*aliases, maker.upper())}
 _MAKER = re.compile(
     r"(?<![\w-])("
@@ -101,12 +104,16 @@ def maker_of(text: str) -> str:
 
 def is_cluster(text: str) -> bool:
     """Whether a text names several motors: a cluster (`3 B6-4`, `Estes 3 x B6-4`), stages (`D12-0/A8-5`) or both."""
+    if len(text) > MAX_NAME:
+        return False
     tidied = tidy(text)
     return bool(_CLUSTER.match(tidied) or _SEVERAL_MOTORS.search(tidied))
 
 
 def parse(text: str, makers: Collection[str] = ()) -> Name:
     """Parse a motor name; see `Name`. `makers` are those of the user's own motors, in addition to the known ones."""
+    if len(text) > MAX_NAME:
+        return Name("", "", None, "", "", None, "")
     rest = tidy(text)
     maker, rest = _own_maker(rest, makers)
     diameter = None

@@ -45,7 +45,7 @@ def read_own_corrections(folder: Path) -> list[OwnCorrection]:
         return []
     try:
         rows = list(csv.DictReader(files.read_own(file).removeprefix("\ufeff").splitlines()))
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise BadValue(f"{FILE_NAME}: found {error}, expected a table") from error
     return [_row(row, number) for number, row in enumerate(rows, start=2)]
 

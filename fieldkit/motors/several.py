@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, Motor
-from fieldkit.motors.names import is_cluster
+from fieldkit.motors.names import MAX_NAME, is_cluster
 from fieldkit.motors.search import Found
 from fieldkit.shapes import Array
 
@@ -44,7 +44,7 @@ _SEVERAL_MARKS = re.compile(rf"^\s*\d{{1,2}}\s*[x×*]\s*\w|{_MAKER_FIRST.pattern
 
 def names_several(text: str) -> bool:
     """Whether a text names several motors, including makers and air starts."""
-    return is_cluster(text) or _SEVERAL_MARKS.search(text) is not None
+    return is_cluster(text) or (len(text) <= MAX_NAME and _SEVERAL_MARKS.search(text) is not None)
 
 
 def names_stages(text: str) -> bool:
@@ -54,6 +54,8 @@ def names_stages(text: str) -> bool:
 
 def _stages(text: str) -> list[str]:
     """The stages in a text, lowest first, each as its motors; the slash of 1/2A does not split stages."""
+    if len(text) > MAX_NAME:
+        return [text]
     halves = re.sub(r"\b1/(?=[248]A)", f"1{_FRACTION}", text.strip())
     return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
 

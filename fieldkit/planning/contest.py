@@ -4,7 +4,6 @@ Source: the rules of each season, as its file names them with their reliability.
 """
 
 import math
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -122,7 +121,7 @@ def season(year: int, own: Path | None = None) -> Season:
     if not file.exists():
         raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
     try:
-        rule = tomllib.loads(files.read_own(file))
+        rule = files.read_toml(file)
         low, high = (float(end) for end in rule["window_s"])
         most = rule.get("limits", {})
         return Season(
@@ -142,7 +141,7 @@ def season(year: int, own: Path | None = None) -> Season:
             marks={str(name): str(mark) for name, mark in rule.get("marks", {}).items()},
             **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
         )
-    except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
+    except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
         raise BadValue(f"{file.name}: found {error}, expected every key of a season with a valid value") from error
 
 

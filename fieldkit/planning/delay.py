@@ -4,7 +4,6 @@ Source: NFPA 1125 for the tolerance of a delay, whose limits are taken as two st
 """
 
 import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
-from fieldkit.files import read_own
+from fieldkit.files import read_toml
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
@@ -124,10 +123,10 @@ _DRILLABLE = re.compile(r"-\d+A$")
 def _drills(file: Path, motor: Motor) -> dict[str, Drill]:
     """The tools in a file for a motor's diameter."""
     try:
-        tables = tomllib.loads(read_own(file))
+        tables = read_toml(file)
         found = {maker: _drill(maker, table, f"your own {file.name}", motor) for maker, table in tables.items()}
         return {maker: drill for maker, drill in found.items() if drill is not None}
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, OSError) as error:
         raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
 
 

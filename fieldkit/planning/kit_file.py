@@ -1,12 +1,11 @@
 """Changes of `kits.toml`; comments and other keys in it are left as they are."""
 
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fieldkit.errors import BadValue
-from fieldkit.files import read_own, replace
+from fieldkit.files import read_own, replace, toml_of
 from fieldkit.planning.kits import KIT_KEYS, LARGEST_FIGURE, Kit, read_kits
 
 _OWN_LINE = re.compile(rf"\s*(?:{'|'.join(KIT_KEYS)})\s*=")
@@ -47,8 +46,8 @@ def _change(file: Path, was: str, new: Sequence[str], wanted: Mapping[str, Kit])
     gap = [""] if new and start == len(lines) and lines and lines[-1].strip() else []
     text = "\n".join([*lines[:start], *gap, *new, *rest, *lines[end:]]).strip("\n") + "\n"
     try:
-        tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError:
+        tables = toml_of(text)
+    except ValueError:
         tables = {}
     if {name.casefold() for name in tables} != {one.casefold() for one in _without(wanted, was, new)}:
         raise BadValue(f"{file}: found kits that are not written as [name] with lines below, expected a change by hand")
@@ -75,6 +74,6 @@ def _names(line: str, name: str) -> bool:
     if not _heads(line):
         return False
     try:
-        return [one.casefold() for one in tomllib.loads(line)] == [name.casefold()]
-    except tomllib.TOMLDecodeError:
+        return [one.casefold() for one in toml_of(line)] == [name.casefold()]
+    except ValueError:
         return False

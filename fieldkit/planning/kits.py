@@ -1,12 +1,11 @@
 """The user's kits: mass and diameter of a rocket before its first flight, in `kits.toml` in the user's folder."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from fieldkit.errors import BadValue
-from fieldkit.files import read_own
+from fieldkit.files import read_toml
 from fieldkit.motors.motor import Motor
 
 KIT_KEYS = ("dry_mass_g", "diameter_mm", "mount_mm")
@@ -37,8 +36,8 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
     if not file.exists():
         return {}
     try:
-        tables = tomllib.loads(read_own(file))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
+        tables = read_toml(file)
+    except (ValueError, OSError) as error:
         raise BadValue(f"{file.name}: found {error}, expected TOML") from error
     kits = {}
     for name, table in tables.items():

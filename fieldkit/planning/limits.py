@@ -1,6 +1,6 @@
 """Thresholds of the safety lines: shipped with their source, overridden individually in the user's own file."""
 
-import tomllib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import Any
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.files import read_own
+from fieldkit.files import read_toml
 
 OWN_NAMES = ("wind", "angle")
 """Bounds that only a user's own file sets, in addition to those of the rule sets."""
@@ -55,15 +55,15 @@ def limits(own: Path | None = None) -> dict[str, Limit]:
 
 def _read(file: Path) -> dict[str, Limit]:
     try:
-        tables = tomllib.loads(read_own(file))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        tables = read_toml(file)
+    except (ValueError, OSError) as error:
         raise BadValue(f"{file.name}: found {error}, expected TOML") from error
     return {name: _limit(file, name, table) for name, table in tables.items()}
 
 
 def _limit(file: Path, name: str, table: Any) -> Limit:
     value = table.get("value") if isinstance(table, dict) else None
-    if not isinstance(value, int | float) or isinstance(value, bool):
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         raise BadValue(f"{file.name}, {name}: found {value!r}, expected value = a number")
     unit = str(table.get("unit", "1"))
     if unit not in QUANTITIES:

@@ -5,7 +5,6 @@ others, or unverified. The applicable sets depend on the launch's authorities, o
 """
 
 import datetime
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import BadValue
-from fieldkit.files import read_own
+from fieldkit.files import read_toml
 from fieldkit.planning.rule_units import RULE_UNITS
 from fieldkit.safe_text import printable
 
@@ -153,10 +152,11 @@ def read_authorities(text: str) -> tuple[str, ...]:
 def _read(file: Path, changed: int) -> RuleSet:
     """A rule set from its file; cached until the modification time `changed` differs. [ns]"""
     try:
-        table = tomllib.loads(read_own(file))
-        return _rule_set(file.stem, table)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
+        table = read_toml(file)
+    except (ValueError, OSError) as error:
         raise BadValue(f"{file.name}: found {error}, expected a set of rules in TOML") from error
+    try:
+        return _rule_set(file.stem, table)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BadValue(f"{file.name}: found {error!r}, expected title, authority, for, valid_from, [[rule]]") from error
 

@@ -150,3 +150,12 @@ def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) 
     assert "nothing was changed" not in done.stderr
     with Ledger.open(ledger) as opened:
         assert [flight.flight_id for flight in opened.flights()] == ["1", "2", "3", "9"]
+
+
+def test_too_little_memory_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def exhausted(arguments: object) -> int:
+        raise MemoryError
+
+    monkeypatch.setattr("fieldkit.cli.main._status", exhausted)
+    assert main(["flights"]) == 1
+    assert "too little memory" in capsys.readouterr().err

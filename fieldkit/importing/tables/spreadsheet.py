@@ -12,11 +12,10 @@ from datetime import date, datetime, time
 from typing import Any
 
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.spreadsheet_bounds import check_bounds
 
 MAX_UNPACKED = 256 << 20
 """Largest uncompressed size of all files in a spreadsheet. [bytes]"""
-MAX_CELLS = 8_000_000
-"""Largest number of cells in a sheet. [1]"""
 _CONTENTS = ("xl/workbook.xml", "content.xml")
 """Files of which every spreadsheet contains one."""
 
@@ -53,16 +52,15 @@ def _sheets(log: bytes) -> Iterator[bytes]:
     """Each sheet that is not empty, as CSV."""
     import pandas
 
-    with zipfile.ZipFile(io.BytesIO(log)) as archive:
-        size = sum(one.file_size for one in archive.infolist())
-    if size > MAX_UNPACKED:
-        raise DamagedLog(f"found {size >> 20} MB in a spreadsheet, expected at most {MAX_UNPACKED >> 20}")
     try:
+        with zipfile.ZipFile(io.BytesIO(log)) as archive:
+            size = sum(one.file_size for one in archive.infolist())
+            if size > MAX_UNPACKED:
+                raise DamagedLog(f"found {size >> 20} MB in a spreadsheet, expected at most {MAX_UNPACKED >> 20}")
+            check_bounds(archive)
         with pandas.ExcelFile(io.BytesIO(log), engine="calamine") as book:
             for name in book.sheet_names:
                 table: Any = pandas.read_excel(book, sheet_name=name, header=None, dtype=object, na_filter=False)
-                if table.size > MAX_CELLS:
-                    raise DamagedLog(f"found {table.size} cells in a sheet, expected at most {MAX_CELLS}")
                 if table.size:
                     yield _written(table.itertuples(index=False, name=None))
     except DamagedLog:

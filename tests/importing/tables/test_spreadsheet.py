@@ -10,6 +10,7 @@ import pytest
 from fieldkit.errors import DamagedLog, UnknownFormat
 from fieldkit.importing.read import read, read_recordings
 from fieldkit.importing.tables import spreadsheet
+from fieldkit.importing.tables.spreadsheet_bounds import check_bounds
 from tests.samples import any_motor
 
 pandas = pytest.importorskip("pandas")
@@ -88,3 +89,49 @@ def test_a_torn_spreadsheet_is_damaged_and_not_a_crash() -> None:
             archive.writestr(name, content[: len(content) // 2] if name.startswith("xl/") else content)
     with pytest.raises(DamagedLog, match="cannot be read"):
         read(out.getvalue(), "table.xlsx", any_motor)
+
+
+XLSX = {
+    "xl/workbook.xml": '<workbook><sheets><sheet name="S" sheetId="1"/></sheets></workbook>',
+    "xl/sharedStrings.xml": f"<sst><si><t>{'x' * 60_000}</t></si></sst>",
+}
+ODS = "<d><table>{}</table></d>"
+HOSTILE = {
+    "opposite corners": {"xl/s.xml": '<w><row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row></w>'},
+    "a prefix": {"xl/s.xml": '<x:w xmlns:x="n"><x:row><x:c r="XFD1048576"/></x:row></x:w>'},
+    "a shared text": {"xl/s.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 10_000 + "</row></w>"},
+    "an entity": {"xl/s.xml": '<!DOCTYPE w [<!ENTITY a "b">]><w><row><c><v>&a;</v></c></row></w>'},
+    "a torn sheet": {"xl/s.xml": '<w><row><c r="A1"><v>1</v></c>'},
+    "a row of letters": {"xl/s.xml": '<w><row r="one"><c/></row></w>'},
+    "spaces": {"content.xml": ODS.format('<table-row><table-cell><p><s c="2000000000"/></p></table-cell></table-row>')},
+    "a repeated text": {
+        "content.xml": ODS.format(
+            '<table-row number-rows-repeated="1000000"><table-cell><p>' + "x" * 500 + "</p></table-cell></table-row>"
+        )
+    },
+    "a repeated cell": {
+        "content.xml": ODS.format(
+            '<table-row number-rows-repeated="1000000"><table-cell value-type="float" number-columns-repeated="16384"/>'
+            "</table-row>"
+        )
+    },
+}
+
+
+@pytest.mark.parametrize("parts", HOSTILE.values(), ids=HOSTILE)
+def test_a_spreadsheet_that_expands_beyond_memory_is_refused_before_it_is_read(parts: dict[str, str]) -> None:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in (XLSX | parts).items():
+            archive.writestr(name, content)
+    with zipfile.ZipFile(out) as archive, pytest.raises(DamagedLog, match="found"):
+        check_bounds(archive)
+
+
+def test_empty_rows_below_a_table_are_not_counted() -> None:
+    empty = '<table-row number-rows-repeated="1048576"><table-cell number-columns-repeated="16384"/></table-row>'
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        archive.writestr("content.xml", ODS.format("<table-row><table-cell><p>1</p></table-cell></table-row>" + empty))
+    with zipfile.ZipFile(out) as archive:
+        check_bounds(archive)

@@ -1,0 +1,112 @@
+"""Files of the user's own are read, or refused in a line that names the file, whatever they contain."""
+
+import csv
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fieldkit.errors import LONGEST_LINE, BadValue, DamagedLog, FieldkitError, UnknownMotor
+from fieldkit.files import LARGEST_TOML, MAX_DOTS, toml_of
+from fieldkit.model.hyperprior import read_card
+from fieldkit.motors import catalogue
+from fieldkit.motors.comparison import compare_tests
+from fieldkit.motors.motor import Motor
+from fieldkit.motors.own_corrections import FILE_NAME, read_own_corrections
+from fieldkit.planning.contest import season
+from fieldkit.planning.delay import drill_of
+from fieldkit.planning.kits import read_kits
+from fieldkit.planning.limits import limits
+from fieldkit.planning.rules import rule_sets
+
+CHECK_SHAPES = False
+pytestmark = pytest.mark.fast
+
+TEXTS = {
+    "nested values": "K = " + "[" * 50_000,
+    "a key of many parts": "K." * 30_000 + "a = 1",
+    "an integer of 6,000 digits": "[K]\nvalue = " + "9" * 6000,
+    "an integer beyond floats": "[K]\nvalue = " + "9" * 4000 + "\ndiameter_mm = " + "9" * 4000,
+    "a list of numbers": "K = [1]",
+    "a list of tables": "[[K]]\nvalue = 1",
+    "a date": "[K]\nvalue = 0001-01-01\ndiameter_mm = 0001-01-01",
+    "no number": "[K]\nvalue = nan\ndiameter_mm = nan",
+    "no text": "\x00",
+    "more than its limit": "# " + "x" * LARGEST_TOML,
+}
+
+
+def a_motor() -> Motor:
+    return catalogue().resolve("Aerotech H283ST-15A").motor
+
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "kits.toml": read_kits,
+    "limits.toml": limits,
+    "drills.toml": lambda file: drill_of(a_motor(), file),
+    "2027.toml": lambda file: season(2027, file.parent),
+    "K.toml": lambda file: rule_sets(file.parent),
+}
+
+
+@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+@pytest.mark.parametrize("name", READERS)
+def test_a_hostile_file_is_refused_in_a_line(tmp_path: Path, name: str, text: str) -> None:
+    file = tmp_path / name
+    file.write_text(text)
+    with pytest.raises(BadValue, match=name) as refused:
+        READERS[name](file)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"a":' * 100_000, '{"noise": ' + "9" * 6000 + "}"], ids=["lists", "tables", "digits"]
+)
+def test_a_hostile_card_is_refused_in_a_line(text: str) -> None:
+    with pytest.raises(FieldkitError, match=r"card\.json"):
+        read_card(text, "card.json")
+
+
+def test_numbers_of_ordinary_files_are_read() -> None:
+    assert toml_of(f"a = {2**63 - 1}\nb = inf\nc = '{'.' * MAX_DOTS}'")["a"] == 2**63 - 1
+
+
+def test_a_cell_beyond_the_limit_of_tables_is_refused(tmp_path: Path) -> None:
+    before = csv.field_size_limit(131_072)
+    try:
+        (tmp_path / FILE_NAME).write_text("maker,designation,field,value\n" + "x" * 200_000)
+        with pytest.raises(BadValue, match=FILE_NAME):
+            read_own_corrections(tmp_path)
+        with pytest.raises(BadValue, match=r"tests\.csv"):
+            compare_tests(catalogue(), b"manufacturer,designation\n" + b"x" * 200_000, "tests.csv")
+    finally:
+        csv.field_size_limit(before)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1" + " " * 80_000 + "x", "9" * 80_000, "F24" + "," * 80_000 + "x", "1/" * 40_000],
+    ids=["spaces", "digits", "commas", "stages"],
+)
+def test_an_overlong_name_is_no_motor_and_takes_no_time(text: str) -> None:
+    start = time.process_time()
+    with pytest.raises(UnknownMotor) as refused:
+        catalogue().resolve_several(text)
+    assert time.process_time() - start < 1
+    assert len(str(refused.value)) < 2 * LONGEST_LINE
+
+
+def test_a_message_quotes_at_most_a_part_of_a_long_text() -> None:
+    error = DamagedLog("found " + "x" * 1_000_000 + ", expected a number", row=3, source="a.eng")
+    assert str(error).startswith("a.eng, row 3: found xxx")
+    assert str(error).endswith("xxx, expected a number")
+    assert len(str(error)) < 2 * LONGEST_LINE
+
+
+def test_a_limit_that_is_no_number_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "limits.toml"
+    for value in ("nan", "inf", "true"):
+        file.write_text(f"[{next(iter(limits()))}]\nvalue = {value}\n")
+        with pytest.raises(BadValue, match="expected value = a number"):
+            limits(file)
