@@ -75,8 +75,9 @@ def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: 
     time = climb.time[flown]
     if push is not None and window:
         total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (push.felt[1:] + push.felt[:-1]) / 2)))
-        after, before = (np.interp(time + half, push.time, total) for half in (window / 2, -window / 2))
-        felt = (after - before) / window
+        ends = [np.clip(time + half, push.time[0], push.time[-1]) for half in (-window / 2, window / 2)]
+        before, after = (np.interp(end, push.time, total) for end in ends)
+        felt = (after - before) / (ends[1] - ends[0])
         felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
         if push.full is not None:
             felt_sd = np.hypot(felt_sd, (np.interp(time, push.time, push.full) > 0) * max(push.missed, GRAVITY))
