@@ -93,9 +93,13 @@ def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array
 
 
 def _joined(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> "pandas.DataFrame":
-    """Heights of both at the first's times, with the second's clock shifted and its heights interpolated. [m]"""
+    """Heights of both at the first's times, with the second's clock shifted and its heights interpolated. [m]
+
+    Of rows with the same time, as a simulation writes them around an event, the first counts.
+    """
     import pandas
 
-    first, second = pandas.Series(one.height, one.time), pandas.Series(other.height, other.time + shift)
+    heights = pandas.Series(one.height, one.time), pandas.Series(other.height, other.time + shift)
+    first, second = (series[~series.index.duplicated()] for series in heights)
     whole = pandas.concat({"first": first, "second": second}, axis=1).sort_index()
     return whole.interpolate("index", limit_area="inside").loc[first.index].dropna()

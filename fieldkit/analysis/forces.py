@@ -7,6 +7,7 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Push
+from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step
@@ -61,8 +62,8 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
 def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: float) -> Forces | None:
     """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection or apogee.
 
-    An axial accelerometer measures it directly. Otherwise it is the smoothed vertical acceleration plus gravity, which
-    is valid for a rocket that climbs straight.
+    An axial accelerometer measures it directly, with its zero from the pad. Otherwise it is the smoothed vertical
+    acceleration plus gravity, which is valid for a rocket that climbs straight.
     """
     flown = climb.time <= free
     if flown.sum() < 5:
@@ -74,9 +75,12 @@ def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: 
             flown, window = felt_there, 2 * max(0.05, 1.5 * float(np.median(np.diff(push.time))))
     time = climb.time[flown]
     if push is not None and window:
-        total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (push.felt[1:] + push.felt[:-1]) / 2)))
-        after, before = (np.interp(time + half, push.time, total) for half in (window / 2, -window / 2))
-        felt = (after - before) / window
+        net = levelled(push, float(climb.time[0]))
+        every = push.felt if net is None else net + GRAVITY
+        total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (every[1:] + every[:-1]) / 2)))
+        ends = [np.clip(time + half, push.time[0], push.time[-1]) for half in (-window / 2, window / 2)]
+        before, after = (np.interp(end, push.time, total) for end in ends)
+        felt = (after - before) / (ends[1] - ends[0])
         felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
         if push.full is not None:
             felt_sd = np.hypot(felt_sd, (np.interp(time, push.time, push.full) > 0) * max(push.missed, GRAVITY))

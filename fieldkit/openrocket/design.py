@@ -1,13 +1,12 @@
 """A design as a starting configuration: mass without motor, largest diameter, length, and Cd if available."""
 
-import re
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
 from fieldkit.openrocket.archive import root_of
-from fieldkit.openrocket.parts import airframe, children, everything, mass, number, override, sizes
+from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
 
 if TYPE_CHECKING:
@@ -178,10 +177,7 @@ def _motors(rocket: "Element") -> "list[DesignMotor]":
 
 def _mounts(part: "Element", times: int) -> "Iterator[tuple[Element, int]]":
     """The parts that hold motors, and how many each: clusters, multiplied by the pods or boosters that contain them."""
-    if part.tag in ("podset", "parallelstage"):
-        times *= max(int(number(part, "instancecount", 1.0)), 1)
-    cluster = (part.findtext("clusterconfiguration") or "single").strip()
-    counted = re.match(r"\d+", cluster)
-    yield part, times * (int(counted[0]) if counted else 2 if cluster == "double" else 1)
+    times *= copies(part)
+    yield part, times
     for one in children(part):
         yield from _mounts(one, times)

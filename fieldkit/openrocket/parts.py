@@ -5,6 +5,7 @@ Source: the elements of OpenRocket's saved designs, https://openrocket.readthedo
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
 
 AIRFRAME = ("nosecone", "bodytube", "transition")
 """Parts that are placed one after another along the body."""
+ASSEMBLIES = ("stage", "podset", "parallelstage")
+"""Parts that consist of an airframe of their own."""
+MOST_COPIES = 999
+"""Largest number of tubes in a cluster, or of pods in a set. [1]"""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -92,10 +97,19 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     if own is not None and below:
         return own
     inside = sum(mass(one, None, unknown) for one in children(part) if one.tag not in AIRFRAME)
-    if part.tag == "stage":
+    if part.tag in ASSEMBLIES:
         parts = airframe(part)
         inside += sum(mass(one, of, unknown) for one, of in zip(parts, sizes(parts), strict=True))
-    return (own if own is not None else _own_mass(part, size, unknown)) + inside
+    return (own if own is not None else _own_mass(part, size, unknown)) + copies(part) * inside
+
+
+def copies(part: "Element") -> int:
+    """How many times the contents of a part are there: the tubes of a cluster, or the pods or boosters of a set."""
+    if part.tag in ("podset", "parallelstage"):
+        return int(min(max(number(part, "instancecount", 1.0), 1.0), MOST_COPIES))
+    cluster = (part.findtext("clusterconfiguration") or "single").strip()
+    counted = re.match(r"\d{1,3}", cluster)
+    return int(counted[0]) if counted else 2 if cluster == "double" else 1
 
 
 def override(part: "Element") -> tuple[float | None, bool]:
@@ -110,7 +124,7 @@ def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     volume = VOLUMES.get(part.tag)
     if size is not None:
         return _density(part, "material") * _shell(part, size)
-    if volume is not None:
+    if volume is not None and (volume is not _tube or _outer_radius(part)):
         return _density(part, "material") * volume(part) * _instances(part)
     if part.tag in OTHER_MASSES:
         return OTHER_MASSES[part.tag](part)
@@ -129,7 +143,9 @@ def _density(part: "Element", name: str) -> float:
 
 
 def _instances(part: "Element") -> float:
-    return max(number(part, "instancecount", 1.0), 1.0)
+    """How many there are of a part: of fins the file states the same number as `fincount` too. [1]"""
+    named = "fincount" if part.find("fincount") is not None else "instancecount"
+    return max(number(part, named, 1.0), 1.0) * copies(part)
 
 
 def _shell(part: "Element", size: Size) -> float:
@@ -137,15 +153,16 @@ def _shell(part: "Element", size: Size) -> float:
     filled = (part.findtext("thickness") or "").strip() == "filled"
     wall = math.inf if filled else number(part, "thickness")
     along = (np.arange(STEPS) + 0.5) / STEPS
-    outer = size.fore + (size.aft - size.fore) * _profile(part, along)
+    thin, wide = sorted((size.fore, size.aft))
+    outer = thin + (wide - thin) * _profile(part, along if size.fore == thin else 1 - along, wide - thin, size.length)
     slope = np.gradient(outer, size.length / STEPS) if size.length else 0.0 * outer
     inner = np.maximum(outer - wall * np.sqrt(1 + slope**2), 0.0)
     body = float(np.pi * (outer**2 - inner**2).mean() * size.length)
     return body + sum(_ring(part, f"{end}shoulder") for end in ("fore", "aft"))
 
 
-def _profile(part: "Element", x: Float[Array, "step"]) -> Float[Array, "step"]:
-    """Radius profile from one end to the other; 0 to 1.
+def _profile(part: "Element", x: Float[Array, "step"], radius: float, length: float) -> Float[Array, "step"]:
+    """Radius profile from the thin end to the wide one, 0 to 1, of a part that widens by `radius` over `length` [m].
 
     Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
     """
@@ -153,8 +170,7 @@ def _profile(part: "Element", x: Float[Array, "step"]) -> Float[Array, "step"]:
     bent = number(part, "shapeparameter", 1.0)
     if shape == "ellipsoid":
         return np.asarray(np.sqrt(1 - (1 - x) ** 2))
-    if shape == "ogive":
-        length, radius = number(part, "length", 1.0), abs(number(part, "aftradius", 0.1) or 0.1)
+    if shape == "ogive" and radius > 0:
         rho = (radius**2 + length**2) / (2 * radius)
         return np.asarray(
             np.clip((np.sqrt(np.maximum(rho**2 - (length * (1 - x)) ** 2, 0)) + radius - rho) / radius, 0, 1)
@@ -177,9 +193,14 @@ def _ring(part: "Element", name: str) -> float:
     return ring + (math.pi * max(outer - wall, 0.0) ** 2 * wall if capped else 0.0)
 
 
+def _outer_radius(part: "Element") -> float:
+    """Outer radius of a tube or ring; 0 if it is automatic and not stored. [m]"""
+    return number(part, "outerradius") or number(part, "radius")
+
+
 def _tube(part: "Element") -> float:
     """Volume of an inner tube, coupler, ring, bulkhead or lug, from either pair of its radii. [m^3]"""
-    outer = number(part, "outerradius") or number(part, "radius")
+    outer = _outer_radius(part)
     wall = number(part, "thickness")
     inner = number(part, "innerradius") if part.find("innerradius") is not None else max(outer - wall, 0.0)
     solid = part.tag == "bulkhead"
@@ -187,7 +208,7 @@ def _tube(part: "Element") -> float:
 
 
 def _fins(part: "Element") -> float:
-    """Volume of a set of fins without their tabs. [m^3]"""
+    """Volume of one fin without its tab. [m^3]"""
     root, tip, height = (number(part, name) for name in ("rootchord", "tipchord", "height"))
     if part.tag == "trapezoidfinset":
         area = (root + tip) / 2 * height
@@ -196,11 +217,7 @@ def _fins(part: "Element") -> float:
     else:
         points = [(float(p.get("x", 0)), float(p.get("y", 0))) for p in part.iterfind("finpoints/point")]
         area = abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], *points[:1]], strict=True))) / 2
-    return area * number(part, "thickness") * max(number(part, "fincount", 1.0), 1.0)
-
-
-def _tube_fins(part: "Element") -> float:
-    return _tube(part) * max(number(part, "fincount", 1.0), 1.0)
+    return area * number(part, "thickness")
 
 
 def _parachute(part: "Element") -> float:
@@ -219,9 +236,9 @@ def _cord(part: "Element") -> float:
 VOLUMES: "dict[str, Callable[[Element], float]]" = {
     **dict.fromkeys(("innertube", "tubecoupler", "centeringring", "bulkhead", "engineblock", "launchlug"), _tube),
     **dict.fromkeys(("trapezoidfinset", "ellipticalfinset", "freeformfinset"), _fins),
-    "tubefinset": _tube_fins,
+    "tubefinset": _tube,
 }
-"""Parts made of one bulk material, and their volume. [m^3]"""
+"""Parts made of one bulk material, and the volume of one of them. [m^3]"""
 OTHER_MASSES: "dict[str, Callable[[Element], float]]" = {
     "masscomponent": lambda part: number(part, "mass"),
     "parachute": _parachute,

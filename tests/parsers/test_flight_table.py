@@ -442,6 +442,12 @@ def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
     assert flight.extra["Date"] == "5/1/2024"
 
 
+@pytest.mark.parametrize("written", ["13/7/2024 9:30", "7/13/2024 09:30", "13.7.2024 9:30:00"])
+def test_a_date_of_a_list_has_its_time_with_one_digit_or_two(written: str) -> None:
+    got = flight("Date,Motor,Altitude (ft)", f"{written},F24-4W,923")
+    assert got.date_time == datetime(2024, 7, 13, 9, 30)
+
+
 @pytest.mark.parametrize("title", ["Spring launch\n", "Spring launch,,,\n\nexported on Sunday\n"])
 def test_a_title_above_the_header_is_skipped(title: str) -> None:
     log = f"{title}date,rocket,motor,apogee (ft)\n2024-05-04,Alpha,C6-5,812\n".encode()

@@ -221,7 +221,7 @@ def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
 
 def iso_date(text: str) -> str:
     """A date as ISO 8601 if day and month are unambiguous; otherwise unchanged."""
-    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d\d:\d\d(?::\d\d)?))?", text)
+    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d{1,2})(:\d\d(?::\d\d)?))?", text)
     if not match:
         return text
     day, month = int(match[1]), int(match[3])
@@ -229,4 +229,4 @@ def iso_date(text: str) -> str:
         if month <= 12 and day != month:
             return text
         day, month = month, day
-    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]}" if match[5] else "")
+    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]:0>2}{match[6]}" if match[5] else "")

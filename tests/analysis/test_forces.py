@@ -1,0 +1,36 @@
+"""Thrust and drag from an accelerometer: at the ends of its log, and with an error of its zero."""
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis.channels import Push
+from fieldkit.analysis.forces import forces
+from fieldkit.analysis.records import MeasuredClimb
+from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
+
+pytestmark = pytest.mark.fast
+
+
+def test_drag_is_whole_up_to_the_last_sample_of_an_accelerometer() -> None:
+    time = np.arange(0, 5, 0.02)
+    one = np.ones(time.size)
+    climb = MeasuredClimb(time, 500 * one, 100 * one, one, -30 * one, one, time < 0, "acceleration")
+    ticks = np.arange(0, 4.8, 0.01)
+    found = forces(climb, Push(ticks, np.full(ticks.size, -20.0), False, "acceleration"), 200.0, np.inf)
+    assert found is not None
+    assert found.window
+    assert found.push == pytest.approx(-20.0)
+    density = standard_density(np.array([700.0]))[0]
+    assert found.drag_area == pytest.approx(20 / (density * 100**2 / 2))
+
+
+@pytest.mark.parametrize("zero", [-1.0, 0.0, 1.0])
+def test_an_error_of_the_zero_that_the_pad_shows_is_not_drag(zero: float) -> None:
+    time = np.arange(0, 5, 0.02)
+    one = np.ones(time.size)
+    climb = MeasuredClimb(time, 500 * one, 100 * one, one, -30 * one, one, time < 0, "acceleration")
+    ticks = np.arange(-5, 6, 0.01)
+    felt = np.where(ticks < -0.06, GRAVITY, -20.0) + zero
+    found = forces(climb, Push(ticks, felt, False, "acceleration", weighs=True), 200.0, np.inf)
+    assert found is not None
+    assert found.push == pytest.approx(-20.0)

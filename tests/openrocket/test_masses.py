@@ -1,0 +1,71 @@
+"""Masses of the parts of a design that are there several times, and of those that taper toward the tail."""
+
+import math
+
+import pytest
+
+from fieldkit.openrocket import Design, read_design
+
+pytestmark = pytest.mark.fast
+
+PAPER = '<material type="bulk" density="700">Paper</material>'
+FINS = f"""<trapezoidfinset>{{counts}}{PAPER}<thickness>0.003</thickness><rootchord>0.1</rootchord>
+<tipchord>0.06</tipchord><height>0.08</height></trapezoidfinset>"""
+TUBE = f"<bodytube>{PAPER}<length>0.5</length><thickness>0.001</thickness><radius>0.03</radius>{{inside}}</bodytube>"
+BODY = 700 * math.pi * (0.03**2 - 0.029**2) * 0.5
+WEIGHT = "<masscomponent><mass>0.02</mass></masscomponent>"
+
+
+def _read(inside: str, after: str = "") -> Design:
+    tube = TUBE.format(inside=f"<subcomponents>{inside}</subcomponents>")
+    stage = f"<stage><subcomponents>{tube}{after}</subcomponents></stage>"
+    rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"
+    return read_design(f'<openrocket version="1.9">{rocket}</openrocket>'.encode(), "a.ork")
+
+
+def _mass(inside: str, after: str = "") -> float:
+    """Mass beyond that of the body. [kg]"""
+    found = _read(inside, after).dry_mass
+    assert found is not None
+    return found - BODY
+
+
+@pytest.mark.parametrize("counts", ["<fincount>3</fincount>", "<instancecount>3</instancecount>"])
+def test_fins_are_counted_once(counts: str) -> None:
+    both = "<instancecount>3</instancecount><fincount>3</fincount>"
+    three = 700 * 3 * (0.1 + 0.06) / 2 * 0.08 * 0.003
+    assert _mass(FINS.format(counts=counts)) == pytest.approx(three)
+    assert _mass(FINS.format(counts=both)) == pytest.approx(three)
+
+
+@pytest.mark.parametrize("kind", ["podset", "parallelstage"])
+def test_pods_and_boosters_weigh_as_much_as_there_are_of_them(kind: str) -> None:
+    one = TUBE.format(inside=f"<subcomponents>{WEIGHT}</subcomponents>")
+    pods = f"<{kind}><instancecount>2</instancecount><subcomponents>{one}</subcomponents></{kind}>"
+    assert _mass(pods) == pytest.approx(2 * (BODY + 0.02))
+
+
+def test_every_tube_of_a_cluster_weighs_and_what_is_in_it() -> None:
+    mount = f"""<innertube>{PAPER}<length>0.1</length><outerradius>0.01</outerradius><thickness>0.001</thickness>
+<clusterconfiguration>3-ring</clusterconfiguration><subcomponents>{WEIGHT}</subcomponents></innertube>"""
+    assert _mass(mount) == pytest.approx(3 * (700 * math.pi * (0.01**2 - 0.009**2) * 0.1 + 0.02))
+
+
+def test_a_ring_without_a_stored_radius_is_unknown_and_not_negative() -> None:
+    ring = f"""<centeringring><name>Ring</name>{PAPER}<length>0.005</length><outerradius>auto</outerradius>
+<innerradius>0.01</innerradius></centeringring>"""
+    assert _mass(ring) == pytest.approx(0.0, abs=1e-12)
+    assert any("mass of Ring is unknown" in note for note in _read(ring).notes)
+
+
+@pytest.mark.parametrize("shape", ["ogive", "ellipsoid", "conical"])
+def test_a_tail_weighs_as_much_as_the_same_nose(shape: str) -> None:
+    part = f"""<transition>{PAPER}<length>0.1</length><thickness>0.001</thickness><shape>{shape}</shape>
+<foreradius>{{}}</foreradius><aftradius>{{}}</aftradius></transition>"""
+    assert _mass("", part.format(0.03, 0.01)) == pytest.approx(_mass("", part.format(0.01, 0.03)))
+
+
+def test_a_filled_ellipsoid_tail_has_the_volume_of_half_an_ellipsoid() -> None:
+    tail = f"""<transition>{PAPER}<length>0.1</length><thickness>filled</thickness><shape>ellipsoid</shape>
+<foreradius>0.03</foreradius><aftradius>0</aftradius></transition>"""
+    assert _mass("", tail) == pytest.approx(700 * 2 / 3 * math.pi * 0.03**2 * 0.1, rel=1e-3)
