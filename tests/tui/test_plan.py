@@ -211,6 +211,9 @@ async def test_a_mass_typed_for_one_configuration_is_not_that_of_another(file: P
         await press(pilot, "4", "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert planned_mass(ledger) == pytest.approx(0.4504)
+        await press(pilot, "p", *["down"] * 3, "ctrl+u", *typed("70mm"), "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert planned_mass(ledger) == pytest.approx(0.4504)
         await press(pilot, "p", "down", "ctrl+u", *typed("A"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert planned_mass(ledger) is None

@@ -22,9 +22,10 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
     def answered(values: dict[str, object] | None) -> None:
         if values is None:
             return
+        as_shown = {name for name in PLAN if not_retyped(plan, name, values[name], system)}
+        values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
         if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # what was not retyped is the other's
-            same = {name for name in BODY if not_retyped(plan, name, values[name], system)}
-            values = {**values, **dict.fromkeys(same)}
+            values = {**values, **dict.fromkeys(as_shown.intersection(BODY))}
         try:
             keep(planned(values))
         except BadValue as error:
@@ -36,7 +37,7 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
 
 
 def not_retyped(plan: Flight, name: str, value: object, system: str) -> bool:
-    """Whether a mass or a diameter is that of the form before it was changed."""
+    """Whether a number of a plan is the one that its form showed."""
     return same(name, value, plan_texts(plan, system)[name], system)
 
 
