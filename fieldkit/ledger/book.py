@@ -21,13 +21,13 @@ class Known:
 
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
         self.now: dict[tuple[str, str], Flight] = {}
-        self.once: dict[tuple[str, str], Flight] = {}
+        self.once: dict[tuple[str, str], list[Flight]] = {}
         self.digests: dict[int, str | None] = {}
         for held in find(connection, [(flight.rocket, flight.flight_id) for flight in new]):
             self.note(held.flight)
             self.digests[id(held.flight)] = held.log_digest
             if held.entered:
-                self.once[held.entered.rocket, held.entered.flight_id] = held.entered
+                self.once.setdefault((held.entered.rocket, held.entered.flight_id), []).append(held.entered)
                 self.digests[id(held.entered)] = held.log_digest
 
     def note(self, flight: Flight) -> None:
@@ -39,7 +39,7 @@ class Known:
         suffices, whatever the current parser reads from them."""
         flight = arrival.flight
         identity = flight.rocket, flight.flight_id
-        known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
+        known = [one for one in (self.now.get(identity), *self.once.get(identity, ())) if one]
         return next((one for one in known if same(one, flight) or self._reread(one, arrival)), None)
 
     def _reread(self, one: Flight, arrival: Arrival) -> bool:

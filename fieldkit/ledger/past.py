@@ -25,7 +25,7 @@ def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
     moments = {n: came.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
     found = {n: _past(rows, wanted[n].rocket) for n, moment in moments.items() if moment is None}
     latest_first = sorted((moment, n) for n, moment in moments.items() if moment is not None)
-    for number, images in reversed(changes):
+    for number, images, _ in reversed(changes):
         if not latest_first:
             break
         for image in reversed(images):
@@ -36,28 +36,36 @@ def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
     return [found[n] for n in range(len(wanted))]
 
 
-def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
-    """The images of every journal entry, oldest first; an undo has those of its target, reversed."""
+def _changes(connection: Connection) -> Iterator[tuple[int, list[Image], int | None]]:
+    """The images of every journal entry and the change that it undoes, if any, oldest first; an undo has the images of
+    its target, reversed."""
     known: dict[int, list[Image]] = {}
     for row in sound_rows(connection, select(journal).order_by(journal.c.number)):
         number, target = row["number"], row["target"]
         if target is None:
             known[number] = [Image(*image) for image in row["images"]]
-            yield number, known[number]
+            yield number, known[number], None
         elif row["command"] == "undo":
-            yield number, [image.swapped() for image in reversed(known[target])]
+            yield number, [image.swapped() for image in reversed(known[target])], target
         else:
-            yield number, known[target]
+            yield number, known[target], None
 
 
-def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
-    """The change that last added each flight, by entry number."""
-    return {
-        image.after["entry"]: number
-        for number, images in changes
-        for image in images
-        if image.table == "flights" and image.before is None and image.after
-    }
+def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
+    """The change that last added each flight, by entry number; to undo a removal adds nothing."""
+    came: dict[int, int] = {}
+    removed: dict[tuple[int, int], int] = {}
+    for number, images, undoes in changes:
+        for image in images:
+            if image.table != "flights":
+                continue
+            if image.before is None and image.after:
+                entry = image.after["entry"]
+                came[entry] = number if undoes is None else removed.get((undoes, entry), number)
+            elif image.after is None and image.before:
+                entry = image.before["entry"]
+                removed[number, entry] = came.get(entry, number)
+    return came
 
 
 def _rows(connection: Connection) -> Rows:

@@ -83,7 +83,8 @@ def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
     if not flights and not draft:
         return None
     last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
-    plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    build = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    plan = Flight() if draft.get("rocket") else build  # another rocket has its own configuration, or none
     weather = typed_weather(ledger)[0]
     return plan.with_changes(**plan_changes({**draft, **weather}))
 
@@ -123,7 +124,8 @@ def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", pl
     from fieldkit.services.forecasts import predict_plans
     from fieldkit.services.planning import completed_plan
 
-    save_plan(ledger, answer_texts(plan, ("rocket", "config", "dry_mass", "diameter")))
+    texts = answer_texts(plan, ("rocket", "config", "dry_mass", "diameter"))
+    save_plan(ledger, texts | typed_weather(ledger)[0])
     full = completed_plan(ledger, motors, plan, settings)
     (made,) = predict_plans(ledger, motors, [full], decided=True)
     return made

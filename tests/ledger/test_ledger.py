@@ -380,3 +380,24 @@ def test_a_flight_that_is_undone_is_a_draft_again_unless_another_was_started(led
     ledger.undo()
     assert ledger.draft("add") == {"rocket": "Comet"}
     assert not ledger.flights()
+
+
+def test_a_removal_that_was_undone_leaves_what_was_known_before_a_flight(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    ledger.add([SECOND])
+    ledger.remove("1")
+    ledger.undo()
+    assert ledger.before([FIRST, SECOND])[0].flights == ()
+    ledger.redo()
+    ledger.undo()
+    past = ledger.before([FIRST, SECOND])
+    assert [[flight.flight_id for flight in one.flights] for one in past] == [[], ["1"]]
+
+
+def test_a_flight_that_was_renamed_is_a_duplicate_though_another_took_its_name(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    ledger.edit("1", rocket="Vega")
+    ledger.add([FIRST.with_changes(apogee=300.0)])
+    ledger.edit("Astra/1", notes="another flight")
+    again = ledger.add([FIRST])
+    assert (again.duplicates, again.conflicts) == (1, ())

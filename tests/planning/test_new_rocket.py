@@ -14,7 +14,8 @@ from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.kits import kit_of
 from fieldkit.planning.motor_guide import FIT_CHECKS
-from fieldkit.services.launch_day import first_forecast
+from fieldkit.services.day_weather import save_weather
+from fieldkit.services.launch_day import first_forecast, planned
 from fieldkit.services.planning import completed_plan
 from fieldkit.settings import Settings
 from fieldkit.tui.home.first_run import read_first
@@ -184,3 +185,13 @@ def test_a_stable_rocket_turns_into_the_wind_sooner_and_lands_nearer(
     assert away[1] < away[0]
     assert main([*command, "--stability-cal", "stable"]) == 1
     assert "body diameters above zero" in capsys.readouterr().err
+
+
+def test_a_plan_without_a_configuration_takes_none_from_another_rocket(tmp_path: Path) -> None:
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        ledger.add([Flight("1", "Astra", "A", "F24-4W", dry_mass=0.32, diameter=0.066, apogee=250.0)])
+        save_weather(ledger, Flight(wind=3.0))
+        first_forecast(ledger, catalogue(), Settings(), Flight(rocket="Comet", motor="C6-5", dry_mass=0.1))
+        plan = planned(ledger, ledger.flights())
+        assert plan is not None
+        assert (plan.rocket, plan.config, plan.wind) == ("Comet", "", 3.0)

@@ -277,3 +277,12 @@ async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
     with Ledger.open(file) as ledger:
         assert len(ledger.predictions("Astra")) == 1
         assert len(ledger.flights()) == 12
+
+
+async def test_a_unit_typed_in_one_field_leaves_numbers_typed_before_as_they_were(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("281"), *["enter"] * 7, *typed("900ft"), "enter", "ctrl+s", "_")
+        assert "Saved flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        flight = ledger.flight("13")
+    assert (flight.apogee, flight.eject_altitude) == (281.0, pytest.approx(274.32))

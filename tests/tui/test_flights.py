@@ -1,6 +1,7 @@
 """The table of flights, one flight in full, and tags with their effects."""
 
 import asyncio
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -313,3 +314,19 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
         assert "no flights of it: priors only" in told(pilot, "#more")
+
+
+async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_seconds(file: Path) -> None:
+    when = datetime(2026, 5, 1, 10, 30, 15)
+    with Ledger.open(file) as ledger:
+        ledger.edit("2", date_time=when)
+        ledger.add([Flight("2", "Comet", apogee=90.0)])
+    async with opened(file) as pilot:
+        await press(pilot, "/", *typed("comet"), "enter", "enter", "e", "ctrl+u", *typed("Vega"), "ctrl+s", "y", "_")
+        assert "Saved flight Vega/2: rocket" in words(pilot)
+        assert "no flight" not in words(pilot)
+        await press(pilot, "escape", "escape", "/", "ctrl+u", *typed("Astra/2"), "enter", "enter")
+        await press(pilot, "e", *["down"] * 4, "ctrl+u", *typed("281.34"), "ctrl+s", "_")
+    with Ledger.open(file) as ledger:
+        flight = ledger.flight("Astra/2")
+    assert (flight.date_time, flight.apogee) == (when, 281.34)

@@ -1,18 +1,22 @@
 """The first page: the next flight, the first steps with an empty ledger, and the weather of the day."""
 
+import shutil
 from datetime import datetime
 from pathlib import Path
 
 import pytest
+from textual.events import AppFocus
 
+from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.services.imports import bring_in
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
-from tests.pressing import frozen, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, calm, frozen, opened, press, season, shown, told, typed, words
 
 CHECK_SHAPES = False
 
@@ -241,3 +245,20 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         assert "Flown? a to add it" in shown(pilot), "the saved forecast waits again"
     with Ledger.open(empty) as ledger:
         assert not ledger.flights()
+
+
+async def test_the_profile_of_a_flight_is_not_that_of_another_that_had_its_id(tmp_path: Path) -> None:
+    log = "perfectflite__drogue_and_main.pf2"
+    shutil.copy(ROOT / "sample_logs" / log, tmp_path)
+    (tmp_path / "table.csv").write_text(f"flight_id,rocket,apogee_m,log\n1,Comet,,{log}\n")
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        bring_in(ledger, [tmp_path / "table.csv"], lambda name: None)
+    async with opened(tmp_path / "ledger.db", page="home") as pilot:
+        assert "▄▆███" in shown(pilot)
+        with Ledger.open(tmp_path / "ledger.db") as ledger:
+            ledger.remove("1")
+            ledger.add([Flight("1", "Vega", apogee=90.0)])
+        pilot.app.post_message(AppFocus())
+        await calm(pilot)
+        assert "Vega" in shown(pilot)
+        assert "▄▆███" not in shown(pilot)

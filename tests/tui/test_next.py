@@ -5,7 +5,7 @@ import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import cast
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import pytest
 from textual.widgets import Input, Static
@@ -18,6 +18,7 @@ from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.next.forecast_card import ForecastCard
+from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.widgets.bars import KeyBar, shortened
 from fieldkit.tui.widgets.dialogs import HelpScreen
@@ -662,3 +663,13 @@ async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_wa
     assert (flight.rocket, flight.config) == ("Astra", "A")
     assert flight.motor.startswith("AeroTech F24W")
     assert flight.dry_mass == pytest.approx(0.322)
+
+
+def test_forecasts_of_a_plan_that_was_replaced_are_not_shown_for_the_next() -> None:
+    old, new, choice = Mock(), Mock(), Mock()
+    motors = MotorList(old)
+    motors.put(old, [choice])
+    assert motors.known == {choice.motor: choice}
+    motors.turn_to(new)
+    motors.put(old, [choice])
+    assert motors.known == {}

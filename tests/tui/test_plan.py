@@ -10,7 +10,9 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
+from fieldkit.services.launch_day import planned_mass
 from fieldkit.services.sites import put_site, site_of
+from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 from tests.pressing import calm, frozen, opened, press, season, told, typed, words
@@ -194,3 +196,24 @@ async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(f
             drawn = str(pilot.app.screen.query_one(name, Plot).render())
             assert "▲" in drawn
             assert len(set(drawn)) > 20, "lines of Braille"
+
+
+def test_lengths_of_a_site_that_were_not_typed_stay_as_precise_as_they_were() -> None:
+    site = Site("North field", elevation=210.44, size=400.44)
+    texts = {"site": site.name, "site_elevation": "210.4 m"} | site_form.room(site, "SI")
+    values = {name: site_form.read(name, text, site_form.units("SI").get(name, "")) for name, text in texts.items()}
+    assert site_form.answered(site, values, texts, "SI") == site
+    assert site_form.answered(site, values | {"size": 400.41}, texts, "SI").size == 400.41
+
+
+async def test_a_mass_typed_for_one_configuration_is_not_that_of_another(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert planned_mass(ledger) == pytest.approx(0.4504)
+        await press(pilot, "p", *["down"] * 3, "ctrl+u", *typed("70mm"), "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert planned_mass(ledger) == pytest.approx(0.4504)
+        await press(pilot, "p", "down", "ctrl+u", *typed("A"), "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert planned_mass(ledger) is None

@@ -1,6 +1,6 @@
 """Adding the contents of files to the ledger as one change; a later file of a flight is added to that flight."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -88,11 +88,12 @@ def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: Collection[str]) -> Iterator[str]:
+def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
     """A line for each added flight that is far from the others of its rocket on the same motor."""
     rockets: dict[str, dict[str, Arrival]] = {}
     for one in arrivals:
-        if one.flight.rocket and one.flight.flight_id in added:
+        name = one.flight.flight_id
+        if one.flight.rocket and added & {name, f"{one.flight.rocket}/{name}"}:
             rockets.setdefault(one.flight.rocket, {})[one.flight.flight_id] = one
     for rocket, new in rockets.items():
         known = {flight.flight_id: flight for flight in ledger.flights(rocket)}

@@ -42,12 +42,14 @@ FORM_CSS = """
 
 
 class Sheet:
-    """The fields on a page; `touched` names the questions that the user has answered there."""
+    """The fields on a page; `touched` names the questions that the user has answered there, `typed_in` the units that
+    applied when a number was typed without one."""
 
     def __init__(self, page: PageScreen) -> None:
         self._page = page
         self._held: Field | None = None
         self.touched: set[str] = set()
+        self.typed_in: dict[str, str] = {}
         self.picker = Picker()
 
     def body(self) -> Iterable[Widget]:
@@ -93,9 +95,21 @@ class Sheet:
                 if not self.field(name).typed:
                     self.field(name).fill(texts[name], in_units(BY_NAME[name], texts[name], system) if system else "")
 
+    def touch(self, field: Field, unit: str) -> None:
+        """Note that a question was answered: a number without a unit keeps this one, whatever is typed elsewhere."""
+        from fieldkit.services.manual_entry import typed_unit
+
+        name = field.question.name
+        self.touched.add(name)
+        if field.answer and not typed_unit(field.answer):
+            self.typed_in.setdefault(name, unit)
+        else:
+            self.typed_in.pop(name, None)
+
     def clear(self) -> None:
         """Empty every line."""
         self.touched.clear()
+        self.typed_in.clear()
         with self._page.prevent(Input.Changed):
             for name in BY_NAME:
                 self.field(name).fill("")

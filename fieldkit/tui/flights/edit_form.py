@@ -1,5 +1,6 @@
 """Editing a flight: the form of the Add page, filled with what is known."""
 
+from collections.abc import Callable
 from functools import partial
 
 from fieldkit.errors import BadValue
@@ -21,35 +22,44 @@ EDIT_QUESTIONS = (
 """The editable fields of a flight, in the order of the Add page."""
 
 
-def ask_changes(page: PageScreen, id: str, flight: Flight) -> None:
-    """A form over a flight; its changes are one change of the ledger."""
+def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[str], object]) -> None:
+    """A form over a flight; its changes are one change of the ledger. `renamed` gets the id of the changed flight."""
     system = page.resources.settings.units
     texts = {question.name: answer_of(flight, question, system) for question in EDIT_QUESTIONS}
     units = {
         question.name: unit_of(question.column, system) for question in EDIT_QUESTIONS if question.column is not None
     }
     form = Form(f"Flight {id}", EDIT_QUESTIONS, texts, units, names=page.resources.names)
-    page.app.push_screen(form, partial(_answered, page, id, flight, texts))
+    page.app.push_screen(form, partial(_answered, page, id, renamed, texts))
 
 
 def _answered(
-    page: PageScreen, id: str, flight: Flight, texts: dict[str, str], values: dict[str, object] | None
+    page: PageScreen,
+    id: str,
+    renamed: Callable[[str], object],
+    texts: dict[str, str],
+    values: dict[str, object] | None,
 ) -> None:
     if values is None:
         return
     system = page.resources.settings.units
-    changes = {name: new for name, new in values.items() if not same(flight, name, new, texts[name], system)}
+    changes = {name: new for name, new in values.items() if not same(name, new, texts[name], system)}
     if not changes:
         page.show_notice(f"Flight {id} unchanged")
         return
 
-    def work() -> Flight:
+    def work() -> str:
         motor = str(changes.get("motor", ""))
         if motor and (trouble := page.resources.names().motor_trouble(motor)):
             raise BadValue(f"motor: {trouble}")
-        return page.resources.ledger.edit(id, **changes)
+        ledger = page.resources.ledger
+        return ledger.ids([ledger.edit(id, **changes)])[0]
 
-    page.change(work, lambda _: _saved(page, id, list(changes)))
+    def saved(now: str) -> None:
+        renamed(now)
+        _saved(page, now, list(changes))
+
+    page.change(work, saved)
 
 
 def _saved(page: PageScreen, id: str, names: list[str]) -> None:

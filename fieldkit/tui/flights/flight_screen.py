@@ -267,7 +267,7 @@ class FlightScreen(PageScreen):
         from fieldkit.tui.flights.edit_form import ask_changes
 
         if self._flight is not None:
-            ask_changes(self, self._flight_id, self._flight)
+            ask_changes(self, self._flight_id, self._flight, partial(setattr, self, "_flight_id"))
 
     def copied(self) -> str:
         """The flight as a card of text."""

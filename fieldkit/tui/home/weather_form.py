@@ -17,12 +17,16 @@ def ask_weather(page: PageScreen, now: Flight) -> None:
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: not known.") for name in WEATHER]
     texts = {name: measure(BY_NAME[name], now.number(name), system) for name in WEATHER}
     units = {name: unit_of(BY_NAME[name], system) for name in WEATHER}
-    page.app.push_screen(Form("Today's weather", questions, texts, units), partial(_answered, page))
+    page.app.push_screen(Form("Today's weather", questions, texts, units), partial(_answered, page, now, texts))
 
 
-def _answered(page: PageScreen, values: dict[str, object] | None) -> None:
+def _answered(page: PageScreen, now: Flight, texts: dict[str, str], values: dict[str, object] | None) -> None:
     if values is None:
         return
+    from fieldkit.tui.setup.setup_lists import same
+
+    system = page.resources.settings.units
+    values = {name: now.number(name) if same(name, new, texts[name], system) else new for name, new in values.items()}
 
     def work() -> bool:
         from fieldkit.services.day_weather import save_weather

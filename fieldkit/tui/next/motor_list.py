@@ -49,6 +49,11 @@ class MotorList:
         """Set another plan, without forecasts."""
         self.plan, self.known, self.exact = plan, {}, set()
 
+    def put(self, plan: "Plan", found: "Sequence[MotorChoice]") -> None:
+        """Add forecasts of a plan, unless it has been replaced in the meantime."""
+        if plan is self.plan:
+            self.known |= {one.motor: one for one in found}
+
     def put_exact(self, motor: "Motor", made: "Prediction") -> None:
         """Replace the forecast of a motor by one with all draws."""
         if (one := self.known.get(motor)) is not None:

@@ -4,10 +4,11 @@ from collections.abc import Callable
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.quantities import measure, unit_of
+from fieldkit.quantities import unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup.setup_lists import same
 
 BODY = ("dry_mass", "diameter")
 """The figures of a plan that belong to its rocket."""
@@ -21,9 +22,10 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
     def answered(values: dict[str, object] | None) -> None:
         if values is None:
             return
-        if values["rocket"] != plan.rocket:  # what was not retyped is the other rocket's
-            same = {name for name in BODY if not_retyped(plan, name, values[name], system)}
-            values = {**values, **dict.fromkeys(same)}
+        as_shown = {name for name in PLAN if not_retyped(plan, name, values[name], system)}
+        values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
+        if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # what was not retyped is the other's
+            values = {**values, **dict.fromkeys(as_shown.intersection(BODY))}
         try:
             keep(planned(values))
         except BadValue as error:
@@ -35,9 +37,8 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
 
 
 def not_retyped(plan: Flight, name: str, value: object, system: str) -> bool:
-    """Whether a mass or a diameter is that of the form before it was changed."""
-    text = plan_texts(plan, system)[name]
-    return measure(BY_NAME[name], value if isinstance(value, float) else None, system) == text
+    """Whether a number of a plan is the one that its form showed."""
+    return same(name, value, plan_texts(plan, system)[name], system)
 
 
 def keep_plan(page: PageScreen, plan: Flight) -> None:

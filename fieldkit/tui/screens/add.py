@@ -128,20 +128,21 @@ class AddScreen(PageScreen):
         self.set_focus(self._sheet.first_empty())
 
     def unit(self, question: Question) -> str:
-        """The unit of a number typed without one: the last typed, else that of the settings."""
+        """The unit of a number typed without one: that when it was typed, the last typed, else that of the settings."""
         from fieldkit.services.manual_entry import kind
 
         column = question.column
         if column is None:
             return ""
-        return self._units.get(kind(column)) or unit_of(column, self.resources.settings.units)
+        known = self._sheet.typed_in.get(question.name) or self._units.get(kind(column))
+        return known or unit_of(column, self.resources.settings.units)
 
     @on(Input.Changed)
     def _typed(self, event: Input.Changed) -> None:
         """Read the current answers, note what is implausible, and save them."""
         field = field_of(event.input)
         if field is not None:
-            self._sheet.touched.add(field.question.name)
+            self._sheet.touch(field, self.unit(field.question))
             kept: Future[None] = self._pen.keep(self._draft, self._answers(), dict(self._units))
             self._look()
             self._sheet.picker.follow(event.input, field.question.name)
@@ -177,11 +178,8 @@ class AddScreen(PageScreen):
 
     def _in_hand(self) -> None:
         """Show the current field in large digits, with its meaning and the consistency of the readouts."""
-        field, hand, system = (
-            self._sheet.take_in_hand(self.focused),
-            self.query_one(Hand),
-            self.resources.settings.units,
-        )
+        field, hand = self._sheet.take_in_hand(self.focused), self.query_one(Hand)
+        system = self.resources.settings.units
         if field is not None:
             hand.show(field, self._said, self.unit(field.question), system)
         else:
@@ -253,7 +251,7 @@ class AddScreen(PageScreen):
             self._look()
         if question.name in ("rocket", "config"):
             self._offer_again()
-        if question.name == "motor" and event.value:
+        if question.name == "motor":
             self._ask_usual()
             self.ask(partial(self._draft.motor_trouble, event.value), self._say_motor, "motor")
 

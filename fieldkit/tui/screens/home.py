@@ -68,7 +68,7 @@ class HomeScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._view: Overview | None = None
-        self._profiles: dict[str, str] = {}
+        self._profiles: dict[str, tuple[Flight, str]] = {}
         self._have_read = False
 
     def body(self) -> Iterable[Widget]:
@@ -118,11 +118,16 @@ class HomeScreen(PageScreen):
         self._view, self._have_read = view, True
         self._show()
         flights = view.flights if view is not None else ()
-        wanted = [one for one in flights if one.flight.log and one.id not in self._profiles]
-        self.ask(partial(logs_of, self.resources, wanted), self._have_profiles, "profiles")
+        wanted = [one for one in flights if one.flight.log and self._profile(one) is None]
+        self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
 
-    def _have_profiles(self, found: dict[str, str]) -> None:
-        self._profiles |= found
+    def _profile(self, one: "ListedFlight") -> str | None:
+        """The profile of a flight; None until it was read, and for another flight that had its id."""
+        flight, profile = self._profiles.get(one.id, (None, None))
+        return profile if flight == one.flight else None
+
+    def _have_profiles(self, read: "Sequence[ListedFlight]", found: dict[str, str]) -> None:
+        self._profiles |= {one.id: (one.flight, found[one.id]) for one in read}
         self.query_one(Table).refresh()
         self.field_app.settled()
 
@@ -152,7 +157,7 @@ class HomeScreen(PageScreen):
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
         cells = flight_row(flights, self.resources.settings.units, width)
-        table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profiles.get(id, "")))
+        table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
 
     @on(Table.Moved)
     def _moved(self) -> None:

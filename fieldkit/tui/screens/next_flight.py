@@ -155,10 +155,10 @@ class NextScreen(PageScreen):
 
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
-        self.ask(work, self._have, "forecast", alone=True)
+        self.ask(work, partial(self._have, plan), "forecast", alone=True)
 
-    def _have(self, found: "Sequence[MotorChoice]") -> None:
-        self._motors.known |= {one.motor: one for one in found}
+    def _have(self, plan: Plan, found: "Sequence[MotorChoice]") -> None:
+        self._motors.put(plan, found)
         self._refill()
         self._forecast()
 

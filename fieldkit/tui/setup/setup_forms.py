@@ -46,7 +46,7 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
     changes = {
         name: value
         for name, value in values.items()
-        if not same(group.last, name, value, texts[name], page.resources.settings.units)
+        if not same(name, value, texts[name], page.resources.settings.units)
     }
     if changes:
         work = partial(page.resources.ledger.edit_all, group.ids, what, **changes)
@@ -73,7 +73,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
         return
     system, was = page.resources.settings.units, place.site
     flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
-    changes = {name: new for name, new in flown.items() if not same(place.last, name, new, texts[name], system)}
+    changes = {name: new for name, new in flown.items() if not same(name, new, texts[name], system)}
     site = site_form.answered(was, values, texts, system)
 
     def work() -> int:

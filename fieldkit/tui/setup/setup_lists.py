@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.importing.manual_entry import Question, answer_text
+from fieldkit.importing.manual_entry import Question, answer_text, read_answer
 from fieldkit.paths import motor_folder, settings_file
-from fieldkit.quantities import SYSTEMS, measure, written
+from fieldkit.quantities import SYSTEMS, measure, unit_of, written
 from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite, LedgerNames
@@ -133,9 +133,7 @@ def answer_of(flight: Flight, question: Question, system: str) -> str:
     return measure(question.column, flight.number(question.name), system)
 
 
-def same(flight: Flight, name: str, value: object, text: str, system: str) -> bool:
-    """Whether a form's value is unchanged: a number with the same text was not changed."""
-    column = BY_NAME.get(name)
-    if column is None:
-        return bool(getattr(flight, name) == value)
-    return measure(column, value if isinstance(value, float) else None, system) == text
+def same(name: str, value: object, text: str, system: str) -> bool:
+    """Whether a form's value is unchanged: it is if it is that of the text that the form showed."""
+    unit = unit_of(BY_NAME[name], system) if name in BY_NAME else ""
+    return read_answer(name, text, unit) == value

@@ -254,3 +254,12 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
     run("undo")
     assert ledger.flight(id) == before
     assert "±" in run("remeasure")
+
+
+def test_a_flight_far_from_the_others_is_named_if_another_rocket_has_its_number(ledger: Ledger, tmp_path: Path) -> None:
+    rows = "".join(f"{n},Astra,F24-4W,{apogee}\n" for n, apogee in enumerate((240, 241, 239, 240, 600), start=1))
+    (tmp_path / "table.csv").write_text(f"flight_id,rocket,motor,apogee_m\n{rows}")
+    ledger.add([Flight("5", "Comet", motor="C6-5", apogee=100.0)])
+    receipt = taken(ledger, tmp_path / "table.csv")
+    assert "Astra/5" in receipt.ids
+    assert any("flight 5 of Astra" in note for note in receipt.notes)
