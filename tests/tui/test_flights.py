@@ -12,6 +12,7 @@ from textual.widgets import Input
 from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
+from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.plots import Plot
@@ -330,3 +331,12 @@ async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_s
     with Ledger.open(file) as ledger:
         flight = ledger.flight("Astra/2")
     assert (flight.date_time, flight.apogee) == (when, 281.34)
+
+
+async def test_a_log_that_is_read_while_the_page_closes_is_dropped(file: Path) -> None:
+    async with opened(file, (160, 60)) as pilot:
+        page = pilot.app.screen
+        assert isinstance(page, FlightsScreen)
+        await page.query(Table).remove()
+        page._have_log("12", "no log")
+        assert not pilot.app.errors

@@ -168,7 +168,9 @@ class FlightsScreen(PageScreen):
         self._beside()
 
     def _row(self) -> Row | None:
-        return self._rows.get(self.query_one(Table).current)
+        """The flight under the cursor; None if there is none, or if the page is being closed and its table is gone."""
+        tables = self.query(Table)
+        return self._rows.get(tables.first().current) if tables else None
 
     @on(Table.Moved)
     def _moved(self) -> None:
