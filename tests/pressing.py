@@ -158,6 +158,14 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(models, "now", lambda: MOMENT)
 
 
+def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The ledger of that season in a folder, with a user's home beside it."""
+    frozen(monkeypatch)
+    monkeypatch.setenv("FIELDKIT_HOME", str(folder / "home"))
+    season(folder / "ledger.db")
+    return folder / "ledger.db"
+
+
 @asynccontextmanager
 async def opened(
     file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"

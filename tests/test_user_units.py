@@ -42,6 +42,8 @@ loop --rocket Astra --quick
 model --rocket Astra
 score --rocket Astra
 compare flight-dd2afbb08f sample_logs/perfectflite__drogue_and_main.pf2
+kits Bertha --dry-mass 2.8oz --diameter 1.64in --mount 18mm
+kits
 sites Meadow --elevation 700ft --size 1300ft --ceiling 3000ft
 sites
 predict --rocket Astra --motor F24-4W --site Meadow

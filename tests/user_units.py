@@ -18,6 +18,7 @@ _ELSEWHERE = {
     "a rule to check oneself": r"distance of complex rockets, but not more than 2,000 ft",
     "rules that only some motors meet": r"occupied buildings: (.|\n(?! *[\w-]+: ))*",
     "dimensions of motors": r"\b(motors|mount) of \d+ mm|│ (diameter|length) +\d+ mm",
+    "mounts of kits": r"(?m)(?<= oz) +[\d.]+ in +\d+ mm$",
     "accelerations": r"(?im)^.*acceleration.*$|[-\d.]+ to [-\d.]+ g$",
     "seconds and then a word": r"\b\d[\d.]* in (the|a|all)\b",
 }

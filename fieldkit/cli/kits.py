@@ -20,8 +20,9 @@ def kits(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List your kits, or save or delete one; plans use them with --kit."""
+    from fieldkit.flight import BY_NAME
     from fieldkit.planning.kits import KIT_KEYS, Kit
-    from fieldkit.quantities import ShownUnits
+    from fieldkit.quantities import measure, unit_of
     from fieldkit.services.kits import delete_kit, named_kit, save_kit
     from fieldkit.services.kits import kits as own_kits
     from fieldkit.units import parse
@@ -52,16 +53,22 @@ def kits(
     if not known:
         complain("no kits yet; `fieldkit kits NAME --dry-mass 80g --diameter 41.6mm --mount 18mm` saves one")
         return
-    shown = ShownUnits(system())
+    metric = unit_of(BY_NAME["diameter"], system()) == "mm"
     rows = [
         (
             one.name,
-            "" if one.dry_mass is None else shown.mass(one.dry_mass),
-            *("" if value is None else f"{value * 1e3:g} mm" for value in one.figures[1:]),
+            measure(BY_NAME["dry_mass"], one.dry_mass, system()),
+            _millimeters(one.diameter) if metric else measure(BY_NAME["diameter"], one.diameter, system()),
+            _millimeters(one.mount),
         )
         for one in known
     ]
     print_table(("kit", "dry mass", "diameter", "mount"), rows, numbers=["dry mass", "diameter", "mount"])
+
+
+def _millimeters(value: float | None) -> str:
+    """A width [m] with the tenths of a ruler."""
+    return "" if value is None else f"{value * 1e3:.4g} mm"
 
 
 def _shown(value: float | None) -> float | None:

@@ -130,8 +130,8 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
         return np.full(len(flights), np.pi / 4 * typical[:flown].mean() ** 2)
     config, known = np.array([flight.config for flight in flights]), np.isfinite(diameter)[:flown]
     for row in np.flatnonzero(np.isnan(diameter)):
-        alike = known & (config[:flown] == config[row])
-        diameter[row] = diameter[:flown][alike if alike.any() else known].mean()
+        own = known & (config[:flown] == config[row])
+        diameter[row] = diameter[:flown][own if own.any() else known].mean()
     return np.asarray(np.pi / 4 * diameter**2)
 
 

@@ -217,10 +217,10 @@ def test_an_accelerometer_is_felt_or_net_by_what_it_shows_at_rest() -> None:
 def test_an_accelerometer_of_a_log_that_begins_in_flight_is_known_by_its_coast(
     shift: float, channel_name: str, charge: float
 ) -> None:
-    begun = [(t, h) for t, h, _ in climb() if h > 4.0]
-    top = max(begun, key=lambda sample: sample[1])[0]
-    felt = [8.0 - t if t < 1.2 else charge if abs(t - top - 1.5) < 0.06 else -0.1 for t, _ in begun]
-    rows = "".join(f"{t:.2f},{h:.2f},{g + shift:.2f}\n" for (t, h), g in zip(begun, felt, strict=True))
+    rising = [(t, h) for t, h, _ in climb() if h > 4.0]
+    top = max(rising, key=lambda sample: sample[1])[0]
+    felt = [8.0 - t if t < 1.2 else charge if abs(t - top - 1.5) < 0.06 else -0.1 for t, _ in rising]
+    rows = "".join(f"{t:.2f},{h:.2f},{g + shift:.2f}\n" for (t, h), g in zip(rising, felt, strict=True))
     (series,), line = found(f"t (s),alt (m),accel (g)\n{rows}".encode())
     assert getattr(series, channel_name) is not None
     assert "from its value before apogee" in line

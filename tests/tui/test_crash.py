@@ -15,17 +15,14 @@ from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.crash import MAX_CRASH_FILES, record
 from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.widgets.table import Table
-from tests.pressing import calm, frozen, hurry, opened, press, season, shown, typed, words
+from tests.pressing import at_home, calm, hurry, opened, press, shown, typed, words
 
 Keys = Callable[[Pilot[None]], Coroutine[Any, Any, None]]
 
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    frozen(monkeypatch)
-    season(tmp_path / "ledger.db")
-    return tmp_path / "ledger.db"
+    return at_home(tmp_path, monkeypatch)
 
 
 def crash_files(file: Path) -> list[str]:

@@ -16,18 +16,15 @@ from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
-from tests.pressing import ROOT, calm, frozen, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, at_home, calm, opened, press, shown, told, typed, words
 
 CHECK_SHAPES = False
 
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    frozen(monkeypatch)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
-    season(tmp_path / "ledger.db")
-    return tmp_path / "ledger.db"
+    return at_home(tmp_path, monkeypatch)
 
 
 @pytest.fixture

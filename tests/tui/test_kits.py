@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fieldkit.planning.kits import kit_of, read_kits
-from tests.pressing import frozen, opened, press, season, told, typed, words
+from tests.pressing import at_home, opened, press, told, typed, words
 
 CHECK_SHAPES = False
 TO_KITS = ("6", "left", "left")
@@ -13,10 +13,7 @@ TO_KITS = ("6", "left", "left")
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    frozen(monkeypatch)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    season(tmp_path / "ledger.db")
-    return tmp_path / "ledger.db"
+    return at_home(tmp_path, monkeypatch)
 
 
 async def test_a_kit_is_added_changed_and_deleted(file: Path) -> None:

@@ -24,7 +24,19 @@ from fieldkit.tui.widgets.bars import KeyBar, shortened
 from fieldkit.tui.widgets.dialogs import HelpScreen
 from fieldkit.tui.widgets.table import Table
 from tests.openrocket.test_design import SIMULATION, design
-from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
+from tests.pressing import (
+    ROOT,
+    at_home,
+    calm,
+    hurry,
+    looked_at,
+    opened,
+    press,
+    shown,
+    told,
+    typed,
+    words,
+)
 
 CHECK_SHAPES = False
 
@@ -34,13 +46,10 @@ SURE = ("y", "_", "enter", "_")
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    frozen(monkeypatch)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     folder = tmp_path / "field"
     folder.mkdir()
     monkeypatch.chdir(folder)
-    season(tmp_path / "ledger.db")
-    return tmp_path / "ledger.db"
+    return at_home(tmp_path, monkeypatch)
 
 
 # Import

@@ -15,17 +15,14 @@ from fieldkit.services.sites import put_site, site_of
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
-from tests.pressing import calm, frozen, opened, press, season, told, typed, words
+from tests.pressing import at_home, calm, opened, press, told, typed, words
 
 CHECK_SHAPES = False
 
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    frozen(monkeypatch)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    season(tmp_path / "ledger.db")
-    return tmp_path / "ledger.db"
+    return at_home(tmp_path, monkeypatch)
 
 
 def said(pilot: Pilot[None]) -> str:

@@ -7,7 +7,7 @@ import pytest
 
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
-from tests.pressing import frozen, looked_at, opened, press, season, shown, typed
+from tests.pressing import at_home, looked_at, opened, press, shown, typed
 from tests.user_units import foreign_figures
 
 CHECK_SHAPES = False
@@ -36,12 +36,10 @@ PAGES: dict[str, list[str]] = {
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A ledger with flights of two rockets, one of them with a log."""
-    frozen(monkeypatch)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    season(tmp_path / "ledger.db")
-    with Ledger.open(tmp_path / "ledger.db") as ledger:
+    ledger_file = at_home(tmp_path, monkeypatch)
+    with Ledger.open(ledger_file) as ledger:
         bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3})
-    return tmp_path / "ledger.db"
+    return ledger_file
 
 
 async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) -> None:
