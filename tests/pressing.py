@@ -28,6 +28,7 @@ from fieldkit.analysis import measure
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
+from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide
 from fieldkit.tui.app import FieldkitApp
@@ -139,10 +140,21 @@ def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
     return repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
 
 
+def _fitted(model: Any, data: Any) -> object:
+    """The cache key for a fit: effects by their names, because functions of plug-ins have no address."""
+    terms = [
+        (term.name, *[getattr(term, key) for key in ("mean", "sd", "weight", "low", "high", "scaled_by")])
+        for term in model.terms
+    ]
+    rest = (model.flights, model.found, model.area, model.flight_index, repr(model.hyperprior), model.shared)
+    return terms, rest, model.coarse, data
+
+
 ONCE = {
     "fieldkit.planning.motor_guide.guide": once(guide, _guided),
     "fieldkit.forecast.at_once.each_at_once": once(each_at_once),
     "fieldkit.services.forecasts.predict": once(predict),
+    "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),
     "fieldkit.analysis.measure": once(measure),
 }
 """Pure functions of the engine that pages call often and that take most of their time."""
@@ -198,18 +210,31 @@ async def calm(pilot: Pilot[None]) -> None:
     """
     quiet = 0
     while quiet < 2:
+        await _workers_done(pilot)
         while not _all_read(pilot):
             await asyncio.sleep(0)
         await pilot._wait_for_screen()
         await pilot.app.animator.wait_until_complete()  # a page that scrolls
         pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
         screen = pilot.app.screen
-        busy = [worker for worker in pilot.app.workers if not worker.is_finished]
+        busy = _busy(pilot)
         due = isinstance(screen, PageScreen) and screen._seen != (pilot.app.revision, pilot.app.look)
         due |= bool(pilot.app._batch_count)  # a new page is hidden until it is laid out
         quiet = 0 if busy or due or screen._callbacks or not _all_read(pilot) else quiet + 1
         if busy or due:
             await asyncio.sleep(0.005)
+
+
+def _busy(pilot: Pilot[None]) -> bool:
+    """Whether a worker is at work."""
+    return any(not worker.is_finished for worker in pilot.app.workers)
+
+
+async def _workers_done(pilot: Pilot[None], polls: int = 20) -> None:
+    """Wait a fifth of a second at most for the workers, because a look at all widgets takes their interpreter away."""
+    while polls and _busy(pilot):
+        await asyncio.sleep(0.01)
+        polls -= 1
 
 
 def _all_read(pilot: Pilot[None]) -> bool:
