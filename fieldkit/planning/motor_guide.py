@@ -24,7 +24,7 @@ from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
-from fieldkit.planning.safety import safety_lines, thrust_to_weight
+from fieldkit.planning.safety import known_rules, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DRAWS = 64
@@ -213,6 +213,7 @@ def guide(
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
     known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
+    rules = known_rules()
     return [
         MotorChoice(
             motor,
@@ -221,7 +222,7 @@ def guide(
             said,
             label(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
-            tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits)),
+            tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits, rules)),
             fall,
         )
         for motor, (delay, coast, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
