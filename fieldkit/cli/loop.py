@@ -28,7 +28,10 @@ def loop(
     ] = None,
     decline: Annotated[
         str | None,
-        typer.Option(help="Exclude this effect; several: wind+mass_offset.", show_default=False),
+        typer.Option(
+            help="Exclude this effect from the search; several: wear+mass_offset. Forecasts use recorded wind anyway.",
+            show_default=False,
+        ),
     ] = None,
     look: Annotated[bool, typer.Option("--look", help="Show only; do not change the model.")] = False,
     quick: Annotated[
@@ -45,7 +48,7 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""
     if quick:
-        _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
+        _quick(context, rocket, refused={"--effect": effect, "--decline": decline, "--report": page}, json=json)
         return
     from fieldkit.cli.screen import progress
     from fieldkit.presentation.json_documents import loop_document

@@ -1,6 +1,8 @@
 """Draws of a model's terms from the posterior of a fit.
 
-Derivation: draws of a normal posterior, and of the independent normal prior of terms that no flight constrains.
+Derivation: draws of a normal posterior, and of the independent normal prior of terms that no flight constrains. Both
+are truncated at the bounds of the terms, as in the evidence: the posterior by rejection of draws out of bounds (von
+Neumann, 1951), the prior by inversion of its distribution function.
 """
 
 import re
@@ -9,9 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldkit.inference.laplace.posterior import Fit, term_sds
-from fieldkit.model.rocket_model import Model, fleet_term
+from fieldkit.model.rocket_model import Model, Term, fleet_term
 from fieldkit.shapes import Array, Float, Int, Integers
 
+MAX_REJECTIONS = 50
+"""Maximum number of repetitions of a draw out of bounds, which is then moved to them. [1]"""
 _GROUPED = re.compile("( of | on )")
 """What separates a quantity from the group of flights, whose name may contain either."""
 
@@ -34,8 +38,18 @@ def term_draws(
         term = model.terms[i]
         kind = _level(term.name)
         random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
-        values[:, i] = np.clip(term.mean + sds[:, i] * random_draws[kind], term.low, term.high)
+        values[:, i] = _bounded(term, sds[:, i], random_draws[kind])
     return values, _scales(result, which)
+
+
+def _bounded(term: Term, sd: Float[Array, "draw"], normal: Float[Array, "draw"]) -> Float[Array, "draw"]:
+    """Draws of a term's prior within its bounds, from those of a standard normal distribution."""
+    from scipy.special import ndtr, ndtri
+
+    if np.isfinite(term.low) or np.isfinite(term.high):
+        below, above = ndtr((term.low - term.mean) / sd), ndtr((term.high - term.mean) / sd)
+        normal = ndtri(below + (above - below) * ndtr(normal))
+    return np.clip(term.mean + sd * normal, term.low, term.high)
 
 
 def _level(name: str) -> str:
@@ -52,8 +66,15 @@ def _sampled(
     """Draws of a model's terms within their bounds, and the pair of scales of each draw."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(result.covariance)
-    values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
+    values, outside = np.empty((draws, result.mean.shape[1])), np.arange(draws)
+    for _ in range(MAX_REJECTIONS):
+        own = which[outside]
+        normal = rng.normal(size=(len(own), values.shape[1]))
+        values[outside] = result.mean[own] + np.einsum("dtu,du->dt", roots[own], normal)
+        outside = outside[((values[outside] < lows) | (values[outside] > highs)).any(axis=1)]
+        if not len(outside):
+            break
     return np.clip(values, lows, highs), which
 
 

@@ -23,6 +23,8 @@ from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
 """Default rail length. [m]"""
+UNRECORDED_WIND = 0.0
+"""Wind of a flight without a recorded one. [m/s]"""
 DESCENT_SPEED = 5.0
 """Default descent speed under a parachute. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
@@ -84,7 +86,7 @@ def field_setup(
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
-        recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=0.0),
+        recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=UNRECORDED_WIND),
         temperature_recorded=np.isfinite(conditions[1]),
         stride=stride,
     )

@@ -4,6 +4,7 @@ Source: rank correlation by Spearman (1904), analysis of variance of ranks by Kr
 the residuals: the mean over the scales of scatter of leave-one-out residuals in standard deviations.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -166,7 +167,8 @@ def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
 def associations(
     error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
-    """Each column's name, statistic and uncorrected p-value for some residuals; nan is not recorded."""
+    """Each column's name, statistic and uncorrected p-value for some residuals; nan is not recorded. A group of one
+    flight is left out of the test of its column."""
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
@@ -175,8 +177,8 @@ def associations(
             found.append((name, *spearman(values[both], error[both])))
     for name, group in kinds.items():
         own = np.array(group)[seen]
-        parts = [error[seen][own == kind] for kind in np.unique(own)]
-        if len(parts) > 1 and min(len(part) for part in parts) >= 2 and len(np.unique(error[seen])) > 1:
+        parts = [error[seen][own == kind] for kind, count in Counter(own.tolist()).items() if count > 1]
+        if len(parts) > 1 and len(np.unique(np.concatenate(parts))) > 1:
             found.append((name, *kruskal_wallis(parts)))
     return found
 

@@ -161,11 +161,11 @@ def _expanded(
 ) -> dict[Members, list[Hypothesis]]:
     """Each other effect added to a set, with the set's effects in their most probable places.
 
-    The relative evidence of its other places is assumed to be the same as without the added effect. `best` is the log
-    weight of the most probable set.
+    The relative evidence of its other places, and of those that its own log prior includes, is assumed to be the same
+    as without the added effect. `best` is the log weight of the most probable set.
     """
     parent = max(parents, key=lambda one: one.log_weight)
-    elsewhere = _weight(parents) - parent.log_weight
+    elsewhere = _weight(parents) - parent.log_evidence - prior_of(parent.candidates)
     least = best - WINDOW - SCREENING_ERROR - _weight(parents)
     worth = {name: least - log_prior_odds([name or UNEXPLAINED]) for name in others}
     trials = try_all(parent.fit.model, data, screened(others, parent.fit, worth), parent.fit)

@@ -9,13 +9,17 @@ from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_la
 from fieldkit.inference.laplace.linearization import known_angle_slope
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
-from fieldkit.model.rocket_model import Model
+from fieldkit.model.rocket_model import Model, Term
 from fieldkit.physics.effect import Effect
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
 from fieldkit.selection.screen import Screened
 
 MAX_RESTARTS = 3
 """Number of trials from whose end points a model is refitted. [1]"""
+REACH_SDS = 8.0
+"""Range of the integral over a strength, in standard deviations. [1]"""
+NODES = 4001
+"""Number of points of this integral. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,21 +36,29 @@ class Trial:
         return bends.unit if isinstance(bends, Effect) else ""
 
     def strength(self) -> tuple[float, float]:
-        """Posterior mean and standard deviation of the strength, in the effect's unit.
+        """Posterior mean and standard deviation of the strength, within its bounds, in the effect's unit.
 
         For an effect with a strength in every group, it is the root mean square over the groups.
         """
         names = [term.name for term in self.candidate.terms]
         index = [self.fit.model.names.index(name) for name in names]
         means, sds = self.fit.moments()
-        bends = self.candidate.terms[0].bends
         if self.candidate.place.where == EACH_GROUP:
             return float(np.sqrt((means[index] ** 2).mean())), float(np.sqrt((sds[index] ** 2).mean()))
-        fitted, spread = float(means[index[0]]), float(sds[index[0]])
-        if isinstance(bends, Effect) and bends.squared:
-            fitted = max(fitted, spread / 10, 1e-12)
-            return float(np.sqrt(fitted)), float(spread / (2 * np.sqrt(fitted)))
-        return fitted, spread
+        return strength_moments(self.candidate.terms[0], float(means[index[0]]), float(sds[index[0]]))
+
+
+def strength_moments(term: Term, mean: float, sd: float) -> tuple[float, float]:
+    """Mean and standard deviation of a strength, from those of the fitted value's normal posterior before its
+    truncation at the bounds of the term. By integration over the values within the bounds."""
+    low = max(term.low, min(mean, term.high) - REACH_SDS * sd)
+    high = min(term.high, max(mean, term.low) + REACH_SDS * sd)
+    values = np.linspace(low, high, NODES)
+    log_density = -0.5 * ((values - mean) / sd) ** 2
+    weight = np.exp(log_density - log_density.max())
+    strength = term.bends.strength(values) if isinstance(term.bends, Effect) else values
+    middle = float(np.average(strength, weights=weight))
+    return middle, float(np.sqrt(np.average((strength - middle) ** 2, weights=weight)))
 
 
 def try_all(

@@ -1,16 +1,19 @@
 """Patterns that no known effect explains: a sentence with what they correlate with, and their size."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.selection.candidates import SMOOTHLY
+from fieldkit.selection.candidates import LASTING_PREFIX, SMOOTHLY
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
 
 HOUR = "the hour of the day"
 """The name of the pattern."""
+ORDINALS = {"2": "second", "3": "third"}
+"""The numbers in the names of patterns that repeat, as ordinals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +91,12 @@ def _pattern_words(place: str) -> str:
         return f"on {place.removeprefix('the day ')}"
     if place == HOUR:
         return "later in the day"
-    if place.startswith("every flight from "):
+    if place.startswith(LASTING_PREFIX):
         return place.removeprefix("every flight ")
-    counted = {"2": "second", "3": "third"}
-    _, number, _, rest = [*place.split(" ", 3), "", "", ""][:4]
-    return f"that are every {counted.get(number, number)} one, {rest}" if rest else f"with {place}"
+    if counted := re.fullmatch(r"every (\d+) flights, (.+)", place):
+        number, rest = counted.groups()
+        return f"that are every {ORDINALS.get(number, number)} one, {rest}"
+    return f"with {place}"
 
 
 def _title(column: str) -> str:

@@ -63,8 +63,9 @@ def test_lines_for_a_flyer_name_the_verdict(ledger: str, capsys: pytest.CaptureF
 
 
 def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--ledger", ledger, "loop", "--quick", "--effect", "wind"]) == 1
-    assert "--quick" in capsys.readouterr().err
+    for option in ("--effect", "--decline"):
+        assert main(["--ledger", ledger, "loop", "--quick", option, "wind"]) == 1
+        assert f"{option}: found together with --quick" in capsys.readouterr().err
     with Ledger.open(ledger) as book:
         ids = [flight.flight_id for flight in book.flights()]
     for id in ids[:9]:

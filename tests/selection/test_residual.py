@@ -109,6 +109,16 @@ def test_a_column_that_says_nothing_is_not_looked_at() -> None:
     assert associations(error, {"wind": np.full(12, 3.0), "hour": np.full(12, np.nan)}, {"site": ["a"] * 12}) == []
 
 
+def test_a_group_of_one_flight_does_not_hide_the_others() -> None:
+    rng = np.random.default_rng(14)
+    error = np.array([*rng.normal(0.0, 1.0, 8), *rng.normal(6.0, 1.0, 8), 0.0])
+    motors = ["D12"] * 8 + ["E9"] * 8 + ["F15"]
+    ((name, _, p),) = associations(error, {}, {"motor": motors})
+    assert name == "motor"
+    assert p < 0.001
+    assert associations(error[:9], {}, {"motor": motors[:8] + motors[16:]}) == []
+
+
 def test_holm_keeps_the_chance_of_one_false_alarm() -> None:
     rng = np.random.default_rng(12)
     alarms = [min(holm(list(rng.uniform(size=8)))) < 0.1 for _ in range(2000)]

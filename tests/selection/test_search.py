@@ -1,0 +1,63 @@
+"""The search: a set's weight covers all places of its effects, and strengths stay within their bounds."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import truncnorm
+
+from fieldkit.model.rocket_model import Term
+from fieldkit.physics.effect import effects
+from fieldkit.selection import search
+from fieldkit.selection.candidates import Candidate, Place
+from fieldkit.selection.hypotheses import Hypothesis
+from fieldkit.selection.trial import Trial, strength_moments
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+MOTORS = ("E35", "F24", "F39")
+
+
+def candidate(effect: str, where: str = "", count: int = 1) -> Candidate:
+    """An effect in one of `count` places of equal prior probability."""
+    place = Place(effect, where)
+    term = Term(str(place), effects()[effect], 0.0, 1.0, np.ones(4))
+    return Candidate(place, (term,), log_share=float(-np.log(count)))
+
+
+def fitted(log_evidence: float) -> Any:
+    return SimpleNamespace(log_evidence=log_evidence, model=None)
+
+
+def test_a_set_of_three_keeps_the_weight_of_all_places_of_its_effects(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the evidence is the same in each of three equally probable places, places do not change the odds of a set."""
+    monkeypatch.setattr(search, "screened", lambda families, near, worth: families)
+    monkeypatch.setattr(
+        search,
+        "try_all",
+        lambda model, data, families, near: [Trial(c, fitted(0.0)) for own in families.values() for c in own],
+    )
+    found = [Hypothesis((), fitted(0.0))]
+    anywhere = [candidate("motor_thrust", motor, len(MOTORS)) for motor in MOTORS]
+    others = {"wear": [candidate("wear")], "mass_offset": [candidate("mass_offset")], "motor_thrust": anywhere}
+    for name in ("motor_thrust", "wear", "mass_offset"):
+        (found,) = search._expanded(found, SimpleNamespace(), {name: others[name]}, -np.inf).values()
+    odds = np.logaddexp.reduce([one.log_weight for one in found])
+    assert odds == pytest.approx(search.log_prior_odds(["motor_thrust", "wear", "mass_offset"]))
+
+
+@pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])
+@pytest.mark.parametrize("beyond", [-3.0, 0.0, 40.0])
+def test_a_strength_has_the_moments_of_its_truncated_posterior(effect: str, beyond: float) -> None:
+    """Against draws by inversion, for a normal posterior whose mean is below, at or far above the lower bound."""
+    bends = effects()[effect]
+    term = Term(effect, bends, bends.prior.mean, bends.prior.sd, np.ones(4), bends.prior.low, bends.prior.high)
+    sd = (bends.prior.high - bends.prior.low) / 100
+    mean = bends.prior.low + beyond * sd
+    ends = (bends.prior.low - mean) / sd, (bends.prior.high - mean) / sd
+    drawn = bends.strength(truncnorm.rvs(*ends, loc=mean, scale=sd, size=40_000, random_state=1))
+    middle, spread = strength_moments(term, mean, sd)
+    assert middle == pytest.approx(drawn.mean(), abs=4 * drawn.std() / 200)
+    assert spread == pytest.approx(drawn.std(), rel=0.03)
