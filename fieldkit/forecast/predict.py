@@ -24,7 +24,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects, spoken
-from fieldkit.physics.setups import recorded
+from fieldkit.physics.setups import differs_from_zero
 from fieldkit.selection.candidates import EACH_GROUP, Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
@@ -285,5 +285,5 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
     return [
         Place(name)
         for name, effect in effects().items()
-        if effect.declared and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and name not in known and differs_from_zero(flights, effect.needs)
     ]

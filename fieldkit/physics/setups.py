@@ -1,8 +1,9 @@
 """Build a setup for the field physics from flights and their motors: certified thrust curves, real air, a rail.
 
 What was not recorded gets a stated default: standard air at sea level, a vertical one-meter rail, a parachute that
-descends at 5 m/s. Recorded wind does not turn a rocket by itself: it acts only through the `wind` effect, whose
-strength is how strongly this rocket weathercocks.
+descends at 5 m/s. Wind does not turn a rocket by itself: it acts only through the `wind` effect, whose strength is how
+strongly this rocket weathercocks. Beside flights with a recorded wind, one without it flew in an unknown wind, not in
+a calm.
 """
 
 from collections.abc import Sequence
@@ -23,8 +24,10 @@ from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
 """Default rail length. [m]"""
-UNRECORDED_WIND = 0.0
-"""Wind of a flight without a recorded one. [m/s]"""
+USUAL_WIND = 3.5
+"""Wind for the `wind` effect on a flight without a recorded one: the root mean square of a Rayleigh distribution with
+mean 3.1 m/s, the prior of the field ensemble, because the height lost by weathercocking grows with the square of the
+wind. [m/s]"""
 DESCENT_SPEED = 5.0
 """Default descent speed under a parachute. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
@@ -40,6 +43,12 @@ def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
     """One number of every flight in SI, nan if it was not recorded."""
     values = [flight.number(name) for flight in flights]
     return np.array([np.nan if value is None else value for value in values], float)
+
+
+def differs_from_zero(flights: Sequence[Flight], name: str) -> bool:
+    """Whether a condition is recorded for some flight and not zero for all, so that an effect of it acts."""
+    column = recorded(flights, name)
+    return bool(np.isfinite(column).any() and (column != 0).any())
 
 
 def delays(flights: Sequence[Flight], found: Sequence[Found]) -> Float[Array, "flight"]:
@@ -86,7 +95,7 @@ def field_setup(
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
-        recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=UNRECORDED_WIND),
+        recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=USUAL_WIND),
         temperature_recorded=np.isfinite(conditions[1]),
         stride=stride,
     )

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_documents import finite
 from fieldkit.quantities import ShownUnits, in_system, rounded
@@ -51,6 +52,7 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
         "after": finite(found.after.json()),
         "same_flight_again": {"apogee_m": {"p05": low, "p50": middle, "p95": high}},
         "untrained": list(found.untrained),
+        "beyond_training": found.beyond_training,
         "evaluation": EVALUATION,
     }
 
@@ -73,6 +75,8 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
         yield f"  or {', '.join(found.also)}, which these flights do not rule out"
     if found.untrained:
         yield f"  the network was not trained with {', '.join(found.untrained)}"
+    if found.beyond_training:
+        yield f"  the network was trained with at most {MAX_FLIGHTS} flights of a rocket: trust the full search instead"
     yield f"  `fieldkit loop --rocket {found.rocket}` runs the full search and saves the result"
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.flight.start import repeated
 from fieldkit.inference.history.columns import families
+from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.evidence import Trials
 from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.history.records import History
@@ -67,6 +68,11 @@ class QuickLook:
     also: tuple[str, ...]
     before: Score
     untrained: tuple[str, ...]
+
+    @property
+    def beyond_training(self) -> bool:
+        """Whether there are more flights than in any history that the network was trained with."""
+        return self.flights > MAX_FLIGHTS
 
     @property
     def after(self) -> Score:

@@ -16,6 +16,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.setups import USUAL_WIND
 from fieldkit.selection.candidates import EACH_GROUP, Place
 from tests import seasons
 
@@ -188,3 +189,13 @@ def test_more_flights_never_widen_and_a_motor_never_flown_gains_most() -> None:
     assert steps[0] == pytest.approx(1.0)
     assert steps == sorted(steps, reverse=True)
     assert new.narrowed(1) < known.narrowed(1) - 0.1
+
+
+def test_flights_without_a_recorded_wind_flew_in_the_usual_one_and_not_in_a_calm() -> None:
+    flown = season({})
+    at = {
+        wind: float(np.median(predict(flown, [(PLAN.with_changes(wind=wind), flown[0][1])])[0].apogee))
+        for wind in (0.0, USUAL_WIND, 8.0)
+    }
+    assert at[USUAL_WIND] == pytest.approx(mean_apogee("F24", flown), rel=0.015)
+    assert at[0.0] > 1.002 * at[USUAL_WIND] > 1.01 * at[8.0]

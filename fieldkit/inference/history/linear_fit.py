@@ -26,7 +26,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
-from fieldkit.physics.setups import recorded
+from fieldkit.physics.setups import differs_from_zero
 from fieldkit.shapes import Array, Float
 
 SCATTER_NODES, READING_NODES = (-1.6, -0.55, 0.55, 1.6), (-0.9, 0.9)
@@ -89,7 +89,7 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
         for name, effect in effects().items()
-        if effect.declared and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and differs_from_zero(flights, effect.needs)
     ]
 
 
