@@ -50,7 +50,10 @@ class Trial:
 
 def strength_moments(term: Term, mean: float, sd: float) -> tuple[float, float]:
     """Mean and standard deviation of a strength, from those of the fitted value's normal posterior before its
-    truncation at the bounds of the term. By integration over the values within the bounds."""
+    truncation at the bounds of the term.
+
+    Derivation: the integral of the strength and of its square over the density within the bounds.
+    """
     low = max(term.low, min(mean, term.high) - REACH_SDS * sd)
     high = min(term.high, max(mean, term.low) + REACH_SDS * sd)
     values = np.linspace(low, high, NODES)

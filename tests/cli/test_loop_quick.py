@@ -62,6 +62,20 @@ def test_lines_for_a_flyer_name_the_verdict(ledger: str, capsys: pytest.CaptureF
     assert "unexplained" in out
 
 
+def test_more_flights_than_in_training_are_a_warning(
+    ledger: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    warning = "the network was trained with at most"
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
+    assert warning not in capsys.readouterr().out
+    monkeypatch.setattr("fieldkit.selection.quick_look.MAX_FLIGHTS", 11)
+    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
+    assert warning in capsys.readouterr().out
+    assert main(["--ledger", ledger, "loop", "--quick", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["beyond_training"] is True
+
+
 def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     for option in ("--effect", "--decline"):
         assert main(["--ledger", ledger, "loop", "--quick", option, "wind"]) == 1
