@@ -68,9 +68,10 @@ def _sampled(
     roots = np.linalg.cholesky(result.covariance)
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
     values, outside = np.empty((draws, result.mean.shape[1])), np.arange(draws)
-    for _ in range(MAX_REJECTIONS):
+    for turn in range(MAX_REJECTIONS):
         own = which[outside]
         normal = rng.normal(size=(len(own), values.shape[1]))
+        rng = rng if turn else rng.spawn(1)[0]  # so that later draws do not depend on the number of repetitions
         values[outside] = result.mean[own] + np.einsum("dtu,du->dt", roots[own], normal)
         outside = outside[((values[outside] < lows) | (values[outside] > highs)).any(axis=1)]
         if not len(outside):
