@@ -45,7 +45,7 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""
     if quick:
-        _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
+        _quick(context, rocket, refused={"--effect": effect, "--decline": decline, "--report": page}, json=json)
         return
     from fieldkit.cli.screen import progress
     from fieldkit.presentation.json_documents import loop_document

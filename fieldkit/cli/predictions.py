@@ -41,10 +41,10 @@ def predictions(
     if not found:
         complain(f"no forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
-    rockets = {one.made.rocket for one in found}
+    rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())
     apogee = f"apogee {units.length_unit}"
-    headers = ["no", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
+    headers = ["no", "made", "flight", "config", "motor", apogee, "90%", "flown", "miss", ""]
     rows = [_cells(one, units) for one in shown]
     if len(rockets) > 1:
         headers.insert(2, "rocket")
@@ -52,7 +52,7 @@ def predictions(
     print_table(headers, rows, numbers=["no", apogee, "90%", "flown", "miss"])
     for one in shown:
         if one.stale:
-            say_wrapped(f"  {one.made.number}: {'; '.join(one.changes)}", "   ")
+            say_wrapped(f"  {one.made.number}: {'; '.join(one.changes_in(units.system))}", "   ")
     say(standing(found))
 
 
@@ -64,6 +64,7 @@ def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
         str(one.made.number),
         f"{one.made.at.astimezone():%Y-%m-%d}",
         flight,
+        str(payload.get("config", "")),
         str(payload.get("motor", "")),
         middle,
         f"{low}-{high}",

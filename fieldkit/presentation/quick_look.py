@@ -1,6 +1,7 @@
 """A quick search as JSON under the contract's keys, and as lines for a flyer."""
 
 from collections.abc import Iterator
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -73,7 +74,7 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
         yield f"  or {', '.join(found.also)}, which these flights do not rule out"
     if found.untrained:
         yield f"  the network was not trained with {', '.join(found.untrained)}"
-    yield f"  `fieldkit loop --rocket {found.rocket}` runs the full search and saves the result"
+    yield f"  `fieldkit loop --rocket {quote(found.rocket)}` runs the full search and saves the result"
 
 
 def forecast_document(found: QuickForecast) -> dict[str, Any]:
