@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.network.history import QuickAnswer
-from fieldkit.presentation.json_documents import finite
+from fieldkit.presentation.json_values import finite
 from fieldkit.quantities import ShownUnits, in_system, rounded
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary

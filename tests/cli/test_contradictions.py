@@ -19,6 +19,7 @@ LINES = {
     "predict --flights plans.csv --motor F24-4W": "--motor with --flights",
     "predict --flights plans.csv --kit Bertha --dry-mass 900": "--dry-mass, --kit with --flights",
     "daysheet --flights plans.csv --rocket Astra --out sheet.pdf": "--rocket with --flights",
+    "remeasure 1 --rocket Astra": "flights and --rocket",
     "motors F24 --fit Astra": "--fit and a search",
     "motors --about --corrections": "--corrections and --about",
     "motors F24 --target 250m": "--target without --fit",
@@ -63,6 +64,11 @@ def test_a_quick_look_cannot_decline_an_effect(folder: Path, capsys: pytest.Capt
 def test_the_conditions_of_a_day_still_complete_a_table(folder: Path) -> None:
     assert main(["daysheet", "--flights", "plans.csv", "--temperature", "68F", "--out", "sheet.pdf"]) == 0
     assert (folder / "sheet.pdf").exists()
+
+
+def test_an_unknown_rocket_has_nothing_to_measure_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["remeasure", "--rocket", "Nope"]) == 1
+    assert "expected one of: Astra" in capsys.readouterr().err
 
 
 def test_an_unknown_site_is_named_with_those_that_are_known(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

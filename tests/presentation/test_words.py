@@ -101,6 +101,22 @@ def test_cd_without_a_diameter_is_empty_and_warnings_are_in_the_flyers_units(
     assert "m/s" not in said.err
 
 
+def test_cd_without_a_diameter_is_null_in_json(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["infer", "--json"]) == 0
+    flights = json.loads(capsys.readouterr().out)["flights"]
+    assert [one["cd"] for one in flights] == [None] * 5
+    assert all(one["alpha"] > 0 for one in flights)
+
+
+def test_a_log_without_a_rocket_is_not_the_default_of_a_plan(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (home / "log.csv").write_text("flight_id,apogee_m\nx,300\n")
+    assert main(["import", str(home / "log.csv")]) == 0
+    capsys.readouterr()
+    assert main(["predict", "--motor", "F24-4W", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["predictions"][0]["rocket"] == NAME
+
+
 def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["loop", "--quick"]) == 0

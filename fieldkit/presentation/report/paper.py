@@ -79,10 +79,10 @@ def heading(card: Card) -> tuple[str, str]:
     """The flight of a card, and its time and place."""
     flight = card.flight
     when = moment_in_words(flight.date_time) if flight.date_time else "no date"
-    title = " ".join(part for part in (flight.rocket, flight.config) if part) or "Flight"
-    return f"{title} · flight {card.id.removeprefix(f'{flight.rocket}/')}", " · ".join(
-        filter(None, (when, flight.site))
-    )
+    build = " ".join(part for part in (flight.rocket, flight.config) if part)
+    number = card.id.removeprefix(f"{flight.rocket}/")
+    title = f"{build} · flight {number}" if build else f"Flight {number}"
+    return title, " · ".join(filter(None, (when, flight.site)))
 
 
 def moment_in_words(moment: datetime) -> str:
