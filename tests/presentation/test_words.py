@@ -30,7 +30,7 @@ def forecast(motor: str, **given: object) -> Prediction:
     return made
 
 
-def test_why_no_charge_fires_is_said_as_it_is() -> None:
+def test_the_reason_why_no_charge_fires_is_named() -> None:
     assert ejection_in_words(forecast("F24-4W")).endswith("apogee")
     assert ejection_in_words(forecast("F39")).startswith("delay unknown")
     assert ejection_in_words(forecast("F24-P")) == "none: a plugged motor has no charge"
@@ -123,7 +123,7 @@ def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, capsys: pyte
     assert f"`fieldkit loop --rocket '{NAME}'`" in capsys.readouterr().out
 
 
-def test_forecasts_of_two_builds_are_told_apart(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_forecasts_of_two_builds_differ_in_their_configuration(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for build in ("A", "heavy"):
         assert main(["predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322"]) == 0
     capsys.readouterr()

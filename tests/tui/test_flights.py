@@ -314,7 +314,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
-        assert "no flights of it: priors only" in told(pilot, "#more")
+        assert "no flights of it, only other rockets" in told(pilot, "#more")
 
 
 async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_seconds(file: Path) -> None:
