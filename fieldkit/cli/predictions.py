@@ -44,8 +44,12 @@ def predictions(
     rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())
     apogee = f"apogee {units.length_unit}"
-    headers = ["no", "made", "flight", "config", "motor", apogee, "90%", "flown", "miss", ""]
+    headers = ["no", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
     rows = [_cells(one, units) for one in shown]
+    configs = [str(one.made.payload.get("config", "")) for one in shown]
+    if len(set(configs)) > 1:
+        headers.insert(3, "config")
+        rows = [[*row[:3], config, *row[3:]] for row, config in zip(rows, configs, strict=True)]
     if len(rockets) > 1:
         headers.insert(2, "rocket")
         rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
@@ -64,7 +68,6 @@ def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
         str(one.made.number),
         f"{one.made.at.astimezone():%Y-%m-%d}",
         flight,
-        str(payload.get("config", "")),
         str(payload.get("motor", "")),
         middle,
         f"{low}-{high}",
