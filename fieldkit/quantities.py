@@ -56,11 +56,12 @@ QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "
 def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
     """A figure [SI] in the unit of a system, given its SI unit: `written(304.8, "m", "US")` is `1000 ft`.
 
-    `digits` is the number of decimals in SI; other units have one less, but not fewer than none.
+    `digits` is the number of decimals in SI. Smaller units have at most as many; larger ones such as the ounce keep
+    their own.
     """
     shown = SYSTEMS[system].get(unit, unit)
     places = DECIMALS.get(shown, 0)
-    if digits is not None:
+    if digits is not None and (shown == unit or places <= DECIMALS[unit]):
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
     return f"{scale.from_si(value):.{places}f} {spelled(shown)}"

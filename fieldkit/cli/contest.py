@@ -69,7 +69,7 @@ def finals(
         table = finals_table(flown, rule, finals_targets(rule))
     chosen = system()
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
-    notes = [*finals_basis(flown), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
+    notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
         files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
         complain(f"{card}: the card")

@@ -7,12 +7,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.options import takes_plan
+from fieldkit.cli.options import CONDITIONS, takes_plan
 from fieldkit.cli.plan_options import Given
-from fieldkit.cli.planning import PlanContext, field_of, own_limits, planned_table, planning
+from fieldkit.cli.planning import (
+    OF_THE_FIELD,
+    PlanContext,
+    check_given_with_table,
+    field_of,
+    own_limits,
+    planned_table,
+    planning,
+)
 from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.flight.recovery import RECOVERY_NAMES
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -21,6 +30,8 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 app = typer.Typer()
+OF_THE_DAY = ("site", "motor_temperature", *(header.rpartition("_")[0] for header in CONDITIONS), *RECOVERY_NAMES)
+"""Options of a plan that complete the flights of a table."""
 
 
 def daysheet(
@@ -43,8 +54,8 @@ def daysheet(
 
     check_card(out)
     force = settled(out, force)
-    if flights is not None and given.get("motor"):
-        raise typer.BadParameter("use --flights or --motor, not both")
+    if flights is not None:
+        check_given_with_table(given, (*OF_THE_FIELD, *OF_THE_DAY))
     with plans_of_day(context, flights, given) as plans:
         planned = [planned_flight(one.rocket, one.flight, one.motor(), one.site, one.limits) for one in plans]
     heading = title or f"Day sheet, {datetime.date.today().isoformat()}"

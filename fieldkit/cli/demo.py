@@ -102,22 +102,21 @@ def _infer(found: "Demo") -> None:
 
 
 def _predict(found: "Demo") -> None:
+    from fieldkit.presentation.forecast_text import ejection_in_words
+
     say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean flights with certified thrust")
     say()
     headers = ("motor", "config", "apogee", "90% interval", "ejection")
     shown, rows = ShownUnits(system()), []
     for one in found.predictions:
         p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())
-        eject = one.median_eject
         rows.append(
             (
                 one.plan.motor,
                 one.plan.config,
                 shown.length(p50),
                 shown.lengths(p05, p95),
-                "delay unknown"
-                if eject is None
-                else f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee",
+                ejection_in_words(one).partition(";")[0],
             )
         )
     print_table(headers, rows, numbers=headers[2:4])

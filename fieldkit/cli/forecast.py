@@ -9,7 +9,9 @@ import typer
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
 from fieldkit.cli.plan_options import plan_from_options
 from fieldkit.cli.planning import (
+    OF_THE_FIELD,
     about_plan,
+    check_given_with_table,
     planned_table,
     print_safety,
     safety_of,
@@ -58,8 +60,8 @@ def predict(
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
-        if flights is not None and given.get("motor"):
-            raise typer.BadParameter("use --flights or --motor, not both")
+        if flights is not None:
+            check_given_with_table(given, OF_THE_FIELD)
         known = check.catalogue.complaint_of_several if not quick else check
         plans = planned_table(flights, known) if flights is not None else [_plan(ledger, given, check.catalogue, known)]
         if quick:

@@ -1,6 +1,7 @@
 """`fieldkit infer`: drag and thrust of flights that were flown."""
 
 from enum import StrEnum
+from math import isfinite
 from typing import Annotated
 
 import typer
@@ -45,18 +46,22 @@ def infer(
         print_json({"flights": [one.json() for one in found.inferred]})
         return
     for warning, ids in found.warnings():
-        complain(f"note: flight{'s' if len(ids) > 1 else ''} {', '.join(ids)}: {warning}")
+        complain(f"note: flight{'s' if len(ids) > 1 else ''} {', '.join(ids)}: {in_system(warning, system())}")
     headers = ("flight", "motor", "apogee", "Cd", "±", "alpha", "±")
     rows = [
         (
             id,
             one.flight.motor,
             measured("apogee", one.flight.apogee),
-            f"{one.cd:.3f}",
-            f"{one.cd_sd:.3f}",
+            *_without_nan(one.cd, one.cd_sd),
             f"{one.alpha:.3f}",
             f"{one.alpha_sd:.3f}",
         )
         for id, one in zip(found.ids, found.inferred, strict=True)
     ]
     print_table(headers, rows, numbers=headers[2:])
+
+
+def _without_nan(*figures: float) -> tuple[str, ...]:
+    """Figures with three decimals; empty for nan: Cd is unknown without a diameter."""
+    return tuple(f"{one:.3f}" if isfinite(one) else "" for one in figures)

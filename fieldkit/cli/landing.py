@@ -51,8 +51,7 @@ def landing(
         from fieldkit.presentation.report.finals_card import check_card
 
         check_card(card)
-    for file in (kml, card):
-        force = settled(file, force) if file is not None else force
+    replaces = {file: settled(file, force) for file in (kml, card) if file is not None}
     with planning(context, given) as plan:
         if kml is not None and plan.flight.wind is None:
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
@@ -61,7 +60,7 @@ def landing(
     words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system()))
     if kml is not None and place is not None:
         name = f"{said.plan.rocket} on {found.motor.designation}"
-        files.write(kml, landing_kml(name, down, place, wind_from), force=force)
+        files.write(kml, landing_kml(name, down, place, wind_from), force=replaces[kml])
         complain(f"{kml}: the landing ellipse")
     if card is not None:
         from fieldkit.presentation.forecast_text import in_words
@@ -69,7 +68,7 @@ def landing(
 
         more = [line for line in words[1:] if not line.startswith("  based on")]
         told = [*in_words(said, system()), *more][:CARD_LINES]
-        files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=force)
+        files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
         complain(f"{card}: the range card")
     if json:
         document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation} | one.json()

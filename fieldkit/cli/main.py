@@ -136,6 +136,7 @@ def options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default that of the process, and return its exit status."""
+    _replace_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # print the line even if the terminal lacks a character
@@ -157,6 +158,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     complain(found)
     return 1
+
+
+def _replace_closed_streams() -> None:
+    """Replace the standard streams that were closed before the start, as by `>&-`; Python has None for them.
+
+    Input is empty, messages are lost, and printing a result raises OSError. No other file gets their descriptors.
+    """
+    if sys.stdin is None:
+        sys.stdin = os.fdopen(os.open(os.devnull, os.O_RDONLY), closefd=False)
+    if sys.stdout is None:
+        unwritable = os.open(os.devnull, os.O_RDONLY)
+        sys.stdout = os.fdopen(unwritable, "w", encoding="utf-8", closefd=False)
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8", closefd=False)
 
 
 def _in_user_units(reason: str) -> str:

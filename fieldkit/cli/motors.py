@@ -8,7 +8,7 @@ import typer
 
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.numbers import not_negative
-from fieldkit.cli.options import takes_plan
+from fieldkit.cli.options import dashed, takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 
@@ -89,6 +89,19 @@ def motors(
     **given: str | None,
 ) -> None:
     """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
+    tasks = {"--fit": fit, "--compare": compare, "--corrections": corrections, "--import": import_, "--about": about}
+    _check_one_task({**tasks, "a search": search})
+    guided: dict[str, object] = {
+        "--target": target,
+        "--class": class_,
+        "--mount": mount,
+        "--adapter": adapter,
+        "--season": season,
+    }
+    guided |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
+    _check_needs_fit(fit, {**guided, "--shortlist": shortlist, "--all": every, **dashed(given)})
+    if shortlist_for is not None and (fit or compare or corrections or about):
+        raise typer.BadParameter("found --shortlist-for without a search or --import, expected one")
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 
@@ -125,6 +138,18 @@ def motors(
 
 takes_plan(motors, ("config", "site"))
 app.command()(motors)
+
+
+def _check_one_task(tasks: Mapping[str, object]) -> None:
+    """Raise BadParameter if more than one thing is asked for: only the first would be done."""
+    if len(wanted := [name for name, value in tasks.items() if value]) > 1:
+        raise typer.BadParameter(f"found {' and '.join(wanted)}, expected one of them")
+
+
+def _check_needs_fit(fit: str | None, options: Mapping[str, object]) -> None:
+    """Raise BadParameter for an option of the guide without --fit, which would have no effect."""
+    if fit is None and (unused := [name for name, value in options.items() if value not in (None, "", False)]):
+        raise typer.BadParameter(f"found {', '.join(unused)} without --fit, expected --fit ROCKET too")
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:

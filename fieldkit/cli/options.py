@@ -1,7 +1,7 @@
 """Options for columns of a flight, with and without the unit in the name."""
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Any
 
 import typer
@@ -93,6 +93,11 @@ def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) 
     parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, RECOVERY) for name, text in recovery.items()]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+
+
+def dashed(given: Mapping[str, str | None]) -> dict[str, str]:
+    """The options that were given, named as they are typed: `--dry-mass`."""
+    return {f"--{name.replace('_', '-')}": text for name, text in given.items() if text is not None}
 
 
 def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:

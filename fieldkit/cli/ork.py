@@ -1,6 +1,7 @@
 """`fieldkit ork`: an OpenRocket design as the configuration that a rocket starts with."""
 
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -70,9 +71,9 @@ def _lines(start: "Start", design: "Design") -> list[str]:
 
 
 def _done(start: "Start") -> str:
-    name = f'"{start.rocket}"' if " " in start.rocket else start.rocket
-    config = f" --config {start.config}" if start.config else ""
-    return f"Saved. Next: `fieldkit predict --rocket {name}{config} --motor MOTOR`. `fieldkit undo` to undo."
+    config = f" --config {quote(start.config)}" if start.config else ""
+    rocket = quote(start.rocket)
+    return f"Saved. Next: `fieldkit predict --rocket {rocket}{config} --motor MOTOR`. `fieldkit undo` to undo."
 
 
 def _document(start: "Start", design: "Design", *, saved: bool) -> dict[str, object]:

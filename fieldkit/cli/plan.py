@@ -1,5 +1,6 @@
 """`fieldkit delay`, `ballast`: decisions between flights."""
 
+from math import inf
 from typing import Annotated
 
 import typer
@@ -43,15 +44,26 @@ def delay(
     print_plan(delays_in_words(judged, fast, tool, system()), said.plan, lines, plan.rocket.starts)
 
 
+LONGEST_CUT = 10.0
+"""A step is repeated up to this total; no shipped tool removes more than 8 s. [s]"""
+SMALLEST_CUT = 0.1
+"""Smallest step of a tool, far below the 1.5 s by which delays vary. [s]"""
+
+
 def _seconds(text: str) -> tuple[float, ...]:
-    """`2,4,6,8`, or a step such as `1`, applied up to ten times."""
+    """`2,4,6,8`, or a step such as `1`, repeated up to `LONGEST_CUT`. Raises BadParameter."""
     try:
         off = tuple(float(part) for part in text.split(","))
     except ValueError:
         off = ()
-    if not off or min(off) <= 0:
-        raise typer.BadParameter(f"found --cuts {text!r}, expected seconds such as 2,4,6,8, or a step such as 0.5")
-    return off if len(off) > 1 else tuple(off[0] * times for times in range(1, round(10 / off[0]) + 1))
+    if not off or not all(SMALLEST_CUT <= one < inf for one in off):
+        raise typer.BadParameter(
+            f"found --cuts {text!r}, expected seconds such as 2,4,6,8, or a step such as 0.5, "
+            f"each at least {SMALLEST_CUT:g}"
+        )
+    if len(off) > 1:
+        return off
+    return tuple(off[0] * times for times in range(1, max(1, round(LONGEST_CUT / off[0])) + 1))
 
 
 takes_plan(delay)

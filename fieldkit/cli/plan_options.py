@@ -50,7 +50,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     kit = kit_named(given)
     if kit:
         changes.setdefault("rocket", kit.name)
-    last = ledger.latest(changes.get("rocket"))
+    last = ledger.latest(changes.get("rocket") or next(iter(ledger.names("rocket")), None))
     plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
     plan = plan.with_changes(**read_changes(plan, changes))
     if given.get("motor_temperature"):

@@ -1,6 +1,6 @@
 """Shared by the planning commands: setting up a plan, its field, and printing the safety checks."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fieldkit.cli.options import dashed
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
@@ -87,6 +88,16 @@ def planned_table(file: Path, check: Callable[[str], str | None]) -> "list[Fligh
     from fieldkit.services.imports import read_file
 
     return read_plans(read_file(file), str(file), check)
+
+
+OF_THE_FIELD = ("waiver", "field_size", "people", "bystanders", "rules")
+"""Options of a plan that apply to every flight of a table."""
+
+
+def check_given_with_table(given: Given, used: Collection[str]) -> None:
+    """Raise BadParameter for an option that a table of planned flights replaces; `used` are those that it does not."""
+    if unused := dashed({name: text for name, text in given.items() if name not in used}):
+        raise typer.BadParameter(f"found {', '.join(unused)} with --flights, expected it in the table")
 
 
 NEW_ROCKET = "new rocket"

@@ -41,18 +41,22 @@ def predictions(
     if not found:
         complain(f"no forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
-    rockets = {one.made.rocket for one in found}
+    rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())
     apogee = f"apogee {units.length_unit}"
     headers = ["no", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
     rows = [_cells(one, units) for one in shown]
+    configs = [str(one.made.payload.get("config", "")) for one in shown]
+    if len(set(configs)) > 1:
+        headers.insert(3, "config")
+        rows = [[*row[:3], config, *row[3:]] for row, config in zip(rows, configs, strict=True)]
     if len(rockets) > 1:
         headers.insert(2, "rocket")
         rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
     print_table(headers, rows, numbers=["no", apogee, "90%", "flown", "miss"])
     for one in shown:
         if one.stale:
-            say_wrapped(f"  {one.made.number}: {'; '.join(one.changes)}", "   ")
+            say_wrapped(f"  {one.made.number}: {'; '.join(one.changes_in(units.system))}", "   ")
     say(standing(found))
 
 

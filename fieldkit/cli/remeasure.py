@@ -31,11 +31,14 @@ def remeasure(
     from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
+    from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.imports import Remeasured, remeasured
 
     choices, found, without, errors = list(remembered()), list[Remeasured](), 0, dict[str, str]()
+    if flights and rocket:
+        raise typer.BadParameter("found flights and --rocket, expected one of the two")
     with open_ledger(context) as ledger:
-        ids = flights or ledger.ids(ledger.flights(rocket))
+        ids = flights or ledger.ids(ledger.flights(which_rocket(ledger, rocket) if rocket else None))
         with progress("reading logs again") as on_progress:
             for place, id in enumerate(ids):
                 on_progress(id, place / len(ids))
@@ -56,6 +59,8 @@ def remeasure(
         print_json(_document(found, changed, without, errors, dry_run))
     else:
         _print(found, changed, without, dry_run)
+    if errors:
+        raise typer.Exit(1)
 
 
 def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: bool) -> None:

@@ -88,7 +88,7 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
     say()
     print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
-    say_wrapped("90% bootstrap intervals in percent of the flown apogee; * excludes zero")
+    say_wrapped("90% bootstrap intervals in percent of the flown apogee; *: clearly different")
     for line in (*verdict_lines(found), *against_the_bar(found)):
         say_wrapped(line, "  ")
     if not placed:

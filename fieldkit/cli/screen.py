@@ -57,8 +57,11 @@ def remark(text: str) -> None:
 
 
 def print_json(document: Mapping[str, object]) -> None:
-    """Print one JSON document, in characters that every terminal and pipe accepts."""
-    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False) + "\n")
+    """Print one JSON document, null for numbers that are not finite, in characters that every terminal and pipe
+    accepts."""
+    from fieldkit.presentation.json_values import finite
+
+    sys.stdout.write(json.dumps(finite(document), indent=2, allow_nan=False) + "\n")
 
 
 def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[str] = ()) -> None:

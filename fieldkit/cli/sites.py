@@ -1,12 +1,16 @@
 """`fieldkit sites`: launch sites."""
 
-from typing import Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.planning import check_rules, length
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.flight.site import Site
 
 app = typer.Typer()
 
@@ -46,7 +50,7 @@ def sites(
     with open_ledger(context) as ledger:
         if name is not None and changed:
             keep_site(ledger, name, rules=rules, **given)
-        known = [site for site in sites_of(ledger) if name in (None, site.name)]
+        known = _named(sites_of(ledger), name)
     if json:
         lengths = [{f"{key}_m": getattr(one, key) for key in SITE_LENGTHS} for one in known]
         names = [{"site": one.name, "rules": one.rules} for one in known]
@@ -66,3 +70,14 @@ def sites(
     ]
     headers = ("site", *(f"{key} {shown.length_unit}" for key in SITE_LENGTHS), "rules")
     print_table(headers, rows, numbers=headers[1:6])
+
+
+def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
+    """The site with a name, or all without one. Raises BadValue that lists the sites."""
+    from fieldkit.errors import BadValue
+
+    found = [site for site in known if name in (None, site.name)]
+    if name is not None and not found:
+        listed = ", ".join(site.name for site in known) or "none"
+        raise BadValue(f"found no site {name!r}, expected one of: {listed}; --elevation 212m saves a new one")
+    return found

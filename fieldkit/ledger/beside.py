@@ -35,7 +35,7 @@ class BesideFlights(OpenLedger):
         """
         with self._changing() as pen:
             if models.activate(pen, rocket, number):
-                pen.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the first model"))
+                pen.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the plain model"))
 
     def keep_prediction(
         self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""

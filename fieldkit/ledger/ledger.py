@@ -50,7 +50,7 @@ class Ledger(FlightsOut, BesideFlights):
             if draft:
                 drafts.put_away(pen, draft)
             if added.new or renewed:
-                files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
+                files = _listed(list(dict.fromkeys(Path(one.source).name for one in arrivals if one.source)))
                 more = [f"more files of {_listed(renewed)}"] if renewed else []
                 what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
                 pen.sign(command, "; ".join(what + more))

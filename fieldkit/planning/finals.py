@@ -51,13 +51,22 @@ class Together:
 @dataclass(frozen=True, slots=True)
 class TrialFlights:
     """Simulated flights of a plan at several masses [kg], with common draws: altimeter readings [m] and the duration
-    with each area [s]; the `forecast` at the heaviest, and the basis of the descent."""
+    with each area [s]; the forecasts from the lightest to the heaviest, and the basis of the descent."""
 
     masses: Float[Array, "mass"]
     apogee: Float[Array, "mass draw"]
     duration: Float[Array, "area mass draw"]
-    forecast: Prediction
+    forecasts: tuple[Prediction, ...]
     fall: Fall
+
+    @property
+    def forecast(self) -> Prediction:
+        """The forecast at the heaviest mass, for checks."""
+        return self.forecasts[-1]
+
+    def forecast_at(self, mass: float) -> Prediction:
+        """The forecast at the simulated dry mass nearest to a mass. [kg]"""
+        return min(self.forecasts, key=lambda one: abs((one.plan.dry_mass or 0.0) - mass))
 
     def best(self, rule: Season) -> Together:
         """The mass and area with the fewest points under a season's rules."""
@@ -105,7 +114,7 @@ def trials(
     fine = np.linspace(low, most, FINE_MASSES)
     apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
     duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
-    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), said[-1], fall)
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), tuple(said), fall)
 
 
 def finals_targets(rule: Season) -> list[float]:

@@ -24,7 +24,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
             f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
         )
     before, after = found.cd
-    if abs(after - before) >= VISIBLE_CD_CHANGE:
+    if _visible(before, after):
         yield f"Cd {before:.2f} is now {after:.2f}."
     yield f"Next on {found.flight.motor}: {_interval(found.next_flight, system)}."
 
@@ -38,9 +38,13 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
         where = "inside" if found.inside else "OUTSIDE"
         yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval"
     before, after = found.cd
-    changed = abs(after - before) >= VISIBLE_CD_CHANGE
-    yield "Cd", f"{before:.2f} is now {after:.2f}" if changed else f"{after:.2f}, unchanged"
+    yield "Cd", f"{before:.2f} is now {after:.2f}" if _visible(before, after) else f"{after:.2f}, unchanged"
     yield "Next", f"{_interval(found.next_flight, system)} on {found.flight.motor}"
+
+
+def _visible(before: float, after: float) -> bool:
+    """Whether a change of Cd is large enough to mention and shows in two decimals."""
+    return abs(after - before) >= VISIBLE_CD_CHANGE and f"{before:.2f}" != f"{after:.2f}"
 
 
 def suggestion_line(found: Suggestion, system: str) -> str:

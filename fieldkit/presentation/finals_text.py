@@ -48,9 +48,9 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
     yield f"temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
 
 
-def finals_basis(flown: TrialFlights) -> Iterator[str]:
-    """What the table is based on, and how much one more flight would narrow it."""
-    said, fall = flown.forecast, flown.fall
+def finals_basis(flown: TrialFlights, table: Sequence[Together]) -> Iterator[str]:
+    """What the table is based on, and how much one more flight at its middle target would narrow it."""
+    said, fall = flown.forecast_at(table[len(table) // 2].mass), flown.fall
     yield f"based on {rests_in_words(said)}; descent: {descent_in_words(fall)}"
     apogee = f"the apogee by {1 - said.narrowed(1):.0%}" if said.rests_on else ""
     descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""

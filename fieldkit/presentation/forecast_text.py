@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import PLUGGED_DELAY
 from fieldkit.quantities import ShownUnits, counted
 
 
@@ -17,7 +18,7 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     yield f"{name} on {motor.maker} {plan.motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
-    yield f"  ejection  {_ejection(prediction)}"
+    yield f"  ejection  {ejection_in_words(prediction)}"
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  based on  {_rests_on(prediction)}"
@@ -29,28 +30,37 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
         )
 
 
-def _ejection(prediction: Prediction) -> str:
+def ejection_in_words(prediction: Prediction) -> str:
+    """When the charge fires, `0.5 s BEFORE apogee`, or why it does not."""
     eject = prediction.median_eject
-    if eject is None:
+    if eject is not None:
+        when = "after" if eject >= 0 else "BEFORE"
+        return f"{abs(eject):.1f} s {when} apogee"
+    plan, found = prediction.plan, prediction.found
+    delay = plan.delay if plan.delay is not None else found.delay
+    if delay is None:
         return "delay unknown; add it to the motor's name, as in F24-4W"
-    when = "after" if eject >= 0 else "BEFORE"
-    return f"{abs(eject):.1f} s {when} apogee"
+    if delay == PLUGGED_DELAY:
+        return "none: a plugged motor has no charge"
+    if not prediction.true_apogee.any():
+        return "none: the rocket does not leave the pad"
+    return "none: the rocket hits the ground first"
 
 
 def _rests_on(prediction: Prediction) -> str:
     count = prediction.rests_on
     if not count:
-        return "no flights of this rocket: priors only, so the interval is wide"
+        return "no flights of this rocket, only other rockets"
     return f"{counted(count, 'clean flight')}, model {prediction.model}"
 
 
 def rests_in_words(prediction: Prediction) -> str:
     """What a forecast is based on, and how much a first flight would narrow it."""
-    count = prediction.rests_on
-    if count:
-        return f"{counted(count, 'clean flight')}, model {prediction.model}"
+    basis = _rests_on(prediction)
+    if prediction.rests_on:
+        return basis
     narrower = 1 - prediction.narrowed(1)
-    return f"no flights of this rocket, only other rockets; one clean flight would narrow the apogee by {narrower:.0%}"
+    return f"{basis}; one clean flight would narrow the apogee by {narrower:.0%}"
 
 
 def narrows(prediction: Prediction) -> str:

@@ -1,12 +1,10 @@
 """The results of the loop and the scores of forecasts as JSON under the keys of the contract."""
 
-from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fieldkit.forecast.prediction import LEVELS, quantiles
+from fieldkit.presentation.json_values import finite
 from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_changes
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.diagnose import Ranked
@@ -191,12 +189,3 @@ def _forecast(row: "Forecast") -> dict[str, Any]:
         "crps": crps(row.draws, row.flown),
         "rivals": {name: dict(zip(("p05", "p50", "p95"), ends, strict=True)) for name, ends in rivals.items()},
     }
-
-
-def finite(value: Any) -> Any:
-    """A copy with None for values that are not finite, for JSON."""
-    if isinstance(value, Mapping):
-        return {key: finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(one) for one in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -75,14 +75,14 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
         yield "            one more flight at the current mass would help; below is the effect of the change"
     yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
-    yield f"  90%      {shown.lengths(p05, p95)}"
+    yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
     yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
     yield f"  mean miss {errors[0]} ({errors[1]} without change)"
     if best.there.points is not None and best.today.points is not None:
         yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
-    step = "1 g" if shown.mass(0.0).endswith(" g") else "0.1 oz"
+    step = "1 g" if shown.mass(0.0).endswith(" g") else "1 oz"
     yield f"  {f'{step} more':9} {shown.difference(best.slope * parse(step, 'mass', 'g'))}"
     yield f"  based on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:

@@ -1,6 +1,7 @@
 """A quick search as JSON under the contract's keys, and as lines for a flyer."""
 
 from collections.abc import Iterator
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.network.history import QuickAnswer
-from fieldkit.presentation.json_documents import finite
+from fieldkit.presentation.json_values import finite
 from fieldkit.quantities import ShownUnits, in_system, rounded
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
@@ -77,7 +78,7 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
         yield f"  the network was not trained with {', '.join(found.untrained)}"
     if found.beyond_training:
         yield f"  the network was trained with at most {MAX_FLIGHTS} flights of a rocket: trust the full search instead"
-    yield f"  `fieldkit loop --rocket {found.rocket}` runs the full search and saves the result"
+    yield f"  `fieldkit loop --rocket {quote(found.rocket)}` runs the full search and saves the result"
 
 
 def forecast_document(found: QuickForecast) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import Against, ScoreReport
@@ -24,8 +25,8 @@ def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
     if found.later.rows:
         yield (
             found.later,
-            f"Replayed forward in time: {len(found.later.rows)} flights, each forecast from the earlier flights of its "
-            "rocket and of all others",
+            f"Replayed forward in time: {counted(len(found.later.rows), 'flight')}, each forecast from the "
+            "earlier flights of its rocket and of all others",
         )
     if found.first.rows:
         yield (
@@ -65,7 +66,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `DIFFERENCES` for each rival: the reduction of a mean score by the model and its 90% bootstrap
-    interval, in percent of the flown apogee, with a star if the interval excludes zero."""
+    interval, in percent of the flown apogee, with a star if the difference is clear."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
         for one in found.against
@@ -106,9 +107,7 @@ def against_the_bar(found: "ScoreReport") -> Iterator[str]:
 
 
 def _errors(one: "Against", mean: str = "mean error ") -> str:
-    return (
-        f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {one.flights} flight{'s' * (one.flights != 1)}"
-    )
+    return f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {counted(one.flights, 'flight')}"
 
 
 def histogram(found: "Calibration") -> Iterator[str]:

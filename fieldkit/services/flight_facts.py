@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
@@ -55,21 +56,24 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
     return DragFacts(area * 1e4, "drag area cm²", thrust, warnings)
 
 
-def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
-    """The forecast saved before a flight, or else a forecast from the other flights. Raises FieldkitError if there is
-    none."""
+def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: str = "SI") -> ForecastFacts:
+    """The forecast saved before a flight, or else a forecast from the other flights; figures in the text are in the
+    units of a system. Raises FieldkitError if there is none."""
     from fieldkit.services.forecasts import forecast_from_others
     from fieldkit.services.saved_forecasts import of_flight
 
     kept = of_flight(ledger, motors, flight)
     if kept is not None:
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
-        return ForecastFacts(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
+        return ForecastFacts(
+            *kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes_in(system))])
+        )
     if not flight.motor:
         raise ImpossibleFlight("the flight has no motor; press e to enter one: motor=F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
-    return ForecastFacts(low, middle, high, f"none saved; computed from the {made.rests_on} other clean flights")
+    others = counted(made.rests_on, "other clean flight")
+    return ForecastFacts(low, middle, high, f"none saved; computed from {others}")
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:

@@ -7,6 +7,7 @@ prediction covers all parts.
 
 import hashlib
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
@@ -15,7 +16,7 @@ from fieldkit.flight.readout import render_sd
 from fieldkit.flight.recovery import STABILITY, recovery_column
 from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
-from fieldkit.quantities import spelled
+from fieldkit.quantities import significant, spelled
 from fieldkit.units import unit
 
 Parts = Mapping[str, Mapping[str, str]]
@@ -127,6 +128,27 @@ def _change(name: str, old: str, new: str) -> str:
     title, unit = (column.title.lower(), f" {spelled(column.unit)}") if column else (name, "")
     before, after = (f"{text}{unit}" if text else "not given" for text in (old, new))
     return f"{title} was {before}, now {after}"
+
+
+_VALUES_CHANGED = re.compile(r"(?P<of>(?:the design's )?)(?P<title>.+) was (?P<old>.+), now (?P<new>.+)")
+
+
+def change_in_system(phrase: str, system: str) -> str:
+    """A change with its values in the units of a system: `dry mass was 11.36 oz, now 11.64 oz`."""
+    found = _VALUES_CHANGED.fullmatch(phrase)
+    column = next((one for one in COLUMNS if found and one.title.lower() == found["title"]), None)
+    if found is None or column is None:
+        return phrase
+    before, after = (_in_system(found[key], column, system) for key in ("old", "new"))
+    return f"{found['of']}{found['title']} was {before}, now {after}"
+
+
+def _in_system(text: str, column: Column, system: str) -> str:
+    """A value as `_change` writes it, in the unit of a system; `not given` and names do not change."""
+    number, _, name = text.partition(" ")
+    if name != spelled(column.unit):
+        return text
+    return significant(column, unit(column.quantity, column.unit).to_si(float(number)), system)
 
 
 def model_changes(made: Parts, now: Parts) -> Iterator[str]:

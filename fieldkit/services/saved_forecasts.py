@@ -15,7 +15,15 @@ from fieldkit.services.forecasts import used_version
 from fieldkit.services.manual_entry import LAPSES, PLAN
 from fieldkit.services.match_forecasts import made_for, residual, resolved
 from fieldkit.services.plausible_flights import followed
-from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
+from fieldkit.services.provenance import (
+    Parts,
+    change_in_system,
+    design_changes,
+    model_changes,
+    model_parts,
+    plan_changes,
+    plan_parts,
+)
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]
 LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
@@ -62,6 +70,10 @@ class SavedForecast:
     def miss(self) -> float | None:
         """Flown minus forecast. [m]"""
         return residual(self.flight, self.made) if self.flight else None
+
+    def changes_in(self, system: str) -> tuple[str, ...]:
+        """The changes with their values in the units of a system."""
+        return tuple(change_in_system(one, system) for one in self.changes)
 
     def json(self) -> dict[str, Any]:
         """The prediction, the digest of its inputs, and its outcome."""
@@ -124,7 +136,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
         yield f"flown {shown.length(one.flown, 1)}: {shown.length(abs(one.miss), 1)} {way}, {where} the interval"
     if one.stale:
-        yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
+        yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes_in(system))}"
 
 
 def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
@@ -164,5 +176,5 @@ def standing(found: Sequence[SavedForecast]) -> str:
     """The number of each kind in words."""
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")
-    words = [f"{count} {state}" for state, count in counts.items()]
-    return ", ".join(words) + (f" ({stale} of the flown ones were stale at launch)" if stale else "")
+    beside = f" ({stale} stale at launch)" if stale else ""
+    return ", ".join(f"{count} {state}{beside if state == 'flown' else ''}" for state, count in counts.items())

@@ -326,6 +326,7 @@ READERS = {
     "__init__.py": "a file of the checkout",
     "plugins.py": "cards that come along",
     "cli/docs.py": "pages that come along",
+    "cli/main.py": "the null device",
     "cli/demo.py": "a ledger",
     "cli/completing.py": "a ledger",
     "cli/session.py": "a ledger",

@@ -97,7 +97,7 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "2 · Astra A · F24-4W · 2026-04-18 10:25" in seen
         assert "Apogee 281.3 m" in seen
         assert "Top speed 83.4 m/s" in seen
-        assert "from the 7 other clean flights" in seen
+        assert "from 7 other clean flights" in seen
         assert "no log with samples" in seen
         await press(pilot, "escape", "home", "enter")
         assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
@@ -314,7 +314,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
-        assert "no flights of it: priors only" in told(pilot, "#more")
+        assert "no flights of it, only other rockets" in told(pilot, "#more")
 
 
 async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_seconds(file: Path) -> None:

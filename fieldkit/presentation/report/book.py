@@ -41,7 +41,7 @@ class FlightReport:
         shown = ShownUnits(self.system)
         apogees = [one.flight.apogee for one in self.cards if one.flight.apogee is not None]
         predicted, miss, inside = totals(self.cards)
-        rows = [(str(len(self.cards)), "flights")]
+        rows = [(str(len(self.cards)), "flight" if len(self.cards) == 1 else "flights")]
         if apogees:
             rows.append((shown.length(max(apogees)), "highest apogee"))
         rows.append((str(predicted), "forecast"))

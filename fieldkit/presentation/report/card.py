@@ -12,7 +12,7 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
-from fieldkit.quantities import ShownUnits, measure
+from fieldkit.quantities import ShownUnits, counted, measure
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import FlightRecordings
@@ -106,7 +106,7 @@ def cards(
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
             words = f"forecast {when} by model {one.made.payload.get('model', '')}"
-            forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
+            forecast: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes_in(system))
         else:
             forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)
         trace, record = _trace(recordings, id), records[flight.rocket]
@@ -138,7 +138,8 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
     shown = ShownUnits(system).length(middle)
-    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {shown}"
+    others = counted(made.rests_on, "other clean flight")
+    words = f"no saved prediction; from {others} it would have been {shown}"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 

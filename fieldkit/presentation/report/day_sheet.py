@@ -3,7 +3,7 @@
 Below the table are the safety checks that did not pass, by flight, for the check-in.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from textwrap import fill
 
 from matplotlib.axes import Axes
@@ -59,14 +59,18 @@ def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: 
     kind, shown = suffix.lstrip("."), ShownUnits(system)
     if kind != "pdf" and len(planned) > ROWS:
         raise BadValue(f"found {len(planned)} flights, expected at most {ROWS} for a picture; a .pdf has pages")
+    days = [_day(one.said.plan, shown) for one in planned]
+    shared = [texts[0] if len(set(texts)) == 1 else "" for texts in zip(*days, strict=True)]
+    own = [", ".join(text for text, same in zip(day, shared, strict=True) if not same) for day in days]
+    heading = _heading(site, shared, shown)
     with styled():
         figures = []
         for first in range(0, len(planned), ROWS):
             part = planned[first : first + ROWS]
-            rows, room = _told(part, shown), _room(len(part))
+            rows, room = _told(part, own[first : first + ROWS], shown), _room(len(part))
             if kind != "pdf" and len(rows) > room:
                 rows = [*rows[: room - 1], f"and {len(rows) - room + 1} lines more: a .pdf has pages for them"]
-            figures.append(_page(title, site, part, rows[:room], shown))
+            figures.append(_page(title, heading, part, rows[:room], shown))
             more = range(room, len(rows), LINES)
             figures += [_more(title, rows[start : start + LINES]) for start in more]
         return bound(figures) if kind == "pdf" else drawn(figures[0], kind)
@@ -82,10 +86,9 @@ def _height(flights: int) -> float:
     return ROW_HEIGHT * (flights + 1)
 
 
-def _page(title: str, site: Site, planned: Sequence[PlannedFlight], rows: Sequence[str], shown: ShownUnits) -> Figure:
+def _page(title: str, heading: str, planned: Sequence[PlannedFlight], rows: Sequence[str], shown: ShownUnits) -> Figure:
     figure = Figure(figsize=LANDSCAPE)
     figure.text(0.03, 0.965, printable(title), fontsize=15, fontweight="bold", va="top")
-    heading = "\n".join(fill(line, 150) for line in _heading(site, planned[0].said.plan, shown))
     figure.text(0.03, 0.925, heading, fontsize=9, va="top")
     height = _height(len(planned))
     _table(figure.add_axes((0.03, TABLE_TOP - height, 0.94, height)), [_row(one, shown) for one in planned])
@@ -125,16 +128,34 @@ def _table(axes: Axes, rows: Sequence[Sequence[str]]) -> None:
             cell.set_facecolor("0.9")
 
 
-def _heading(site: Site, plan: Flight, shown: ShownUnits) -> Iterator[str]:
-    """Site, wind and air of the day."""
+DAY = ("site", "wind", "temperature", "air")
+"""What `_day` says of a plan, in this order."""
+
+
+def _day(plan: Flight, shown: ShownUnits) -> tuple[str, ...]:
+    """Site and weather of a plan, in words."""
+    return (
+        plan.site or "site not named",
+        "wind not given" if plan.wind is None else f"wind {profile_in_words(wind_profile(plan), shown)}",
+        f"temperature {'not given' if plan.temperature is None else shown.temperature(plan.temperature)}",
+        f"air {air_of(plan).words(shown.system)}",
+    )
+
+
+def _heading(site: Site, shared: Sequence[str], shown: ShownUnits) -> str:
+    """Site and weather of the day; empty entries of `shared` differ between its flights."""
+    said = [text or f"{name} differs, see each flight" for name, text in zip(DAY, shared, strict=True)]
+    first = _site(site, shown) if shared[0] else said[0]
+    return "\n".join(fill(line, 150) for line in (first, "; ".join(said[1:])))
+
+
+def _site(site: Site, shown: ShownUnits) -> str:
+    """A site with its known sizes, and the rules that govern it."""
     sizes = (("field", site.size), ("ceiling", site.ceiling), ("people", site.people), ("bystanders", site.bystanders))
     known = [f"{name} {shown.length(value)}" for name, value in sizes if value is not None]
     missing = [name for name, value in sizes if value is None]
     text = ", ".join([printable(site.name) or "site not named", *known, *(f"{name} not given" for name in missing)])
-    yield f"{text}; rules: {printable(site.rules) or 'NAR, FAA'}"
-    wind = "wind not given" if plan.wind is None else f"wind {profile_in_words(wind_profile(plan), shown)}"
-    temperature = "not given" if plan.temperature is None else shown.temperature(plan.temperature)
-    yield f"{wind}; temperature {temperature}; air {air_of(plan).words(shown.system)}"
+    return f"{text}; rules: {printable(site.rules) or 'NAR, FAA'}"
 
 
 def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
@@ -166,13 +187,14 @@ def _verdicts(lines: Sequence[SafetyCheck]) -> str:
     return " ".join(f"{count}{MARKS[verdict]}" for verdict, count in counts.items() if count) or MARKS["ok"]
 
 
-def _told(planned: Sequence[PlannedFlight], shown: ShownUnits) -> list[str]:
-    """The recommended rail angle for each flight, its safety checks that did not pass, and the names of the unknown
-    ones."""
+def _told(planned: Sequence[PlannedFlight], own: Sequence[str], shown: ShownUnits) -> list[str]:
+    """Each flight's `own` site and weather if they differ, the recommended rail angle, its safety checks that did not
+    pass, and the names of the unknown ones."""
     told: list[str] = []
-    for one in planned:
+    for one, day in zip(planned, own, strict=True):
         rail = [rail_in_words(choice, shown) for choice in one.rail[:1]]
         told.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
+        told += [f"   {day}"] if day else []
         told += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
         unknown = [line.name for line in one.lines if line.verdict == "unknown"]
         if unknown:

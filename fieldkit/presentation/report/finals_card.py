@@ -11,13 +11,17 @@ from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
 from fieldkit.presentation.finals_text import FINALS_NOTES, finals_headers
+from fieldkit.presentation.report.style import without_markup
+from fieldkit.safe_text import printable
 
 WIDTH, MARGIN = 7.5, 0.25
 """Of the card. [in]"""
 TITLE, DAY_ROW, ROW, NOTE_ROW = 0.32, 0.18, 0.29, 0.145
-"""Heights of the title, of a line of the day's air, of a row of the table, and of a line of notes. [in]"""
+"""Heights of a line of the title, of a line of the day's air, of a row of the table, and of a line of notes. [in]"""
 DAY_LINE, LINE = 95, 110
 """Lengths of the lines of the day's air, and of notes. [character]"""
+TITLE_LINE = 60
+"""Length of the lines of the title. [character]"""
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
@@ -35,13 +39,21 @@ def finals_card(
     system: str = "SI",
 ) -> bytes:
     """The card as a picture, with masses in the units of a system and `notes` at the end."""
+    with without_markup():
+        return _drawn([printable(line) for line in heading], rows, suffix, [printable(line) for line in notes], system)
+
+
+def _drawn(
+    heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str], system: str
+) -> bytes:
     day = [fill(line, DAY_LINE) for line in heading[1:]]
     below = [fill(line, LINE) for line in [*FINALS_NOTES, *notes]]
-    heights = TITLE, DAY_ROW * _lines(day), ROW * (len(rows) + 1), NOTE_ROW * _lines(below)
+    title = fill(heading[0], TITLE_LINE)
+    heights = TITLE * _lines([title]), DAY_ROW * _lines(day), ROW * (len(rows) + 1), NOTE_ROW * _lines(below)
     height = sum(heights) + 2 * MARGIN
     figure = Figure(figsize=(WIDTH, height))
     left, top = MARGIN / WIDTH, 1 - MARGIN / height
-    figure.text(left, top, heading[0], fontsize=13, fontweight="bold", va="top")
+    figure.text(left, top, title, fontsize=13, fontweight="bold", va="top")
     figure.text(left, top - heights[0] / height, "\n".join(day), fontsize=9.5, va="top")
     bottom = top - sum(heights[:3]) / height
     axes = figure.add_axes((left, bottom, 1 - 2 * left, heights[2] / height))

@@ -1,6 +1,7 @@
 """Reports as A4 pages: one card per page, after a summary; color is never the only distinction."""
 
 from collections.abc import Iterator, Sequence
+from datetime import datetime, time
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -77,11 +78,17 @@ def _card(card: Card) -> "Figure":
 def heading(card: Card) -> tuple[str, str]:
     """The flight of a card, and its time and place."""
     flight = card.flight
-    when = f"{flight.date_time:%A %d %B %Y, %H:%M}" if flight.date_time else "no date"
-    title = " ".join(part for part in (flight.rocket, flight.config) if part) or "Flight"
-    return f"{title} · flight {card.id.removeprefix(f'{flight.rocket}/')}", " · ".join(
-        filter(None, (when, flight.site))
-    )
+    when = moment_in_words(flight.date_time) if flight.date_time else "no date"
+    build = " ".join(part for part in (flight.rocket, flight.config) if part)
+    number = card.id.removeprefix(f"{flight.rocket}/")
+    title = f"{build} · flight {number}" if build else f"Flight {number}"
+    return title, " · ".join(filter(None, (when, flight.site)))
+
+
+def moment_in_words(moment: datetime) -> str:
+    """`Friday, May 1, 2026, 10:30`; a date without a time has midnight, which is not shown."""
+    day = f"{moment:%A, %B} {moment.day}, {moment.year}"
+    return day if moment.time() == time() else f"{day}, {moment:%H:%M}"
 
 
 def headline(card: Card) -> tuple[tuple[str, str], ...]:

@@ -10,12 +10,15 @@ from matplotlib.figure import Figure
 from fieldkit.flight.site import Site
 from fieldkit.planning.check import ADVICE_NOTE, SEVERITY, SafetyCheck
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing
+from fieldkit.presentation.report.style import without_markup
 from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
 
 LINE = 108
 """Length of the lines of safety checks. [character]"""
+TITLE_LINE, TITLE_ROW = 60, 0.02
+"""Length of the lines of the title [character], and their height as a fraction of the page's height. [1]"""
 SHOWN_LANDINGS = 200
 """Number of points on the map. [1]"""
 
@@ -24,10 +27,19 @@ def range_card(
     words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str = "SI"
 ) -> bytes:
     """The card as a picture of a page, in the units of a system."""
+    with without_markup():
+        return _drawn(words, lines, found, site, suffix, system)
+
+
+def _drawn(
+    words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str
+) -> bytes:
     figure = Figure(figsize=(8.27, 11.69))
-    figure.text(0.06, 0.965, _plain(words[0]), fontsize=14, fontweight="bold", va="top")
+    title = fill(printable(words[0]), TITLE_LINE)
+    top = 0.935 - TITLE_ROW * title.count("\n")
+    figure.text(0.06, 0.965, title, fontsize=14, fontweight="bold", va="top")
     figure.text(
-        0.06, 0.935, "\n".join(_wrapped(line, 60) for line in words[1:]), fontsize=7.5, va="top", family="monospace"
+        0.06, top, "\n".join(_wrapped(line, 60) for line in words[1:]), fontsize=7.5, va="top", family="monospace"
     )
     worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
     safety = "\n".join(_wrapped(line.words(system), LINE) for line in worst_first)
@@ -40,12 +52,7 @@ def range_card(
 
 
 def _wrapped(text: str, width: int) -> str:
-    return fill(_plain(text), width, subsequent_indent="    ", drop_whitespace=True)
-
-
-def _plain(text: str) -> str:
-    """Text with matplotlib's markup escaped."""
-    return printable(text).replace("$", r"\$")
+    return fill(printable(text), width, subsequent_indent="    ", drop_whitespace=True)
 
 
 def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:

@@ -10,6 +10,7 @@ from fieldkit.files import write
 from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
+from fieldkit.quantities import counted
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
 from fieldkit.services.scores import LedgerScores
 
@@ -46,7 +47,9 @@ def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> No
         figure = Figure(figsize=(8.27, 3.1 * len(there)), layout="constrained")
         parts = figure.subfigures(len(there), 1, squeeze=False)[:, 0]
         for part, (title, report) in zip(parts, there.items(), strict=True):
-            part.suptitle(f"{title}: {len(report.rows)} flights", fontsize=11, weight="bold", x=0.02, ha="left")
+            part.suptitle(
+                f"{title}: {counted(len(report.rows), 'flight')}", fontsize=11, weight="bold", x=0.02, ha="left"
+            )
             draw(part, report)
         write(path, drawn(figure, path.suffix.lower()[1:]), force=force)
 

@@ -33,7 +33,6 @@ STYLE: Any = {
     "text.color": INK_COLOR,
     "xtick.color": INK_COLOR,
     "ytick.color": INK_COLOR,
-    "text.parse_math": False,
     "legend.frameon": False,
     "svg.hashsalt": "fieldkit",
     "figure.facecolor": "white",
@@ -53,8 +52,17 @@ def styled() -> Iterator[None]:
     """Draw in this style."""
     from matplotlib import rc_context
 
-    with rc_context({**STYLE}), catch_warnings():
-        filterwarnings("ignore", message="Glyph .* missing")  # the font lacks some characters of a name
+    with rc_context({**STYLE}), without_markup():
+        yield
+
+
+@contextmanager
+def without_markup() -> Iterator[None]:
+    """Draw text from files as it is: a `$` begins no formula, and a character that the font lacks is a box."""
+    from matplotlib import rc_context
+
+    with rc_context({"text.parse_math": False}), catch_warnings():
+        filterwarnings("ignore", message="Glyph .* missing")
         yield
 
 

@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
-from fieldkit.quantities import measure, number
+from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
 from fieldkit.tui.flights import logged
@@ -173,7 +173,7 @@ class FlightScreen(PageScreen):
         self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(or_why(partial(hills, flight, self.resources)), self._have_said, "said")
         self.ask(
-            or_why(partial(forecast_facts, flight, self.resources.ledger, self.resources.motors)),
+            or_why(partial(forecast_facts, flight, self.resources.ledger, self.resources.motors, system)),
             self._have_forecast,
             "forecast",
         )
@@ -217,7 +217,7 @@ class FlightScreen(PageScreen):
             self._text.append(title)
         doubts = self.query_one("#doubts", Static)
         doubts.set_class(not said.warnings, "-none")
-        doubts.update(hanging(f"! {line}" for line in said.warnings))
+        doubts.update(hanging(f"! {in_system(line, self.resources.settings.units)}" for line in said.warnings))
 
     def _have_forecast(self, said: ForecastFacts | str) -> None:
         place = self.query_one("#forecast", Static)

@@ -127,7 +127,7 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
     """The flights and the model of a forecast, in words."""
     clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
     if not clean:
-        return "no flights of it: priors only, so it is wide"
+        return "no flights of it, only other rockets"
     version = ledger.active_version(rocket)
     model = f"version {version.number}" if version else "the plain model"
     more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""

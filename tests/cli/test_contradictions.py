@@ -1,0 +1,109 @@
+"""Options that contradict each other, or would have no effect, are wrong usage: nothing that is typed is ignored."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.ledger import Ledger
+
+CHECK_SHAPES = False
+FLIGHTS = """flight_id,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m
+1,Astra,A,322,66,F24-4W,250
+"""
+PLANS = """flight_id,rocket,config,dry_mass_g,diameter_mm,motor,wind_mps
+a,Astra,A,322,66,F24-4W,2
+"""
+LINES = {
+    "predict --flights plans.csv --wind 20mph": "--wind with --flights",
+    "predict --flights plans.csv --motor F24-4W": "--motor with --flights",
+    "predict --flights plans.csv --kit Bertha --dry-mass 900": "--dry-mass, --kit with --flights",
+    "daysheet --flights plans.csv --rocket Astra --out sheet.pdf": "--rocket with --flights",
+    "remeasure 1 --rocket Astra": "flights and --rocket",
+    "motors F24 --fit Astra": "--fit and a search",
+    "motors --about --corrections": "--corrections and --about",
+    "motors F24 --target 250m": "--target without --fit",
+    "motors F24 --all": "--all without --fit",
+    "motors F24 --wind 3": "--wind without --fit",
+    "motors --about --shortlist-for Astra": "--shortlist-for without a search",
+    "delay --motor F24-4W --cuts nan": "--cuts 'nan'",
+    "delay --motor F24-4W --cuts 2,inf": "--cuts '2,inf'",
+    "delay --motor F24-4W --cuts 0.001": "each at least 0.1",
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a table of plans, and a ledger of one flight."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+    monkeypatch.setenv("COLUMNS", "400")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "flights.csv").write_text(FLIGHTS)
+    (tmp_path / "plans.csv").write_text(PLANS)
+    assert main(["import", "flights.csv"]) == 0
+    return tmp_path
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_an_option_without_effect_is_wrong_usage(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(line.split()) == 2
+    said = capsys.readouterr()
+    assert LINES[line] in said.err
+    assert not said.out
+    assert not (folder / "sheet.pdf").exists()
+
+
+def test_a_quick_look_cannot_decline_an_effect(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["loop", "--quick", "--decline", "wind"]) == 1
+    assert "--decline: found together with --quick" in capsys.readouterr().err
+
+
+def test_the_conditions_of_a_day_still_complete_a_table(folder: Path) -> None:
+    assert main(["daysheet", "--flights", "plans.csv", "--temperature", "68F", "--out", "sheet.pdf"]) == 0
+    assert (folder / "sheet.pdf").exists()
+
+
+def test_an_unknown_rocket_has_nothing_to_measure_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["remeasure", "--rocket", "Nope"]) == 1
+    assert "expected one of: Astra" in capsys.readouterr().err
+
+
+def test_an_unknown_site_is_named_with_those_that_are_known(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sites", "Meadow", "--elevation", "200m"]) == 0
+    capsys.readouterr()
+    assert main(["sites", "Medow"]) == 1
+    said = capsys.readouterr().err
+    assert "found no site 'Medow', expected one of: Meadow" in said
+    assert "no sites yet" not in said
+
+
+def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "map.kml").write_text("mine")
+    (folder / "card.png").write_text("mine too")
+    asked: list[Path] = []
+
+    def settled(file: Path, force: bool) -> bool:
+        asked.append(file)
+        return force or file.name == "map.kml"
+
+    monkeypatch.setattr("fieldkit.cli.landing.settled", settled)
+    words = "landing --motor F24-4W --wind 2 --kml map.kml --pad 47.5,8.7 --card card.png"
+    assert main(words.split()) == 1
+    assert [file.name for file in asked] == ["map.kml", "card.png"]
+    assert (folder / "card.png").read_text() == "mine too"
+
+
+def test_a_long_import_is_one_short_line_of_the_history(folder: Path) -> None:
+    for number in range(9):
+        table = FLIGHTS.replace("1,Astra", f"{number + 2},Astra").replace(",250", f",{260 + number}")
+        (folder / f"day{number}.csv").write_text(table)
+    assert main(["import", *(f"day{number}.csv" for number in range(9))]) == 0
+    with Ledger.open(folder / "ledger.db") as ledger:
+        assert ledger.history()[-1].what == (
+            "2, 3, 4, 5 and 5 more from day0.csv, day1.csv, day2.csv, day3.csv and 5 more"
+        )

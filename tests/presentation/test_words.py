@@ -1,0 +1,139 @@
+"""Sentences for one flight, for names with spaces, and for figures that do not exist."""
+
+import json
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import catalogue
+from fieldkit.planning.check import figure, in_units
+from fieldkit.presentation.forecast_text import ejection_in_words, in_words, rests_in_words
+from fieldkit.presentation.report.finals_card import finals_card
+from fieldkit.presentation.report.paper import moment_in_words
+from fieldkit.services.provenance import change_in_system
+
+CHECK_SHAPES = False
+NAME = "$x_$ Big 火箭"
+"""A name that matplotlib would read as a formula, a shell as several words, and whose characters its font lacks."""
+EDGES = (".png", ".svg", ".pdf")
+
+
+def forecast(motor: str, **given: object) -> Prediction:
+    """The forecast of a rocket that has not flown."""
+    plan = Flight(rocket="Alpha", motor=motor, dry_mass=0.322, diameter=0.066).with_changes(**given)
+    (made,) = predict([], [(plan, catalogue().resolve(motor))], draws=50)
+    return made
+
+
+def test_the_reason_why_no_charge_fires_is_named() -> None:
+    assert ejection_in_words(forecast("F24-4W")).endswith("apogee")
+    assert ejection_in_words(forecast("F39")).startswith("delay unknown")
+    assert ejection_in_words(forecast("F24-P")) == "none: a plugged motor has no charge"
+    assert ejection_in_words(forecast("F24-4W", delay=90.0)) == "none: the rocket hits the ground first"
+    assert ejection_in_words(forecast("F24-4W", dry_mass=30.0)) == "none: the rocket does not leave the pad"
+
+
+def test_a_new_rocket_has_one_basis_in_every_sentence() -> None:
+    made = forecast("F24-4W")
+    assert "  based on  no flights of this rocket, only other rockets" in list(in_words(made))
+    assert rests_in_words(made).startswith("no flights of this rocket, only other rockets; one clean flight")
+
+
+def test_a_date_without_a_time_shows_no_time() -> None:
+    assert moment_in_words(datetime(2026, 5, 1)) == "Friday, May 1, 2026"
+    assert moment_in_words(datetime(2026, 5, 1, 9, 5)) == "Friday, May 1, 2026, 09:05"
+
+
+def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
+    said = f"{figure(0.019, 'g')} of propellant, at most {figure(0.125, 'g')}; lands {figure(100.0, 'm')} away"
+    assert in_units(said, "US") == "0.67 oz of propellant, at most 4.41 oz; lands 328 ft away"
+    assert in_units(said, "SI") == "19 g of propellant, at most 125 g; lands 100 m away"
+
+
+@pytest.mark.parametrize(
+    ("change", "american"),
+    [
+        ("dry mass was 322 g, now 340 g", "dry mass was 11.36 oz, now 11.99 oz"),
+        ("the design's diameter was 66 mm, now 50.8 mm", "the design's diameter was 2.598 in, now 2 in"),
+        ("temperature was not given, now 20 °C", "temperature was not given, now 68 °F"),
+        ("motor was AeroTech F24W, now AeroTech F39T", "motor was AeroTech F24W, now AeroTech F39T"),
+        ("the plain model replaced by model version 1", "the plain model replaced by model version 1"),
+    ],
+)
+def test_what_made_a_forecast_stale_is_in_the_units_of_the_flyer(change: str, american: str) -> None:
+    assert change_in_system(change, "US") == american
+
+
+@pytest.mark.parametrize("suffix", EDGES)
+def test_a_name_is_no_formula_on_the_card_of_finals(suffix: str) -> None:
+    row = ("800", "320", "383", "100%", "700-900", "30-50", "40")
+    assert finals_card([f"{NAME} on AeroTech F24W " * 4, "wind not given"], [row], suffix, [NAME])
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A user with US customary units, and five flights of one rocket."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+    monkeypatch.setenv("COLUMNS", "200")
+    (tmp_path / "settings.json").write_text(json.dumps({"units": "US"}))
+    rows = [f"{i},2026-05-0{i},{NAME},A,F24-4W,322,{240 + 3 * i},{45 if i == 1 else ''}" for i in range(1, 6)]
+    header = "flight_id,date_time,rocket,config,motor,dry_mass_g,apogee_m,top_speed_mps"
+    (tmp_path / "flights.csv").write_text("\n".join([header, *rows]), encoding="utf-8")
+    assert main(["import", str(tmp_path / "flights.csv")]) == 0
+    return tmp_path
+
+
+def test_cd_without_a_diameter_is_empty_and_warnings_are_in_the_flyers_units(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capsys.readouterr()
+    assert main(["infer"]) == 0
+    said = capsys.readouterr()
+    assert "nan" not in said.out
+    assert "top speed of" in said.err
+    assert "mph" in said.err
+    assert "m/s" not in said.err
+
+
+def test_cd_without_a_diameter_is_null_in_json(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["infer", "--json"]) == 0
+    flights = json.loads(capsys.readouterr().out)["flights"]
+    assert [one["cd"] for one in flights] == [None] * 5
+    assert all(one["alpha"] > 0 for one in flights)
+
+
+def test_a_log_without_a_rocket_is_not_the_default_of_a_plan(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (home / "log.csv").write_text("flight_id,apogee_m\nx,300\n")
+    assert main(["import", str(home / "log.csv")]) == 0
+    capsys.readouterr()
+    assert main(["predict", "--motor", "F24-4W", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["predictions"][0]["rocket"] == NAME
+
+
+def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["loop", "--quick"]) == 0
+    assert f"`fieldkit loop --rocket '{NAME}'`" in capsys.readouterr().out
+
+
+def test_forecasts_of_two_builds_differ_in_their_configuration(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for build in ("A", "heavy"):
+        assert main(["predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322"]) == 0
+    capsys.readouterr()
+    assert main(["predictions"]) == 0
+    said = capsys.readouterr().out
+    assert "config" in said
+    assert " heavy " in said
+
+
+def test_a_range_card_shows_a_name_as_it_is(home: Path) -> None:
+    card = home / "card.svg"
+    assert main(["landing", "--motor", "F24-4W", "--wind", "5mph", "--card", str(card)]) == 0
+    assert "$x_$" in card.read_text(encoding="utf-8")
