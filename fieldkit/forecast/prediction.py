@@ -71,7 +71,8 @@ class Prediction:
         The scatter of flights stays; the uncertainty of common terms falls like the variance of a normal mean: with the
         squared width q of the scatter and t of the rest, to t / (1 + n t / q) after n flights (Gelman et al., Bayesian
         Data Analysis, 3rd edition, 2013, section 2.5). The logarithm of the apogee is taken as linear in all terms.
-        Widths are those of intervals, because a thousand draws determine the variance of a Student t poorly. The size
+        Widths are those of intervals, because a thousand draws determine the variance of a Student t poorly; a ratio
+        above 1 is their sampling error. The size
         of the scatter is taken as known; for a new rocket it is not, and the interval narrows more.
         """
         luck, rest = self._luck_and_rest()
@@ -79,7 +80,7 @@ class Prediction:
         if not stays + left:
             return 1.0
         shrunk = 1 / np.sqrt(1 + more * left / stays) if stays else float(more == 0)
-        return float(interval_width(luck + shrunk * rest) / interval_width(luck + rest))
+        return min(1.0, float(interval_width(luck + shrunk * rest) / interval_width(luck + rest)))
 
     def _luck_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
         """The part of the log apogee that the scatter of single flights explains, by regression, and the rest, both

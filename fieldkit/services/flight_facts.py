@@ -66,7 +66,7 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> For
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
         return ForecastFacts(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
     if not flight.motor:
-        raise ImpossibleFlight("the flight has no motor; press e to enter one: motor=F24-4W")
+        raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     return ForecastFacts(low, middle, high, f"none saved; computed from the {made.rests_on} other clean flights")

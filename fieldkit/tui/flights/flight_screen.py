@@ -17,7 +17,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
-from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.flights.removal import REMOVE, leave, remove
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
@@ -109,7 +109,7 @@ class FlightScreen(PageScreen):
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
-        for question in ("ask", "said", "forecast", "log", "rocket"):
+        for question in ("ask", "said", "forecast", "log", "rocket", "look"):
             self.workers.cancel_group(self, question)
         self.reload_on_resume()
         for place in self.query(Static):
@@ -156,9 +156,12 @@ class FlightScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight; inferred values follow when they are computed."""
-        self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
+        self.ask(or_why(lambda: self.resources.ledger.flight(self._flight_id)), self._have)
 
-    def _have(self, flight: Flight) -> None:
+    def _have(self, flight: Flight | str) -> None:
+        if isinstance(flight, str):
+            leave(self, self._flight_id)
+            return
         self._flight = flight
         system = self.resources.settings.units
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
@@ -236,9 +239,8 @@ class FlightScreen(PageScreen):
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
         row = Interval("", said.low, said.middle, said.high, flown)
         parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
-        content = Content.assemble(*parts)
+        place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)
-        place.update(content)
 
     def action_tag(self) -> None:
         """Choose tags."""
@@ -251,15 +253,15 @@ class FlightScreen(PageScreen):
         """Show the log with a cursor."""
         from fieldkit.tui.flights.log_view import look_at_flight
 
-        system = self.resources.settings.units
-        self.ask(partial(look_at_flight, self.resources.ledger, self._flight_id, system), self._have_look, "look")
+        work = partial(look_at_flight, self.resources.ledger, self._flight_id, self.resources.settings.units)
+        self.ask(work, self._have_look, "look")
 
     def _have_look(self, look: "LogLook | str") -> None:
         from fieldkit.tui.flights.log_view import LogView
 
         if isinstance(look, str):
             self.complain(look)
-        else:
+        elif self.is_current:
             self.app.push_screen(LogView([look], self.resources.settings.units))
 
     def action_edit(self) -> None:

@@ -127,9 +127,11 @@ class LogView(ModalScreen[None]):
     LogView #cursor { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     LogView Plot { height: 1fr; min-height: 4; border-top: solid $border-blurred; border-title-color: $foreground; }
     LogView VerticalScroll { height: 7; padding: 0 1; border-top: solid $border-blurred; }
+    LogView.-low VerticalScroll { display: none; }
     LogView.-facts Plot { display: none; }
-    LogView.-facts VerticalScroll { height: 1fr; }
+    LogView.-facts VerticalScroll { height: 1fr; display: block; }
     """
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (34, "-high")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "step(-1)", "Earlier", show=False),
         Binding("right", "step(1)", "Time", key_display="←→"),

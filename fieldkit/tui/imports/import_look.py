@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -85,7 +86,7 @@ def listed(folder: Path) -> list[Path]:
     """Folders and then files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
-        return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
+        return [UP, *sorted(found, key=lambda path: (not isdir(path), path.name.lower()))]
     except OSError as error:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
@@ -204,7 +205,7 @@ def name_and_size(path: Path) -> tuple[str, str]:
     """A file's name and size; folders end in a slash."""
     if path == UP:
         return "../", ""
-    if path.is_dir():
+    if isdir(path):
         return f"{path.name}/", ""
     try:
         size = path.stat().st_size

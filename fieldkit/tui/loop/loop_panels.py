@@ -75,12 +75,12 @@ class Panels(Container):
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
 
-    def forget(self, why: str = TEXT_BEFORE_RUN["verdict"]) -> None:
-        """Clear the findings: no search has run yet, or the flights have changed since."""
+    def forget(self, why: str = "") -> None:
+        """Clear the findings: no search has run yet, or the reason `why` there are none."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.found = None
-        for name, text in (TEXT_BEFORE_RUN | {"verdict": why, "at-length": ""}).items():
+        for name, text in (TEXT_BEFORE_RUN | {"at-length": ""} | ({"verdict": why} if why else {})).items():
             self.query_one(f"#{name}", Static).update(text)
         self.query_one(Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())

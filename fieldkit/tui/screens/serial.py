@@ -176,7 +176,7 @@ class CaptureScreen(PageScreen):
                 raise CaptureTrouble("no unfinished capture to continue")
             for event in events:
                 self.post_message(self.Happened(event))
-        except FieldkitError:
+        except Exception:
             self.post_message(self.Happened(None))
             raise
         return event  # type: ignore[return-value]  # a capture ends with it or raises
@@ -232,7 +232,8 @@ class CaptureScreen(PageScreen):
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
         question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
-        self.app.push_screen(AskYes(question), partial(self._answered, end))
+        ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
+        self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
         """Ask for values that the logger lacks, with defaults from the open forecast."""

@@ -100,8 +100,9 @@ def ask_rail(page: PageScreen) -> None:
     units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
 
     def save_rail(values: dict[str, object] | None) -> None:
-        if values is not None:
-            page.field_app.choose("Saved your usual rail", **values)
+        changes = {n: new for n, new in (values or {}).items() if not same(n, new, texts[n], settings.units)}
+        if changes:
+            page.field_app.choose("Saved your usual rail", **changes)
 
     page.app.push_screen(Form("Your usual rail", questions, texts, units), save_rail)
 
