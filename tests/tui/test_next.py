@@ -605,6 +605,8 @@ async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
         await pilot.pause(0.3)
         await calm(pilot)
         assert pilot.app.theme == "night"
+        listed = [command.title for command in pilot.app.get_system_commands(pilot.app.screen)]
+        assert len(set(listed)) == len(listed), "an action with two keys is listed once"
 
 
 async def test_the_mouse_goes_where_keys_go(file: Path) -> None:

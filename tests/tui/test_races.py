@@ -7,7 +7,7 @@ from threading import Event
 from unittest.mock import patch
 
 import pytest
-from textual.widgets import Button, Static
+from textual.widgets import Button, Input, Static
 
 from fieldkit import capture
 from fieldkit.flight import Flight
@@ -190,3 +190,16 @@ async def test_the_tags_of_a_flight_without_a_motor_need_no_forecast(file: Path)
         assert "[x] weak_launch" in words(pilot)
         assert "its motor is not known" in words(pilot)
         assert "error" not in words(pilot)
+
+
+async def test_the_curves_of_a_log_are_drawn_on_a_terminal_with_24_lines(file: Path) -> None:
+    async with opened(file, page="import_files") as pilot:
+        log = Path(__file__).parents[2] / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+        await press(pilot, "o", "ctrl+u")
+        pilot.app.screen.query_one(Input).value = str(log)
+        await press(pilot, "enter", "_", "l", "_")
+        assert "burnout" in words(pilot)
+        assert "Readouts" not in words(pilot)
+        await press(pilot, "tab")
+        assert "Readouts" in words(pilot)
+        assert "burnout apogee" not in words(pilot)

@@ -79,15 +79,14 @@ class FlightScreen(PageScreen):
     DEFAULT_CSS = """
     FlightScreen #heading { height: 1; padding: 0 1; text-style: bold; color: $primary; }
     FlightScreen #all { height: 1fr; padding: 0 1; }
-    FlightScreen #columns { height: auto; }
+    FlightScreen #columns, FlightScreen #hills, FlightScreen #log { height: auto; }
     FlightScreen #figures { width: 38; height: auto; }
     FlightScreen #pictures { width: 1fr; height: auto; }
     FlightScreen #all Static { height: auto; margin-bottom: 1; }
     FlightScreen #all #doubts.-none { display: none; }
     FlightScreen #all Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall #all Plot { height: 11; }
-    FlightScreen #hills { height: auto; }
-    FlightScreen #log { height: auto; }
+    FlightScreen.-tall RocketStrip.-shown { display: block; }
     FlightScreen #all #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
         border-title-color: $foreground; }
     FlightScreen.-tall #all #log Plot { height: 11; }
@@ -117,7 +116,7 @@ class FlightScreen(PageScreen):
                 place.update(PLACES[place.id])
         for plot in self.query("#all Plot").results(Plot):
             plot.show(None)
-        self.query(RocketStrip).set(display=False)
+        self.query(RocketStrip).remove_class("-shown")
         for scrolled in self.query("#all").results(VerticalScroll):
             scrolled.scroll_home(animate=False, immediate=True)
 

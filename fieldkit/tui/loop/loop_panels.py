@@ -104,7 +104,8 @@ class Panels(Container):
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
-            heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
+            heads = [Head("candidate effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
+            heads.append(Head("strength", 16))
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_residuals(self, turn: int, system: str) -> None:
