@@ -17,6 +17,7 @@ from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, looked_at, opened, press, told, typed, words
 
 CHECK_SHAPES = False
@@ -203,3 +204,17 @@ async def test_the_curves_of_a_log_are_drawn_on_a_terminal_with_24_lines(file: P
         await press(pilot, "tab")
         assert "Readouts" in words(pilot)
         assert "burnout apogee" not in words(pilot)
+
+
+async def test_a_motor_beyond_the_first_ones_is_forecast_when_the_cursor_reaches_it(file: Path) -> None:
+    with patch("fieldkit.tui.next.motor_list.MAX_FORECAST_MOTORS", 3), patch("fieldkit.tui.next.motor_list.AT_ONCE", 2):
+        async with opened(file, page="next_flight") as pilot:
+            table = pilot.app.screen.query_one(Table)
+            fitting = [motor for motor in table.keys if not table.cells(motor)[0].startswith("✗")]
+            assert table.cells(fitting[-1])[1] == "…"
+            table.move_to(fitting[-1])
+            await press(pilot, "_")
+            assert table.current == fitting[-1]
+            assert table.cells(table.current)[1] != "…"
+            await press(pilot, "enter", "_")
+            assert "Saved forecast" in words(pilot)
