@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> For
         raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
-    return ForecastFacts(low, middle, high, f"none saved; computed from the {made.rests_on} other clean flights")
+    return ForecastFacts(low, middle, high, f"none saved; computed from {counted(made.rests_on, 'other clean flight')}")
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:

@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import in_system, measure, rounded, spelled, unit_of
+from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
@@ -78,8 +78,7 @@ def _file_facts(file: "FileView", system: str) -> list[Hanging]:
         )
         for one in file.columns
     ]
-    count = len(file.flights)
-    stored = f"{count} flight{'' if count == 1 else 's'}, {file.rejected} rejected"
+    stored = f"{counted(len(file.flights), 'flight')}, {file.rejected} rejected"
     read = [
         ("format", f"{file.title} ({file.format})"),
         ("why", file.why),

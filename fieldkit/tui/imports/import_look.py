@@ -12,7 +12,7 @@ from textual.content import Content
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import read_changes
-from fieldkit.quantities import in_system
+from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
 from fieldkit.tui.setup.design_look import SUFFIX, design_at
@@ -156,8 +156,8 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
         ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
-    parts += ["\n", ("would add      ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
-    parts += [f", {receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"]
+    parts += ["\n", ("would add      ", "$text-muted"), (counted(len(receipt.ids), "flight"), "b")]
+    parts += [f", {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
     parts += [f"\n! {printable(shortened(by_keys(in_system(note, system))))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
@@ -195,10 +195,6 @@ def left_out(look: Look) -> Hanging:
 def in_a_line(given: Mapping[str, str]) -> str:
     """The given values in one line: `rocket=Astra; config=A`."""
     return "; ".join(f"{name}={value}" for name, value in given.items())
-
-
-def _counted(count: int) -> str:
-    return f"{count} flight" + ("" if count == 1 else "s")
 
 
 def name_and_size(path: Path) -> tuple[str, str]:

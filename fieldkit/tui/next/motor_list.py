@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 AT_ONCE = 40
 """Number of motors forecast together, so that the first results appear before the others."""
 MAX_FORECAST_MOTORS = 200
-"""Maximum number of motors to forecast in a search, besides those under the cursor; a longer word narrows the search."""
+"""Maximum number of motors to forecast in a search, besides the current one; a longer word narrows the search."""
 
 
 @dataclass(slots=True)

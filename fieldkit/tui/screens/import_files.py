@@ -16,6 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.paths import expanded, working_folder
+from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
@@ -191,7 +192,7 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: "Receipt") -> None:
         self._reading = replace(self._reading, marked=())
-        counts = f"{receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"
+        counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
         undo = ". u to undo" if receipt.ids else ""
         self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
         self.field_app.changed()

@@ -17,7 +17,7 @@ from textual.widgets import Static
 from fieldkit.errors import CaptureTrouble, FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.paths import capture_folder
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
@@ -252,7 +252,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} duplicates. u to undo")
+        self.show_notice(f"{len(receipt.ids)} imported, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:
