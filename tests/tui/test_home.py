@@ -61,7 +61,7 @@ async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path)
     async with opened(file, (120, 30), page="home") as pilot:
         assert not pilot.app.screen.query_one(RocketStrip).display
         await pilot.resize_terminal(120, 44)
-        await press(pilot)
+        await press(pilot, "_", "_")
         assert "Astra B" in told(pilot, "RocketStrip Static")
 
 

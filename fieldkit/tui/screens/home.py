@@ -162,7 +162,7 @@ class HomeScreen(PageScreen):
 
     def on_resize(self, _event: events.Resize) -> None:
         """Show the rocket if the new height has room for it."""
-        self.call_later(self._moved)
+        self.call_after_refresh(self._moved)  # when the height has taken effect
 
     @on(Table.Moved)
     def _moved(self) -> None:
