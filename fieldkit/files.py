@@ -9,6 +9,7 @@ import stat
 import tomllib
 from collections.abc import Mapping
 from itertools import count
+from os.path import isfile
 from pathlib import Path
 from secrets import token_hex
 from typing import Any
@@ -119,7 +120,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
 
 def is_taken(file: Path) -> bool:
     """Whether a path is an existing plain file, which is replaced only if the user confirms."""
-    return file.is_file() and not _is_stream(file)
+    return isfile(file) and not _is_stream(file)
 
 
 def write(file: Path, content: bytes, *, force: bool = False) -> None:

@@ -34,6 +34,14 @@ def expanded(text: str | Path) -> Path:
     return Path(os.path.expanduser(text))
 
 
+def working_folder() -> Path:
+    """The current folder; the user's home if it was deleted."""
+    try:
+        return Path.cwd()
+    except OSError:
+        return expanded("~")
+
+
 def data_folder() -> Path:
     """The folder of the user's data, created if possible.
 

@@ -10,6 +10,8 @@ from fieldkit.services.next_suggestion import Suggestion
 APOGEE = BY_NAME["apogee"]
 VISIBLE_CD_CHANGE = 0.005
 """Minimum change of Cd to mention: half of the last digit shown. [1]"""
+VISIBLE_NARROWING = 0.005
+"""Minimum fraction by which an interval narrows to mention: half a percent, as shown. [1]"""
 
 
 def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
@@ -58,6 +60,8 @@ def suggestion_line(found: Suggestion, system: str) -> str:
         target = measure(APOGEE, found.target, system)
         said = _interval(found.apogee, system)
         return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f to choose a motor."
+    if found.narrows < VISIBLE_NARROWING:
+        return "More such flights hardly narrow the interval: it is flight-to-flight variation. f to plan the next one."
     return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f to save its forecast."
 
 

@@ -177,7 +177,7 @@ def _check(names: Sequence[str], families: Families) -> None:
 def _ranking(
     posterior: SetPosterior, families: Families, truth: Float[Array, "flight"], seen: Flags
 ) -> tuple[Ranked, ...]:
-    """Every effect by its evidence when alone, the strongest first."""
+    """Every effect, the most probable first, and of equal ones that with the stronger evidence when alone."""
     found = []
     for effect in families:
         name = effect or UNEXPLAINED

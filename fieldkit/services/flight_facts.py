@@ -69,7 +69,7 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system
             *kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes_in(system))])
         )
     if not flight.motor:
-        raise ImpossibleFlight("the flight has no motor; press e to enter one: motor=F24-4W")
+        raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     others = counted(made.rests_on, "other clean flight")

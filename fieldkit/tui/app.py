@@ -254,10 +254,12 @@ class FieldkitApp(Surviving):
             yield SystemCommand(f"Colors: {theme}", "Change the colors", partial(self.choose, theme=theme))
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
+        said = set[str]()
         for active in screen.active_bindings.values():
             binding = active.binding
-            if active.enabled and binding.description and (binding.show or binding.tooltip):
-                label, key = binding.tooltip or binding.description, self.get_key_display(binding)
+            label, key = binding.tooltip or binding.description, self.get_key_display(binding)
+            if active.enabled and label not in said and (binding.tooltip or (binding.description and binding.show)):
+                said.add(label)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
 
 

@@ -1,6 +1,7 @@
 """Notices, units, colors and the target."""
 
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from fieldkit.errors import BadValue, FieldkitError
@@ -89,14 +90,14 @@ class Choosing(InOrder):
         """The target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
-        self.push_screen(AskText("Target", now, about), self._targeted)
+        self.push_screen(AskText("Target", now, about), partial(self._targeted, now))
 
     def action_ask_target(self) -> None:
         """Ask for the target apogee."""
         self.ask_target()
 
-    def _targeted(self, text: str | None) -> None:
-        if text is None:
+    def _targeted(self, now: str, text: str | None) -> None:
+        if text is None or text == now:  # what was shown is rounded
             return
         apogee, system = BY_NAME["apogee"], self.resources.settings.units
         try:

@@ -75,6 +75,7 @@ class PageScreen(AskingScreen):
         self._seen = (-1, -1)
         self._theme = ""
         self._due: list[Callable[[], None]] = []
+        self._later: list[Callable[[], object]] = []
 
     @property
     def ready(self) -> bool:
@@ -118,6 +119,17 @@ class PageScreen(AskingScreen):
             return  # prepared in the background
         self.query_one(NoticeBar).show_notice(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then its content
+        later, self._later = self._later, []
+        for show in later:
+            self.call_after_refresh(show)
+
+    def show_in_front(self, show: Callable[[], object], otherwise: str) -> None:
+        """Show something over this page; if another page is in front, a notice there, and it when this page is back."""
+        if self.is_current:
+            show()
+        else:
+            self._later.append(show)
+            self.show_notice(otherwise)
 
     def above(self) -> Iterable["PageScreen"]:
         """Screens that are often opened from this page and should be prepared."""

@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from fieldkit.files import check_target, is_taken
-from fieldkit.paths import expanded
+from fieldkit.paths import expanded, working_folder
 from fieldkit.progress import no_op
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
@@ -15,7 +15,7 @@ ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit rep
 def ask_report(page: PageScreen, what: str) -> None:
     """Ask for the file of a report on a flight, a rocket or a day, and write it."""
     name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in what)
-    offered = str(Path.cwd() / f"{name}.html")
+    offered = str(working_folder() / f"{name}.html")
     page.app.push_screen(AskText(f"Report of {what}", offered, ABOUT), partial(_write, page, what))
 
 

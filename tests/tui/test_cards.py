@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.cells import cell_len
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.site import Site
@@ -14,6 +15,7 @@ from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.next.intervals import Interval, Intervals, bar
 from fieldkit.tui.setup import setup_card
+from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import grouped, placed
 from fieldkit.tui.widgets.table import fitted
 from tests.pressing import frozen, opened, press, season, typed, words
@@ -49,6 +51,14 @@ def test_what_a_log_brought_is_reported_in_words_with_units_behind_the_figures()
         ("Platz", "Süd"),
     ]
     assert logged.beside({"stated_apogee_m": "high"}, "SI") == [("Apogee, stated", "high")]
+
+
+def test_names_in_wide_characters_move_no_value_out_of_its_column() -> None:
+    rows = (Interval("飛行機雲 F39", 1.0, 2.0, 3.0), Interval("12 F39", 1.0, 2.0, 3.0))
+    drawn = str(Intervals(rows, str, {})).splitlines()
+    assert cell_len(drawn[0]) == cell_len(drawn[1]) <= 76
+    facts = str(cards.lines("", [("飛行機", "once"), ("F39", "twice")])).splitlines()
+    assert [cell_len(line[: line.index(word)]) for line, word in zip(facts, ("once", "twice"), strict=True)] == [8, 8]
 
 
 @given(st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3), st.integers(10, 200))

@@ -54,8 +54,15 @@ async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path)
         await press(pilot, *["down"] * 3)
         assert "Astra A" in told(pilot, "RocketStrip Static")
         assert strip.display
+        await pilot.resize_terminal(120, 30)
+        await press(pilot)
+        assert not strip.display
+        assert "▸9 " in shown(pilot), "the flights have the room"
     async with opened(file, (120, 30), page="home") as pilot:
         assert not pilot.app.screen.query_one(RocketStrip).display
+        await pilot.resize_terminal(120, 44)
+        await press(pilot, "_", "_")
+        assert "Astra B" in told(pilot, "RocketStrip Static")
 
 
 @pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])

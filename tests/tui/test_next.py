@@ -71,7 +71,7 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         await press(pilot, "enter")
         assert "1 imported, 0 duplicates, 2 rejected" in words(pilot)
         await press(pilot, "enter")
-        assert "0 imported, 1 duplicates" in words(pilot)
+        assert "0 imported, 1 duplicate," in words(pilot)
         await press(pilot, "escape", "u")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
@@ -155,7 +155,7 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         assert "+ a.csv" not in shown(pilot)
         assert "imported" in words(pilot), brought
         await press(pilot, "up")
-        assert "1 duplicates" in told(pilot, "#said")
+        assert "1 duplicate," in told(pilot, "#said")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
 
@@ -605,6 +605,8 @@ async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
         await pilot.pause(0.3)
         await calm(pilot)
         assert pilot.app.theme == "night"
+        listed = [command.title for command in pilot.app.get_system_commands(pilot.app.screen)]
+        assert len(set(listed)) == len(listed), "an action with two keys is listed once"
 
 
 async def test_the_mouse_goes_where_keys_go(file: Path) -> None:

@@ -73,6 +73,7 @@ class AfterCard(VerticalScroll, can_focus=True):
     enter = "Next"
     """What Enter does, for the key bar."""
     text = ""
+    _drawn: tuple[Callable[[str], None], ...] = ()
 
     def compose(self) -> ComposeResult:
         """From the comparison to the suggestion, and below it the next flight and earlier ones."""
@@ -96,6 +97,21 @@ class AfterCard(VerticalScroll, can_focus=True):
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
         """The flight itself, as soon as it is in the ledger."""
+        self._drawn = (partial(self._show_flight, id, flight),)
+        self.redraw(system)
+        self.scroll_home(animate=False, immediate=True)
+
+    def show(self, found: AfterFlight | None, system: str) -> None:
+        """The comparison, once it is computed."""
+        self._drawn = (*self._drawn[:1], partial(self._show_outcome, found))
+        self.redraw(system)
+
+    def redraw(self, system: str) -> None:
+        """The same in the units of a system."""
+        for draw in self._drawn:
+            draw(system)
+
+    def _show_flight(self, id: str, flight: Flight, system: str) -> None:
         self.border_title = Content(printable(f"Saved flight {id}"))
         heading = cards.heading(flight.with_changes(date_time=None), "")
         self._put(".heading", Content(heading).stylize("bold"))
@@ -105,10 +121,8 @@ class AfterCard(VerticalScroll, can_focus=True):
         self._put(".facts", WORKING)
         self._hill(None)
         self.text = heading
-        self.scroll_home(animate=False, immediate=True)
 
-    def show(self, found: AfterFlight | None, system: str) -> None:
-        """The comparison, once it is computed."""
+    def _show_outcome(self, found: AfterFlight | None, system: str) -> None:
         from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
         from fieldkit.tui.widgets.plots import draw_density
 

@@ -92,8 +92,10 @@ class Form(ModalScreen[dict[str, object] | None]):
     Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
     Form VerticalScroll { height: auto; max-height: 60vh; }
+    Form.-low VerticalScroll { max-height: 40vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (20, "-high")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),

@@ -25,9 +25,16 @@ class Saving:
         return self._page.query_one(AfterCard)
 
     def object_to(self, trouble: str) -> None:
-        """Ask about a doubtful answer until the flight is saved."""
-        self._objections.append(trouble)
-        self._page.complain(trouble)
+        """Ask about a doubtful answer until the flight is saved; nothing to do without `trouble`."""
+        if trouble:
+            self._objections.append(trouble)
+            self._page.complain(trouble)
+
+    async def save_once(self, said: Answered) -> None:
+        """Save the flight in the ledger unless that is done; the next keys wait, because saving clears the form."""
+        if not self.card.display:
+            self.save(said)
+            await self._page.settled("save")
 
     def save(self, said: Answered, *, confirmed: bool = False) -> None:
         """Save the flight in the ledger."""

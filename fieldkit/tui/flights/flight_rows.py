@@ -57,7 +57,7 @@ def _date(form: str) -> Callable[[Row, str], str]:
 
 
 def columns(width: int) -> list[Shown]:
-    """All ten columns at any width: narrow screens shorten the date and the tags."""
+    """All ten columns at any width: narrow screens shorten the date, the rocket and the tags."""
     wide, tight = width >= 108, width < 76
     motor = 14 if wide else 6 if tight else 8
     return [
@@ -68,7 +68,9 @@ def columns(width: int) -> list[Shown]:
             _date("%Y-%m-%d %H:%M" if wide else "%m-%d" if tight else "%Y-%m-%d"),
             lambda r: (r.flight.date_time or datetime.min, r.place),
         ),
-        Shown("rocket", 14 if wide else 6, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()),
+        Shown(
+            "rocket", 14 if wide else 6 if tight else 0, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()
+        ),
         Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
         Shown("motor", motor, lambda r, _: cards.motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
         Shown(

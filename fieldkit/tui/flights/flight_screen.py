@@ -17,7 +17,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
-from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.flights.removal import REMOVE, leave, remove
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
@@ -79,15 +79,14 @@ class FlightScreen(PageScreen):
     DEFAULT_CSS = """
     FlightScreen #heading { height: 1; padding: 0 1; text-style: bold; color: $primary; }
     FlightScreen #all { height: 1fr; padding: 0 1; }
-    FlightScreen #columns { height: auto; }
+    FlightScreen #columns, FlightScreen #hills, FlightScreen #log { height: auto; }
     FlightScreen #figures { width: 38; height: auto; }
     FlightScreen #pictures { width: 1fr; height: auto; }
     FlightScreen #all Static { height: auto; margin-bottom: 1; }
     FlightScreen #all #doubts.-none { display: none; }
     FlightScreen #all Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall #all Plot { height: 11; }
-    FlightScreen #hills { height: auto; }
-    FlightScreen #log { height: auto; }
+    FlightScreen.-tall RocketStrip.-shown { display: block; }
     FlightScreen #all #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
         border-title-color: $foreground; }
     FlightScreen.-tall #all #log Plot { height: 11; }
@@ -109,7 +108,7 @@ class FlightScreen(PageScreen):
         from fieldkit.tui.widgets.plots import Plot
 
         self._flight_id, self._flight, self._text = id, None, []
-        for question in ("ask", "said", "forecast", "log", "rocket"):
+        for question in ("ask", "said", "forecast", "log", "rocket", "look"):
             self.workers.cancel_group(self, question)
         self.reload_on_resume()
         for place in self.query(Static):
@@ -117,7 +116,7 @@ class FlightScreen(PageScreen):
                 place.update(PLACES[place.id])
         for plot in self.query("#all Plot").results(Plot):
             plot.show(None)
-        self.query(RocketStrip).set(display=False)
+        self.query(RocketStrip).remove_class("-shown")
         for scrolled in self.query("#all").results(VerticalScroll):
             scrolled.scroll_home(animate=False, immediate=True)
 
@@ -156,9 +155,12 @@ class FlightScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight; inferred values follow when they are computed."""
-        self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
+        self.ask(or_why(lambda: self.resources.ledger.flight(self._flight_id)), self._have)
 
-    def _have(self, flight: Flight) -> None:
+    def _have(self, flight: Flight | str) -> None:
+        if isinstance(flight, str):
+            leave(self, self._flight_id)
+            return
         self._flight = flight
         system = self.resources.settings.units
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
@@ -236,9 +238,8 @@ class FlightScreen(PageScreen):
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
         row = Interval("", said.low, said.middle, said.high, flown)
         parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
-        content = Content.assemble(*parts)
+        place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)
-        place.update(content)
 
     def action_tag(self) -> None:
         """Choose tags."""
@@ -251,15 +252,15 @@ class FlightScreen(PageScreen):
         """Show the log with a cursor."""
         from fieldkit.tui.flights.log_view import look_at_flight
 
-        system = self.resources.settings.units
-        self.ask(partial(look_at_flight, self.resources.ledger, self._flight_id, system), self._have_look, "look")
+        work = partial(look_at_flight, self.resources.ledger, self._flight_id, self.resources.settings.units)
+        self.ask(work, self._have_look, "look")
 
     def _have_look(self, look: "LogLook | str") -> None:
         from fieldkit.tui.flights.log_view import LogView
 
         if isinstance(look, str):
             self.complain(look)
-        else:
+        elif self.is_current:
             self.app.push_screen(LogView([look], self.resources.settings.units))
 
     def action_edit(self) -> None:

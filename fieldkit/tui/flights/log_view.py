@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import in_system, measure, rounded, spelled, unit_of
+from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
@@ -78,8 +78,7 @@ def _file_facts(file: "FileView", system: str) -> list[Hanging]:
         )
         for one in file.columns
     ]
-    count = len(file.flights)
-    stored = f"{count} flight{'' if count == 1 else 's'}, {file.rejected} rejected"
+    stored = f"{counted(len(file.flights), 'flight')}, {file.rejected} rejected"
     read = [
         ("format", f"{file.title} ({file.format})"),
         ("why", file.why),
@@ -127,9 +126,11 @@ class LogView(ModalScreen[None]):
     LogView #cursor { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     LogView Plot { height: 1fr; min-height: 4; border-top: solid $border-blurred; border-title-color: $foreground; }
     LogView VerticalScroll { height: 7; padding: 0 1; border-top: solid $border-blurred; }
+    LogView.-low VerticalScroll { display: none; }
     LogView.-facts Plot { display: none; }
-    LogView.-facts VerticalScroll { height: 1fr; }
+    LogView.-facts VerticalScroll { height: 1fr; display: block; }
     """
+    VERTICAL_BREAKPOINTS = [(0, "-low"), (34, "-high")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "step(-1)", "Earlier", show=False),
         Binding("right", "step(1)", "Time", key_display="←→"),

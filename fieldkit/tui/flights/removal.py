@@ -10,6 +10,13 @@ REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remov
 """The key of `action_remove`."""
 
 
+def leave(page: PageScreen, id: str) -> None:
+    """Leave the screen of a flight that is no longer in the ledger: undo or another program has removed it."""
+    page.show_notice(f"Flight {id} is no longer in the ledger")
+    if page.is_current:
+        page.dismiss()
+
+
 def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None) -> None:
     """Remove a flight, show how to undo it, and continue with `then`."""
 

@@ -10,7 +10,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import KNOWN_TAGS, TAGS
-from fieldkit.quantities import measure
+from fieldkit.quantities import counted, measure
 from fieldkit.tui.next.intervals import Interval, Intervals
 from fieldkit.tui.widgets import cards
 
@@ -36,7 +36,7 @@ class Shift:
         return [
             ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
             ("next apogee", f"{middle}, 90% between {low} and {high}"),
-            ("based on", f"{one.rests_on} clean flights"),
+            ("based on", counted(one.rests_on, "clean flight")),
         ]
 
     def apogee(self, name: str) -> Interval:

@@ -11,8 +11,10 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.safe_text import printable
+from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.flights.tag_card import OWN_TAG_ROW, Shift, TagCard, meaning
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
@@ -87,7 +89,7 @@ class TagScreen(PageScreen):
     def _have(self, read: tuple[Flight, dict[str, list[str]]]) -> None:
         flight, self._bearers = read
         self._list(flight)
-        self.ask(partial(self._shift, flight), self._have_shift, "effect", alone=True)
+        self.ask(or_why(partial(self._shift, flight)), self._have_shift, "effect", alone=True)
 
     def _list(self, flight: Flight) -> None:
         """The tags, with a mark at those of the flight."""
@@ -104,11 +106,16 @@ class TagScreen(PageScreen):
     def _shift(self, flight: Flight) -> Shift:
         from fieldkit.services.forecasts import predict_plans
 
+        if not flight.motor:
+            raise ImpossibleFlight("no forecast of the same flight: its motor is not known")
         plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)
         (forecast,) = predict_plans(self.resources.ledger, self.resources.motors, [plan], keep=False)
         return Shift(forecast)
 
-    def _have_shift(self, shift: Shift) -> None:
+    def _have_shift(self, shift: Shift | str) -> None:
+        if isinstance(shift, str):
+            self.query_one("#effect", Static).update(Content(printable(shift)))
+            return
         self._before, self._now = self._before or shift, shift
         system = self.resources.settings.units
         before, now = self._before.lines(system), shift.lines(system)

@@ -56,6 +56,7 @@ async def take(page: PageScreen, step: Step) -> None:
     match step:
         case Step.ROCKET:
             page.ask(lambda: page.resources.motors, partial(_ask_rocket, page), "motors")
+            await page.settled("motors")
         case Step.DEMO:
             page.change(partial(_load_demo, page), partial(_demo_loaded, page))
         case Step.FILES:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from textual.content import Content
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import read_changes
-from fieldkit.quantities import in_system
+from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
 from fieldkit.tui.setup.design_look import SUFFIX, design_at
@@ -85,7 +86,7 @@ def listed(folder: Path) -> list[Path]:
     """Folders and then files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
-        return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
+        return [UP, *sorted(found, key=lambda path: (not isdir(path), path.name.lower()))]
     except OSError as error:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
@@ -155,8 +156,8 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
         ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
-    parts += ["\n", ("would add      ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
-    parts += [f", {receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"]
+    parts += ["\n", ("would add      ", "$text-muted"), (counted(len(receipt.ids), "flight"), "b")]
+    parts += [f", {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
     parts += [f"\n! {printable(shortened(by_keys(in_system(note, system))))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
@@ -196,15 +197,11 @@ def in_a_line(given: Mapping[str, str]) -> str:
     return "; ".join(f"{name}={value}" for name, value in given.items())
 
 
-def _counted(count: int) -> str:
-    return f"{count} flight" + ("" if count == 1 else "s")
-
-
 def name_and_size(path: Path) -> tuple[str, str]:
     """A file's name and size; folders end in a slash."""
     if path == UP:
         return "../", ""
-    if path.is_dir():
+    if isdir(path):
         return f"{path.name}/", ""
     try:
         size = path.stat().st_size

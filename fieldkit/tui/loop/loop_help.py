@@ -25,7 +25,8 @@ LOOP_HELP = Help(
         ),
         (
             "Ranking",
-            "Effects by evidence: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
+            "Effects, the most probable first. Chance: the probability that it is present, alone or with others. "
+            "Evidence, for it alone: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
             "details of the one under the cursor; Enter for its fingerprint.",
         ),
         ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),

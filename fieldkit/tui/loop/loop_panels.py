@@ -75,12 +75,12 @@ class Panels(Container):
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
 
-    def forget(self, why: str = TEXT_BEFORE_RUN["verdict"]) -> None:
-        """Clear the findings: no search has run yet, or the flights have changed since."""
+    def forget(self, why: str = "") -> None:
+        """Clear the findings: no search has run yet, or the reason `why` there are none."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.found = None
-        for name, text in (TEXT_BEFORE_RUN | {"verdict": why, "at-length": ""}).items():
+        for name, text in (TEXT_BEFORE_RUN | {"at-length": ""} | ({"verdict": why} if why else {})).items():
             self.query_one(f"#{name}", Static).update(text)
         self.query_one(Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())
@@ -104,7 +104,8 @@ class Panels(Container):
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
-            heads = [Head("candidate effect", 0), Head("evidence", 8, True), Head("strength", 16)]
+            heads = [Head("candidate effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
+            heads.append(Head("strength", 16))
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_residuals(self, turn: int, system: str) -> None:

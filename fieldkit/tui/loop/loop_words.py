@@ -136,14 +136,20 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
 
 
 def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ...]]:
-    """Effects with their places, the best first: description, evidence, and strength in the units of a system."""
+    """Effects with their places, the most probable first: description, probability, evidence, and strength in the units
+    of a system."""
     rows: dict[str, tuple[str, ...]] = {}
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
             strength = in_system(f"{rounded(mean, 3)} ± {rounded(sd, 2)} {item.best.unit}", system).split()[:3]
-            rows[str(place)] = (place.in_words, f"{item.log_bayes:+.1f}", " ".join(strength))
+            rows[str(place)] = (
+                place.in_words,
+                f"{item.probability:.0%}",
+                f"{item.log_bayes:+.1f}",
+                " ".join(strength),
+            )
     return rows
 
 

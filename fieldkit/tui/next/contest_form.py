@@ -67,11 +67,15 @@ def units(system: str) -> dict[str, str]:
     return site_form.units(system) | own
 
 
-def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
-    """The day and the site from the answers of the form."""
+def answered(values: dict[str, Any], day: "Day", site: "Site", system: str) -> "tuple[Day, Site]":
+    """The day and the site from the answers of the form; an answer with the same text was not changed."""
+    from fieldkit.planning.contest_day import read_part
 
-    from fieldkit.planning.contest_day import Day
-
-    day = Day(**{question.name: values[question.name] for question in DAY})
-    room = site_form.ROOM if site.name else ()
-    return day, replace(site, **{question.name: values[question.name] for question in room})
+    shown, unit = texts(day, site, system), units(system)
+    asked = [question.name for question in questions(site) if question != WEIGHED]
+    new = {name: values[name] for name in asked if values[name] != read_part(name, shown[name], unit.get(name, ""))}
+    room = site_form.room_names()
+    return (
+        replace(day, **{name: value for name, value in new.items() if name not in room}),
+        replace(site, **{name: value for name, value in new.items() if name in room}),
+    )

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from rich.cells import cell_len, set_cell_size
 from textual.content import Content
 from textual.css.styles import RulesMap
 from textual.strip import Strip
@@ -59,12 +60,12 @@ class Intervals(Visual):
 
     def _within(self, width: int) -> Content:
         names = [printable(row.name) for row in self.rows]
-        lead = min(max(map(len, names), default=0), width // 3)
+        lead = min(max(map(cell_len, names), default=0), width // 3)
         room = max(10, width - lead - 3)
         ends = [end for row in self.rows for end in row.ends] + list(self.marks.values())
         start, end = min(ends), max(ends)
         lines = [
-            f"{name[:lead]:{lead}}  {bar(row, start, end, room, tuple(self.marks.values()))}"
+            f"{set_cell_size(name, lead)}  {bar(row, start, end, room, tuple(self.marks.values()))}"
             for name, row in zip(names, self.rows, strict=True)
         ]
         drawn = "\n".join([*lines, f"{'':{lead}}  {self._scale(start, end, room)}"])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 AT_ONCE = 40
 """Number of motors forecast together, so that the first results appear before the others."""
 MAX_FORECAST_MOTORS = 200
-"""Maximum number of motors to forecast in a search; a longer word narrows the search."""
+"""Maximum number of motors to forecast in a search, besides the current one; a longer word narrows the search."""
 
 
 @dataclass(slots=True)
@@ -41,9 +41,10 @@ class MotorList:
             return [motor for motor in found if plan.wanted.fits(motor)]
         return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
 
-    def waiting(self) -> "list[Motor]":
-        """The next few motors without a forecast, in the order found."""
-        return [motor for motor in self.found[:MAX_FORECAST_MOTORS] if motor not in self.known][:AT_ONCE]
+    def waiting(self, current: "Motor | None") -> "list[Motor]":
+        """The next few motors without a forecast: the current one if there is one, then in the order found."""
+        wanted = dict.fromkeys([*([current] if current else []), *self.found[:MAX_FORECAST_MOTORS]])
+        return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
 
     def turn_to(self, plan: "Plan | None") -> None:
         """Set another plan, without forecasts."""

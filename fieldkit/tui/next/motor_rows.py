@@ -142,9 +142,9 @@ def off(choice: "MotorChoice", settings: Settings) -> str:
 
 def whole(height: float, system: str) -> str:
     """A height [m] in whole units."""
-    return number(cards.APOGEE, height, system).split(".")[0]
+    return f"{float(number(cards.APOGEE, height, system)):.0f}"
 
 
 def signed(seconds: float | None) -> str:
     """Seconds after apogee, with their sign; empty if none are known."""
-    return "" if seconds is None else f"{seconds:+.1f}"
+    return "" if seconds is None else f"{round(seconds, 1) + 0.0:+.1f}"  # zero is never negative

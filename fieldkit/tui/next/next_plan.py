@@ -8,7 +8,7 @@ from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.paths import data_file
-from fieldkit.quantities import measure
+from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
@@ -131,7 +131,7 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
     version = ledger.active_version(rocket)
     model = f"version {version.number}" if version else "the plain model"
     more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""
-    return f"{len(clean)} clean flights ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
+    return f"{counted(len(clean), 'clean flight')} ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
 
 
 def planned(values: Mapping[str, object]) -> Flight:

@@ -44,7 +44,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
     from fieldkit.presentation.forecast_text import narrows
 
     said = one.prediction
-    fires = [f"{delay:g} s {seconds:+.1f}" for delay, seconds in one.ejections]
+    fires = [f"{delay:g} s {motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
     misfit = plan.misfit(one.motor) or ", ".join(line.name for line in one.why_not)
     return [
         ("✗ fit", misfit),

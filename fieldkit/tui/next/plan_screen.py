@@ -207,13 +207,14 @@ class PlanScreen(PageScreen):
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 
-    def action_day(self) -> None:
+    async def action_day(self) -> None:
         """Enter the announcements and declarations of the day, and the size of the field."""
         from fieldkit.services.contest_day import day_of
         from fieldkit.services.sites import site_of
 
         ledger, season, name = self.resources.ledger, self._season, self._decision.plan.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
+        await self.settled("day")
 
     def _ask_day(self, season: int, known: "tuple[Day, Site]") -> None:
         (day, site), system = known, self.resources.settings.units
@@ -226,7 +227,7 @@ class PlanScreen(PageScreen):
     def _have_day(self, season: int, known: "tuple[Day, Site]", values: dict[str, object] | None) -> None:
         if values is None:
             return
-        day, site = contest_form.answered(values, known[1])
+        day, site = contest_form.answered(values, *known, self.resources.settings.units)
         self._view = 2 if day != known[0] and self._view == 0 else self._view
         weighed = cast("float | None", values[contest_form.WEIGHED.name])
 

@@ -88,9 +88,12 @@ class AddScreen(PageScreen):
         return self._sheet.field(name)
 
     def reload(self) -> None:
-        """Continue a draft, or offer defaults from the last flight."""
+        """Continue a draft, or offer defaults from the last flight; what is shown here changes its units."""
         self.query_one(EstimateLine).forget()
-        if not self._sheet.touched:
+        self._saving.card.redraw(self.resources.settings.units)
+        if self._sheet.touched:
+            self._ask_usual()
+        else:
             self.ask(self._draft.begin, self._take_up, "start")
 
     def _take_up(self, start: FormStart) -> None:
@@ -206,14 +209,14 @@ class AddScreen(PageScreen):
             return False
         return super().check_action(action, parameters)
 
-    def action_go_on(self) -> None:
+    async def action_go_on(self) -> None:
         """Move to the next field; after the tenth readout, to the button that saves and starts the next flight. A
         chosen answer from the list is accepted first."""
         self._sheet.picker.take()
         if isinstance(self.focused, AfterCard) or (isinstance(self.focused, Button) and not self.typed):
             self._to_first()
         elif isinstance(self.focused, Button):
-            self.action_save()
+            await self.action_save()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
         else:
@@ -253,11 +256,7 @@ class AddScreen(PageScreen):
             self._offer_again()
         if question.name == "motor":
             self._ask_usual()
-            self.ask(partial(self._draft.motor_trouble, event.value), self._say_motor, "motor")
-
-    def _say_motor(self, trouble: str) -> None:
-        if trouble:
-            self._saving.object_to(trouble)
+            self.ask(partial(self._draft.motor_trouble, event.value), self._saving.object_to, "motor")
 
     def _offer_again(self) -> None:
         """Change the defaults after another rocket or configuration if nothing was typed."""
@@ -269,9 +268,9 @@ class AddScreen(PageScreen):
         self._ask_usual()
 
     @on(Button.Pressed, "#save")
-    def action_save(self) -> None:
+    async def action_save(self) -> None:
         """Save the flight in the ledger."""
-        self._saving.save(self._read())
+        await self._saving.save_once(self._read())
 
     def action_start_again(self) -> None:
         """Discard the draft; undo restores it."""

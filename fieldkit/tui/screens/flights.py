@@ -109,15 +109,15 @@ class FlightsScreen(PageScreen):
         self._infer()
         self.field_app.settled()
 
-    def _infer(self) -> None:
-        """Compute missing drag and thrust for some flights at a time, the top ones first."""
-        top = self._sorted(self._rows.values())[:MAX_INFERRED]
+    def _infer(self) -> bool:
+        """Compute missing drag and thrust for some flights at a time, the top ones of the table first; False if none is
+        missing."""
+        top = (self._rows[id] for id in self.query_one(Table).keys[:MAX_INFERRED])
         waiting = [row for row in top if row.id not in self._asked][:FLIGHTS_PER_BATCH]
         if waiting:
             self._asked |= {row.id for row in waiting}
             self.ask(partial(self._inferred, waiting), self._have_drag, "drag", in_turn=True)
-        else:
-            self.field_app.settled()
+        return bool(waiting)
 
     def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
         from fieldkit.services.inferred import FlightInference
@@ -133,7 +133,8 @@ class FlightsScreen(PageScreen):
             row.drag, row.thrust = one.cd, one.alpha
         self.query_one(Table).refresh()
         self._beside()
-        self._infer()
+        if not self._infer():
+            self.field_app.settled()
 
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
@@ -145,6 +146,7 @@ class FlightsScreen(PageScreen):
     @on(Input.Changed)
     def _filtered(self) -> None:
         self._refill()
+        self._infer()
 
     def _refill(self) -> None:
         """The rows that match all words of the filter, in order."""

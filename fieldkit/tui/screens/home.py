@@ -5,7 +5,7 @@ from datetime import datetime
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.widget import Widget
@@ -62,6 +62,7 @@ class HomeScreen(PageScreen):
     HomeScreen.-tall #cards { height: 10; }
     HomeScreen.-narrow.-tall #cards { height: 16; }
     HomeScreen #cards.-empty { height: 5; }
+    HomeScreen.-tall RocketStrip.-shown { display: block; }
     HomeScreen Table { height: 1fr; margin: 0 1; }
     """
 
@@ -158,6 +159,10 @@ class HomeScreen(PageScreen):
         rows, width = {one.id: one for one in flights}, table.size.width
         cells = flight_row(flights, self.resources.settings.units, width)
         table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Show the rocket if the new height has room for it."""
+        self.call_after_refresh(self._moved)  # when the height has taken effect
 
     @on(Table.Moved)
     def _moved(self) -> None:

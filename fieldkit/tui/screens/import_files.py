@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from os.path import abspath
+from os.path import abspath, exists, isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -15,7 +15,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
-from fieldkit.paths import expanded
+from fieldkit.paths import expanded, working_folder
+from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
@@ -72,7 +73,7 @@ class ImportScreen(PageScreen):
 
     def __init__(self) -> None:
         super().__init__()
-        self._folder = Path.cwd()
+        self._folder = working_folder()
         self._reading = ReadOptions()
         self._look: Look | None = None
 
@@ -122,7 +123,7 @@ class ImportScreen(PageScreen):
         """Read the file under the cursor without storing anything."""
         table = self.query_one("#files", Table)
         path = table.current
-        is_folder = path is None or path == UP or path.is_dir()
+        is_folder = path is None or path == UP or isdir(path)
         table.enter = "Open" if is_folder else "Store"
         self.query_one(KeyBar).follow()
         self._look = None
@@ -141,23 +142,23 @@ class ImportScreen(PageScreen):
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
     @on(Table.Chosen, "#files")
-    def _chosen(self) -> None:
+    async def _chosen(self) -> None:
         """Open the folder, or store the file."""
         path = self.query_one("#files", Table).current
         if path == UP:
             self.action_up()
-        elif path is not None and path.is_dir():
+        elif path is not None and isdir(path):
             self.go(path)
         elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
             self.change(lambda: self.resources.ledger.keep_start(start), self._kept)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
-            self._store(path, self._look)
+            await self._store(path, self._look)
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
             self.show_notice("Still reading the file; Enter again stores it")
 
-    def _store(self, path: Path, look: Look) -> None:
+    async def _store(self, path: Path, look: Look) -> None:
         """Store a file; if it names no rocket or motor and there is an open forecast, ask first whether it belongs to
         that flight."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
@@ -166,6 +167,7 @@ class ImportScreen(PageScreen):
             self._store_with(path, self._reading)
         else:
             self.ask(partial(waiting_setup, self.resources), partial(self._ask_setup, path), "setup")
+            await self.settled("setup")
 
     def _ask_setup(self, path: Path, known: dict[str, str]) -> None:
         from fieldkit.tui.imports.given_form import ask_given
@@ -181,7 +183,7 @@ class ImportScreen(PageScreen):
     def action_mark(self) -> None:
         """Mark or unmark the file under the cursor for reading together with others."""
         path, marked = self.query_one("#files", Table).current, self._reading.marked
-        if path is None or path == UP or path.is_dir():
+        if path is None or path == UP or isdir(path):
             return
         marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
         self._reading = replace(self._reading, marked=marked)
@@ -190,7 +192,7 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: "Receipt") -> None:
         self._reading = replace(self._reading, marked=())
-        counts = f"{receipt.duplicates} duplicates, {len(receipt.rejected)} rejected"
+        counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
         undo = ". u to undo" if receipt.ids else ""
         self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
         self.field_app.changed()
@@ -251,15 +253,16 @@ class ImportScreen(PageScreen):
     def _set(self, given: dict[str, str]) -> None:
         self._read_as(replace(self._reading, given=given))
 
-    def action_columns(self) -> None:
+    async def action_columns(self) -> None:
         """Map the columns of a table."""
         path = self.query_one("#files", Table).current
-        if path is None or path == UP or path.is_dir():
+        if path is None or path == UP or isdir(path):
             self.complain("No table under the cursor")
             return
         from fieldkit.tui.imports.ask_columns import ask_columns
 
         ask_columns(self, path, self._columns_named)
+        await self.settled("columns")
 
     def _columns_named(self, columns: Sequence[str]) -> None:
         self._read_as(replace(self._reading, columns=tuple(columns)))
@@ -278,9 +281,9 @@ class ImportScreen(PageScreen):
         if not text:
             return
         path = Path(abspath(expanded(text.strip())))
-        if path.is_dir():
+        if isdir(path):
             self.go(path)
-        elif path.exists():
+        elif exists(path):
             self.go(path.parent, path)
         else:
             self.complain(f"{path}: no such file or folder")

@@ -56,8 +56,9 @@ class LoopScreen(PageScreen):
 
     @dataclass
     class TrialProgress(Message):
-        """The current step, and the fraction done."""
+        """The current step of a search on a rocket, and the fraction done."""
 
+        rocket: str
         text: str
         share: float
 
@@ -67,6 +68,8 @@ class LoopScreen(PageScreen):
         self._rocket: str | None = None
         self._panel, self._against, self._effect = 0, 0, 0
         self._accepted_version: int | None = None
+        self._search = ""
+        """The rocket of the search that is running; empty if none is."""
 
     def body(self) -> Iterable[Widget]:
         """The rocket, the names of the panels, the panels."""
@@ -98,11 +101,11 @@ class LoopScreen(PageScreen):
         if standing is None:
             self._standing = None
             self.query_one("#what", Static).update("No rocket yet")
-            self.panels.forget(NO_FLIGHTS)
+            self._drop_search(NO_FLIGHTS)
             return
         before = self._standing
-        if self.panels.found is not None and before is not None and before.flights != standing.flights:
-            self.panels.forget("The flights have changed. l to search again")
+        if before is not None and before.flights != standing.flights and (self._search or self.panels.found):
+            self._drop_search("The flights have changed. l to search again")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -123,29 +126,34 @@ class LoopScreen(PageScreen):
             return
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
-        self._report_progress("reading flights", 0.0)
-        self.ask(or_why(partial(look, self.resources, rocket, self._looking)), self._looked, "look", alone=True)
+        self.panels.share("reading flights", 0.0)
+        self._search = rocket
+        report = partial(self._looking, rocket)
+        self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone=True)
 
-    def _looking(self, text: str, share: float) -> None:
+    def _looking(self, rocket: str, text: str, share: float) -> None:
         """Show the progress, unless another search was started or the app is closed."""
         go_on()
-        self._report_progress(text, share)
-
-    def _report_progress(self, text: str, share: float) -> None:
-        self.post_message(self.TrialProgress(text, share))
+        self.post_message(self.TrialProgress(rocket, text, share))
 
     @on(TrialProgress)
     def _progress(self, message: TrialProgress) -> None:
-        """Show the progress."""
-        self.panels.share(message.text, message.share)
+        """Show the progress, unless the search was dropped."""
+        if message.rocket == self._search:
+            self.panels.share(message.text, message.share)
+
+    def _drop_search(self, why: str = "") -> None:
+        """Clear the findings, and cancel a search that would bring others."""
+        self._search = ""
+        self.workers.cancel_group(self, "look")
+        self.panels.forget(why)
 
     def _looked(self, found: "Findings | str") -> None:
-        """Show the findings, unless another rocket is current; or the reason for their absence."""
+        """Show the findings, or the reason for their absence."""
+        self._search = ""
         if isinstance(found, str):
             self.panels.forget()
             self.complain(found)
-            return
-        if found.rocket != self._rocket:
             return
         self._effect = self._panel = 0
         self._accepted_version = None
@@ -199,7 +207,7 @@ class LoopScreen(PageScreen):
         if self._standing is not None and len(self._standing.rockets) > 1:
             rockets = self._standing.rockets
             self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
-            self.panels.forget()
+            self._drop_search()
             self.reload()
 
     def action_accept(self) -> None:

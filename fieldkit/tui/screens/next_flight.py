@@ -146,7 +146,7 @@ class NextScreen(PageScreen):
 
     def _forecast(self) -> None:
         """The next few motors without a forecast."""
-        plan, waiting = self._motors.plan, self._motors.waiting()
+        plan, waiting = self._motors.plan, self._motors.waiting(self.query_one(Table).current)
         if plan is None or not waiting:
             return
 
@@ -185,6 +185,8 @@ class NextScreen(PageScreen):
         one, card = self._motors.known.get(self.query_one(Table).current), self.card
         if one is None or self._motors.plan is None:
             card.clear()
+            if not any(one.group == "forecast" and one.node is self and not one.is_finished for one in self.workers):
+                self._forecast()
         else:
             card.show(self._motors.plan, one, self.resources.settings)
             if one.motor not in self._motors.exact:

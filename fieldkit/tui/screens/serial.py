@@ -17,7 +17,7 @@ from textual.widgets import Static
 from fieldkit.errors import CaptureTrouble, FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.paths import capture_folder
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import Page, PageScreen
@@ -176,7 +176,7 @@ class CaptureScreen(PageScreen):
                 raise CaptureTrouble("no unfinished capture to continue")
             for event in events:
                 self.post_message(self.Happened(event))
-        except FieldkitError:
+        except Exception:
             self.post_message(self.Happened(None))
             raise
         return event  # type: ignore[return-value]  # a capture ends with it or raises
@@ -232,7 +232,8 @@ class CaptureScreen(PageScreen):
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
         question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
-        self.app.push_screen(AskYes(question), partial(self._answered, end))
+        ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
+        self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
         """Ask for values that the logger lacks, with defaults from the open forecast."""
@@ -251,7 +252,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} duplicates. u to undo")
+        self.show_notice(f"{len(receipt.ids)} imported, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:

@@ -261,8 +261,10 @@ class SetupScreen(PageScreen):
             self.complain(f"{name} cannot be changed here; ? explains how")
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Only kits are deleted here."""
-        return KINDS[self._kind] == "Kits" if action == "delete_kit" else super().check_action(action, parameters)
+        """Only kits are deleted here, and only kits and motors are added."""
+        if action in ("delete_kit", "add_one"):
+            return KINDS[self._kind] == "Kits" or (KINDS[self._kind] == "Motors" and action == "add_one")
+        return super().check_action(action, parameters)
 
     def action_add_one(self) -> None:
         """Add a kit, or the motors of a file."""

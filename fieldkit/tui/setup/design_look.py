@@ -28,7 +28,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
     design = read_design(read_file(path, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), path.name)
     name = given.get("rocket") or design.name
     if not name:
-        raise BadValue(f"{path.name}: found no name of the rocket, expected one; press s and enter rocket=NAME")
+        raise BadValue(f"{path.name}: found no name of the rocket, expected one; press e to enter it")
     config = given.get("config", "")
     start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, path.name)
     return start, (*_facts(start, design, system), *design.notes)

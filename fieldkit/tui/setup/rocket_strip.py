@@ -21,8 +21,8 @@ HEIGHT = 16
 
 
 class RocketStrip(Horizontal):
-    """Facts on the left, apogees on the right; hidden without a rocket. The plot is mounted when there is something to
-    draw, so that the first paint does not need its library."""
+    """Facts on the left, apogees on the right; shown by pages with room for it if there is a rocket (`-shown`). The
+    plot is mounted when there is something to draw, so that the first paint does not need its library."""
 
     DEFAULT_CSS = f"""
     RocketStrip {{ height: {HEIGHT}; display: none; margin: 0 1; border-top: solid $border-blurred;
@@ -39,7 +39,7 @@ class RocketStrip(Horizontal):
 
     def show(self, rocket: tuple[Group, float | None] | None, system: str) -> None:
         """The flights of a rocket, and its length if known [m]; None to hide the strip."""
-        self.display = rocket is not None
+        self.set_class(rocket is not None, "-shown")
         if rocket is None:
             return
         from fieldkit.tui.setup.setup_card import of_build

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
 from fieldkit.paths import expanded, motor_folder
-from fieldkit.quantities import measure, unit_of
+from fieldkit.quantities import counted, measure, unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup import site_form
@@ -36,7 +36,7 @@ def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: s
     system = page.resources.settings.units
     texts = {question.name: answer_of(group.last, question, system) for question in questions}
     units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
-    title = f"{what}: {len(group.ids)} flights"
+    title = f"{what}: {counted(len(group.ids), 'flight')}"
     page.app.push_screen(Form(title, questions, texts, units), partial(_edited, page, group, what, texts))
 
 
@@ -59,7 +59,7 @@ def change_site(page: PageScreen, place: LaunchSite) -> None:
     elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
     texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
     form = Form(
-        f"{site.name}: {len(place.ids)} flights",
+        f"{site.name}: {counted(len(place.ids), 'flight')}",
         site_form.QUESTIONS,
         texts,
         site_form.units(system),
@@ -88,7 +88,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
 
 
 def _changed(page: PageScreen, what: str, count: int) -> None:
-    page.show_notice(f"Saved {what}: {count} flights. u to undo" if count else f"Saved {what}. u to undo")
+    page.show_notice(f"Saved {what}: {counted(count, 'flight')}. u to undo" if count else f"Saved {what}. u to undo")
     page.field_app.changed()
 
 
@@ -100,8 +100,9 @@ def ask_rail(page: PageScreen) -> None:
     units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
 
     def save_rail(values: dict[str, object] | None) -> None:
-        if values is not None:
-            page.field_app.choose("Saved your usual rail", **values)
+        changes = {n: new for n, new in (values or {}).items() if not same(n, new, texts[n], settings.units)}
+        if changes:
+            page.field_app.choose("Saved your usual rail", **changes)
 
     page.app.push_screen(Form("Your usual rail", questions, texts, units), save_rail)
 
@@ -125,5 +126,5 @@ def _import(page: PageScreen, text: str | None) -> None:
 
 def _imported(page: PageScreen, motors: "list[Motor]") -> None:
     page.resources.forget_motors()
-    page.show_notice(f"Added {len(motors)} motors: {', '.join(one.designation for one in motors[:4])}")
+    page.show_notice(f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}")
     page.field_app.changed()

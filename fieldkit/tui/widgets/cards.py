@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from rich.cells import cell_len
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
@@ -17,12 +18,12 @@ Pairs = Sequence[tuple[str, str]]
 def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
     """A heading and `name value` lines; values are never interpreted as markup."""
     known = [(printable(name), printable(value)) for name, value in pairs if value]
-    width = width or max((len(name) for name, _ in known), default=0)
+    width = width or max((cell_len(name) for name, _ in known), default=0)
     made = [(0, Content.assemble((printable(heading), "b $primary")))] if heading else []
     for name, value in known:
-        lead = f"{name:{width}}  " if name else ""
+        lead = f"{name}{' ' * (width - cell_len(name))}  " if name else ""
         line = Content.assemble((lead, "$text-muted"), (value, "b"))
-        made.append((width + 2 if len(name) <= width else 2, line))
+        made.append((width + 2 if cell_len(name) <= width else 2, line))
     return Hanging(tuple(made))
 
 

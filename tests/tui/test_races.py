@@ -1,0 +1,220 @@
+"""Keys that come before an answer, and answers that come after the page has changed."""
+
+import asyncio
+from datetime import datetime
+from pathlib import Path
+from threading import Event
+from unittest.mock import patch
+
+import pytest
+from textual.widgets import Button, Input, Static
+
+from fieldkit import capture
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.services import close_loop
+from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.screens.add import AddScreen
+from fieldkit.tui.screens.flights import FlightsScreen
+from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import at_home, calm, hurry, looked_at, opened, press, told, typed, words
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return at_home(tmp_path, monkeypatch)
+
+
+def flown(file: Path) -> list[str]:
+    with Ledger.open(file) as ledger:
+        return [flight.flight_id for flight in ledger.flights()]
+
+
+@pytest.mark.parametrize("save", [("ctrl+s", "ctrl+s"), ("ctrl+s", "ctrl+s", "ctrl+s", "8")])
+async def test_saving_twice_in_a_hurry_saves_one_flight_and_shows_its_card(file: Path, save: tuple[str, ...]) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "enter")
+        await hurry(pilot, *save)
+        assert flown(file)[12:] == ["13"]
+        assert "Saved flight 13" in words(pilot)
+        assert "Flown 200.0 m" in words(pilot)
+
+
+async def test_a_double_click_on_save_saves_one_flight(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "enter")
+        button = pilot.app.screen.query_one("#save", Button)
+        for _ in range(2):
+            button.post_message(Button.Pressed(button))
+        await calm(pilot)
+        assert flown(file)[12:] == ["13"]
+        assert "error" not in words(pilot)
+
+
+async def test_other_units_reach_a_form_in_which_something_was_typed_and_the_card_after_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "enter", "escape", "N")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        notes = [str(screen.field(name).query_one(".note", Static).content) for name in ("apogee", "top_speed")]
+        assert notes == ["m  = 656 ft", "mph"]
+        await press(pilot, "ctrl+s", "_")
+        assert "Flown 656 ft" in words(pilot)
+        await press(pilot, "N", "N", "_")
+        assert "Flown 200.0 m" in words(pilot)
+
+
+@pytest.mark.parametrize("interrupted_by", ["a removed flight", "another rocket"])
+async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_page(
+    file: Path, interrupted_by: str
+) -> None:
+    with Ledger.open(file) as ledger:
+        made = datetime(2026, 3, 1)
+        ledger.add([Flight("b", "Bee", motor="F39", dry_mass=0.4, apogee=100.0, date_time=made)])
+    began, go = Event(), Event()
+
+    def look(*rest: object) -> object:
+        rest[-1]("half of it", 0.5)  # type: ignore[operator]
+        began.set()
+        go.wait(10)
+        rest[-1]("the rest of it", 0.9)  # type: ignore[operator]
+        return looked_at()
+
+    async with opened(file, page="loop") as pilot:
+        pilot.app.look_round()  # type: ignore[attr-defined]
+        with patch.object(close_loop, "look", look):
+            await press(pilot, "_", *["b"] * ("Bee" in told(pilot, "#what")))
+            assert "Astra" in told(pilot, "#what")
+            await pilot.app._press_keys(["l"])
+            await asyncio.to_thread(began.wait, 10)
+            if interrupted_by == "another rocket":
+                await pilot.app._press_keys(["b"])
+            else:
+                with Ledger.open(file) as ledger:
+                    ledger.remove("12")
+                pilot.app.look_round()  # type: ignore[attr-defined]
+            while "searching" in told(pilot, "#verdict"):
+                await asyncio.sleep(0.01)
+            go.set()
+            await calm(pilot)
+        said = told(pilot, "#verdict")
+        assert "l to search" in said
+        assert ("have changed" in said) == (interrupted_by == "a removed flight")
+        assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
+
+
+async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "ctrl+s", "1", "enter")
+        assert isinstance(pilot.app.screen, FlightScreen)
+        await press(pilot, "u", "_")
+        assert isinstance(pilot.app.screen, FlightsScreen)
+        assert "Flight 13 is no longer in the ledger" in words(pilot)
+        assert "error" not in words(pilot)
+
+
+async def test_keys_after_a_key_that_opens_a_form_are_typed_into_it(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d")
+        await hurry(pilot, "p", *"785", "f", "t", "ctrl+s")
+        from fieldkit.services.contest_day import day_of
+
+        with Ledger.open(file) as ledger:
+            assert day_of(ledger, 2027).target == pytest.approx(239.268)
+
+
+async def test_a_capture_that_ends_behind_another_page_does_not_take_its_keys(file: Path) -> None:
+    log, go = file.parent / "flight.pf2", Event()
+    log.write_bytes(b"kept")
+
+    def events(*_: object, **__: object) -> object:
+        yield capture.PortOpened("/dev/ttyUSB0", "stratologger", log)
+        go.wait(10)
+        yield capture.Ended(log, "stratologger", 4, 200, 0, "complete", True)
+
+    here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
+    with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", events):
+        async with opened(file) as pilot:
+            await press(pilot, "7")
+            await pilot.app._press_keys(["enter", "2"])
+            go.set()
+            await calm(pilot)
+            await press(pilot, *typed("281"))
+            screen = pilot.app.screen
+            assert isinstance(screen, AddScreen)
+            assert screen.field("apogee").line.value == "281"
+            assert "The capture has ended, complete. 7 to import its flights" in words(pilot)
+            await press(pilot, "escape", "escape", "7", "_")
+            assert isinstance(pilot.app.screen, AskYes)
+            assert "Import its flights?" in words(pilot)
+
+
+async def test_after_an_unexpected_error_the_next_capture_can_start(file: Path) -> None:
+    def broken(*_: object, **__: object) -> object:
+        raise RuntimeError("not expected")
+
+    here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
+    with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", broken):
+        async with opened(file) as pilot:
+            await press(pilot, "7", "enter", "_")
+            assert "error in fieldkit itself" in words(pilot)
+            await press(pilot, "escape", "enter", "_")
+            assert "a capture is running" not in words(pilot)
+            pilot.app.errors.clear()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(("page", "key"), [("import_files", "o"), ("flights", "w")])
+async def test_a_name_that_no_file_can_have_is_a_notice(file: Path, page: str, key: str) -> None:
+    async with opened(file, page=page) as pilot:
+        await press(pilot, key, "ctrl+u", *typed("a" * 300), "enter", "_")
+        assert "✗ error" in words(pilot)
+
+
+async def test_drag_appears_for_flights_that_a_filter_finds_far_below_the_top(file: Path) -> None:
+    with patch("fieldkit.tui.screens.flights.MAX_INFERRED", 2):
+        async with opened(file) as pilot:
+            screen = pilot.app.screen
+            assert isinstance(screen, FlightsScreen)
+            assert screen._rows["2"].drag is None
+            await press(pilot, "slash", *typed("2026-04-18 10:25"), "_")
+            assert screen._rows["2"].drag is not None
+
+
+async def test_the_tags_of_a_flight_without_a_motor_need_no_forecast(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight("b", "Bee", apogee=100.0, date_time=datetime(2026, 9, 1))])
+    async with opened(file) as pilot:
+        await press(pilot, "t", "space", "_")
+        assert "[x] weak_launch" in words(pilot)
+        assert "its motor is not known" in words(pilot)
+        assert "error" not in words(pilot)
+
+
+async def test_the_curves_of_a_log_are_drawn_on_a_terminal_with_24_lines(file: Path) -> None:
+    async with opened(file, page="import_files") as pilot:
+        log = Path(__file__).parents[2] / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+        await press(pilot, "o", "ctrl+u")
+        pilot.app.screen.query_one(Input).value = str(log)
+        await press(pilot, "enter", "_", "l", "_")
+        assert "burnout" in words(pilot)
+        assert "Readouts" not in words(pilot)
+        await press(pilot, "tab")
+        assert "Readouts" in words(pilot)
+        assert "burnout apogee" not in words(pilot)
+
+
+async def test_a_motor_beyond_the_first_ones_is_forecast_when_the_cursor_reaches_it(file: Path) -> None:
+    with patch("fieldkit.tui.next.motor_list.MAX_FORECAST_MOTORS", 3), patch("fieldkit.tui.next.motor_list.AT_ONCE", 2):
+        async with opened(file, page="next_flight") as pilot:
+            table = pilot.app.screen.query_one(Table)
+            fitting = [motor for motor in table.keys if not table.cells(motor)[0].startswith("✗")]
+            assert table.cells(fitting[-1])[1] == "…"
+            table.move_to(fitting[-1])
+            await press(pilot, "_")
+            assert table.current == fitting[-1]
+            assert table.cells(table.current)[1] != "…"
+            await press(pilot, "enter", "_")
+            assert "Saved forecast" in words(pilot)

@@ -1,0 +1,52 @@
+"""A form that is saved as it was opened changes nothing: it shows rounded numbers."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.flight.site import Site
+from fieldkit.ledger import Ledger
+from fieldkit.planning.contest_day import Day
+from fieldkit.services.contest_day import day_of, keep_day
+from fieldkit.services.sites import put_site, site_of
+from fieldkit.settings import change_settings
+from tests.pressing import at_home, opened, press, typed, words
+
+CHECK_SHAPES = False
+SIX_FEET, CONTEST_TARGET = 1.8288, 239.268
+"""A rail of 6 ft and a target of 785 ft, neither of them a number with one decimal in meters. [m]"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return at_home(tmp_path, monkeypatch)
+
+
+async def test_the_usual_rail_and_the_target_keep_their_exact_lengths(file: Path) -> None:
+    change_settings({"rail_length": SIX_FEET, "target": CONTEST_TARGET}, file.with_name("settings.json"))
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "left", "down", "down", "enter")
+        assert "239.3 m" in words(pilot)
+        await press(pilot, "enter", "down", "enter")
+        assert "1.8 m" in words(pilot)
+        await press(pilot, "ctrl+s")
+        settings = pilot.app.resources.settings  # type: ignore[attr-defined]
+        assert (settings.rail_length, settings.target) == (SIX_FEET, CONTEST_TARGET)
+        await press(pilot, "enter", "enter", *typed("5"), "ctrl+s")
+        settings = pilot.app.resources.settings  # type: ignore[attr-defined]
+        assert (settings.rail_length, settings.rail_angle) == (SIX_FEET, pytest.approx(0.0873, abs=1e-4))
+
+
+async def test_the_contest_day_and_its_field_keep_their_exact_lengths(file: Path) -> None:
+    day, site = Day(target=CONTEST_TARGET), Site("North field", size=400.05, ceiling=914.4)
+    with Ledger.open(file) as ledger:
+        keep_day(ledger, 2027, day)
+        put_site(ledger, site)
+        site = site_of(ledger, "North field")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d", "p", "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert (day_of(ledger, 2027), site_of(ledger, "North field")) == (day, site)
+        await press(pilot, "p", "enter", "enter", *typed("60"), "ctrl+s", "_")
+    with Ledger.open(file) as ledger:
+        assert day_of(ledger, 2027) == Day(target=CONTEST_TARGET, cut=60.0)
