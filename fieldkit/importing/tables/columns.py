@@ -43,7 +43,8 @@ def read_columns(
     `separator` None is whitespace. `widths` are the numbers of cells that a row may have; None allows any that include
     the needed ones. `words` names columns that are stored as text. Lines that begin with `comment` are stored
     separately. `decimal` None is determined from the first rows, because a spreadsheet may have replaced points by
-    commas. Cells may be in quotation marks, and their thousands separated by the mark that is not the decimal one. Raises DamagedLog if not a single row can be read.
+    commas. Cells may be in quotation marks, and their thousands separated by the mark that is not the decimal one.
+    Raises DamagedLog if not a single row can be read, or if a comma has two meanings in one column.
     """
     decimal = decimal or _decimal(log, after, separator)
     source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
