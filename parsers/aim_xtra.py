@@ -37,7 +37,7 @@ FLAGS = {
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return names[0] == "time" and names.count("time") > 2 and "pressure agl" in names
+    return names.count("time") > 2 and "pressure agl" in names
 
 
 def recognises(head: bytes) -> bool:
@@ -51,7 +51,8 @@ def read(log: bytes) -> list[Found]:
     for clock, places in groups:
         wanted.append(Channel(str(clock), clock, header="time"))
         wanted += [Channel(str(place), place, _unit(head.names[place]), header=head.names[place]) for place in places]
-    table = read_columns(log, wanted, after=head.row, separator=head.separator, widths={len(head.names)})
+    widths = range(head.names.index("time") + 2, len(head.names) + 1)  # empty cells may be missing on the right
+    table = read_columns(log, wanted, after=head.row, separator=head.separator, widths=widths)
     series: list[Series] = []
     events: dict[str, float] = {}
     notes: list[Found] = []

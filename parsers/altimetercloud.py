@@ -38,7 +38,7 @@ LABELS = 40
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return names[0] == "time(ms)" and "altitude(m)" in names
+    return {"time(ms)", "altitude(m)"} <= set(names)
 
 
 def recognises(head: bytes) -> bool:

@@ -18,6 +18,7 @@ from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.altos import NO_VALUE, TICK, entered
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
+from fieldkit.importing.tables.layout import split
 from fieldkit.importing.tables.text import first_lines
 from fieldkit.units import UNITS, Unit
 
@@ -85,7 +86,7 @@ def _header(log: bytes) -> tuple[int, list[str], str] | None:
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         for separator in SEPARATORS:
             names = [name.strip().strip('"# ').lower() for name in line.rstrip(f"{separator} ").split(separator)]
-            if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
+            if {"version", "serial", "flight"} <= {*names} or ({"serial", "tick", "ptype", "height"} <= {*names}):
                 return row, names, separator
         titles += bool(line.strip()) and not line.lstrip('"').startswith("#")
         if titles > MOST_TITLES:
@@ -99,7 +100,7 @@ def _widths(log: bytes, header_row: int, names: Sequence[str], separator: str) -
     widths = Counter[int]()
     for line in lines:
         if line.strip() and not line.startswith("#"):
-            whole, padded = (one.count(separator) + 1 for one in (line.rstrip(f'{separator}" '), line))
+            whole, padded = (len(split(one, separator)) for one in (line.rstrip(f'{separator}" '), line))
             fits = whole <= len(names) <= padded and not set(names) >= VERSION_5
             widths[len(names) if fits else whole] += 1
     return widths

@@ -39,7 +39,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "baro": ("id", "t", "p"),
     "imu": ("id", "ax", "ay", "az"),
 }
-"""Each kind of file, identified by columns that follow `ts`."""
+"""Each kind of file, identified by columns beside `ts`."""
 MOST_ABOVE = 5
 """Largest number of lines above the header. [1]"""
 MOST_SENSORS = 16
@@ -50,7 +50,7 @@ PASCAL = (1_000.0, 115_000.0)
 
 def kind_of(names: Sequence[str]) -> str:
     """The kind of file that a header belongs to; empty if none."""
-    if names[0] != "ts":
+    if "ts" not in names:
         return ""
     return next((kind for kind, columns in KINDS.items() if set(columns) <= set(map(_joined, names))), "")
 
@@ -65,7 +65,7 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts")
+    head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header with ts")
     head = replace(head, names=tuple(map(_joined, head.names)))
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
     wanted = head.channels(CHANNELS) + axes

@@ -27,7 +27,7 @@ from fieldkit.units import UNITS, Unit
 
 EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "drogue", "main": "main"}
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
-CLASSIC = ("t", "alt", "vraw", "vfilt")
+CLASSIC = {"t", "alt", "vraw", "vfilt"}
 SPEEDS = ("fveloc", "veloc", "vfilt")
 EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 """Time windows before the top in which the fall is measured. [s]"""
@@ -42,9 +42,14 @@ _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]
 
 
 def _fits(names: Sequence[str]) -> bool:
-    if len(names) < 3 or names[0] != "t" or names[1] not in ALTITUDES:
+    if len(names) < 3 or "t" not in names or _height(names) is None:
         return False
-    return tuple(names[:4]) == CLASSIC or ("veloc" in names and bool({"lda", "n-o", "apogee"} & set(names)))
+    return set(names) >= CLASSIC or ("veloc" in names and bool({"lda", "n-o", "apogee"} & set(names)))
+
+
+def _height(names: Sequence[str]) -> int | None:
+    """The place of the altitude in a header, or None."""
+    return next((place for place, name in enumerate(names) if name in ALTITUDES), None)
 
 
 def recognises(head: bytes) -> bool:
@@ -87,7 +92,7 @@ def _parts(log: bytes) -> Iterator[_TextTable]:
         begin, place = place, place + len(line) + 1
         if line[:1].isdigit() or not line.strip():
             continue
-        text = line[:400].removeprefix(codecs.BOM_UTF8).decode("cp1252", "replace")
+        text = line[:400].replace(codecs.BOM_UTF8, b"").decode("cp1252", "replace")
         if head := header_in(text, row, _fits):
             if part:
                 yield replace(part, stop=min(part.stop, begin))
@@ -105,7 +110,11 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
     body, above = (log, 0) if last else (log[part.start : part.stop], head.row)
     flags = [Channel(event, head.names.index(name)) for name, event in EVENTS.items() if name in head.names]
     speed = head.place(*SPEEDS)
-    channels = [Channel("time", 0, needed=True, header="T"), Channel("altitude", 1, needed=True, header="Alt"), *flags]
+    channels = [
+        Channel("time", head.names.index("t"), needed=True, header="T"),
+        Channel("altitude", _height(head.names) or 0, needed=True, header="Alt"),
+        *flags,
+    ]
     if speed is not None:
         channels.append(Channel("speed", speed))
     widths = {len(head.names), len(head.names) + 1}
@@ -116,13 +125,18 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
     found: list[Found] = []
     for one in parts:
         reading = _reading(one, part)
-        found += [reading] if ALTITUDES[head.names[1]] else [reading, Note(_why(one, head), row=head.row)]
+        found += [reading] if _spelled_unit(head) else [reading, Note(_why(one, head), row=head.row)]
     return [*found, *(_below(remark, above) for remark in remarks)]
+
+
+def _spelled_unit(head: Header) -> str:
+    """The unit in the name of the altitude column; "" if there is none."""
+    return next(ALTITUDES[name] for name in head.names if name in ALTITUDES)
 
 
 def _unit(table: LogTable, head: Header) -> str:
     """The unit of the heights of a table. Raises DamagedLog if it cannot be determined."""
-    settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
+    settled = "ft" if set(head.names) >= CLASSIC else _spelled_unit(head)
     settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
     if not settled:
         found = "found altitudes whose unit cannot be determined, expected a header such as Alt_ft or Alt_m"
@@ -149,7 +163,7 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
 
 
 def _why(table: LogTable, head: Header) -> str:
-    why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as the fall after apogee shows"
+    why = "as the Classic prints it" if set(head.names) >= CLASSIC else "as the fall after apogee shows"
     return f"has no units; altitude is taken in {_unit(table, head)}, {why}"
 
 

@@ -31,7 +31,7 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
 }
 RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
 """What a receiver records about its own position; height comes first."""
-GROUND = ("tracker", "date", "time")
+GROUND = {"tracker", "date", "time"}
 DAY = 86_400.0
 """Length of a day. [s]"""
 
@@ -39,7 +39,7 @@ DAY = 86_400.0
 def _fits(names: Sequence[str]) -> bool:
     if not {"alt", "lat", "lon"} <= set(names):
         return False
-    return "unixtime" in names or tuple(names[:3]) == GROUND or {"time", "horzv", "vertv"} <= set(names)
+    return "unixtime" in names or set(names) >= GROUND or ("time" in names and not {"horzv", "vertv"}.isdisjoint(names))
 
 
 def recognises(head: bytes) -> bool:
@@ -48,7 +48,7 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
-    ground = head.names[:3] == GROUND
+    ground = set(head.names) >= GROUND
     text = b"\n".join(_seconds(narrow(log), head)) if ground else log
     tables = [
         read_columns(
@@ -57,7 +57,7 @@ def read(log: bytes) -> list[Found]:
             after=head.row,
             separator=head.separator,
             widths={len(head.names)},
-            words={"tracker": 0} if ground else {},
+            words={"tracker": head.names.index("tracker")} if ground else {},
         )
         for one in _receivers(head)
     ]
@@ -81,10 +81,10 @@ def read(log: bytes) -> list[Found]:
 
 def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
     """The lines of a ground station's log, with a time of day such as `14:09:44.6` converted to seconds."""
-    mark = head.separator.encode()
+    mark, place = head.separator.encode(), head.names.index("time")
     for row, line in enumerate(lines(log), start=1):
         cells = line.rstrip(b"\r").replace(b'"', b"").split(mark)
-        clock = cells[2].replace(b",", b".").split(b":") if len(cells) > 2 and row > head.row else []
+        clock = cells[place].replace(b",", b".").split(b":") if len(cells) > place and row > head.row else []
         if len(clock) == 3:
             try:
                 hours, minutes, seconds = map(float, clock)
@@ -92,8 +92,8 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
                 pass
             else:
                 seconds += hours * 3600 + minutes * 60
-                points = mark == b"," or any(b"." in cell for cell in cells[3:])
-                cells[2] = (b"%.3f" % seconds).replace(b".", b"." if points else b",")
+                points = mark == b"," or any(b"." in cell for cell in cells[place + 1 :])
+                cells[place] = (b"%.3f" % seconds).replace(b".", b"." if points else b",")
         yield mark.join(cells)
 
 

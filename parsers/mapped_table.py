@@ -16,6 +16,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing.tables.clocks import credible
 from fieldkit.importing.tables.column_choice import (
     SUFFICIENT_CHANNELS,
     Pick,
@@ -160,9 +161,10 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     time = values["time"]
     extra = {}
     if epoch_unit(time) == "s":
-        begin = datetime.fromtimestamp(float(time[0]), UTC)
+        start = float(time[np.isfinite(time)][credible(time[np.isfinite(time)])][0])
+        begin = datetime.fromtimestamp(start, UTC)
         extra["log_started_utc"] = begin.isoformat(timespec="seconds").replace("+00:00", "Z")
-        time = time - time[0]
+        time = time - start
     table = LogTable({**values, "time": time}, table.rows, found=table.found)
     table = table.pick(np.isfinite(time))
     if not len(table):

@@ -26,7 +26,7 @@ from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
 SEPARATOR_BYTES = b" \t\r\n\v\f\0"
-START = re.compile(rb"MP(?=[\s\0]*[0-9a-fA-F])")
+START = re.compile(rb"MP(?=(?:[\s\0]*[0-9a-fA-F]){20})")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
 MAX_LOG_SIZE = 4 << 20
 """Largest file size: more than the digits and separators of a day of flight. [byte]"""

@@ -15,7 +15,7 @@ COLUMNS = {"time": "time", "press(pa)": "pressure", "height(m)": "altitude", "sp
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return tuple(names[:3]) == ("time", "press(pa)", "height(m)")
+    return {"time", "press(pa)", "height(m)"} <= set(names)
 
 
 def recognises(head: bytes) -> bool:

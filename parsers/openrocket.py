@@ -32,7 +32,7 @@ _POINTS = re.compile(r"\d+ data points written for \d+ variables")
 _STATE = re.compile(
     r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
 )
-_HEADER = re.compile(r'"?(?P<mark>[^\w\s("]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)"?(?P<after>.?)')
+_HEADER = re.compile(r'"?(?P<mark>[^\w\s(",]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)"?(?P<after>.?)')
 _SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
 
 
@@ -80,6 +80,8 @@ def _header(text: str) -> ExportHeader | None:
         match = _HEADER.match(line)
         if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
             after = match["after"]
+            if after and after in match["mark"]:
+                continue  # an empty cell before the names, not a comment
             separator = None if after in (" ", "") else after
             names = _split(line[match.start("first") :].replace('"', ""), separator)
             bracketed = all(name.endswith(")") for name in names)

@@ -28,9 +28,16 @@ MOST_HEADER = 100
 ERASED_VOLTAGE = 25.50
 """Battery voltage of an erased byte: no sample was written here. [V]"""
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
-DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
-USUAL_WIDTH = 5
-"""Number of cells in a row as the program writes it. [1]"""
+DATA = re.compile(r"[\s\"]*Data\s*:(?=.*Time)(?=.*Altitude)", re.IGNORECASE)
+COLUMNS = {
+    "time": ("time", units.unit("time", "s")),
+    "altitude": ("altitude", FEET),
+    "velocity": ("speed", FEET_A_SECOND),
+    "voltage": ("voltage", units.unit("voltage", "v")),
+}
+"""Channel and unit of each column by name; the name of the temperature includes its unit."""
+LEAST_WIDTH = 3
+"""Smallest number of cells in a row: some rows have neither temperature nor voltage. [1]"""
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
 COPIED_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
@@ -40,7 +47,7 @@ OUTPUTS = {"drogue at": "drogue", "main at": "main"}
 
 
 def recognises(head: bytes) -> bool:
-    return any(line.lstrip('"').startswith("PerfectFlite ") for line in first_lines(head, most=MOST_ABOVE))
+    return any(line.lstrip(' "').startswith("PerfectFlite ") for line in first_lines(head, most=MOST_ABOVE))
 
 
 def read(log: bytes) -> list[Found]:
@@ -74,7 +81,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         if DATA.match(line):
             return header, row, line
-        line = line.rstrip(",;\t ").strip('"')
+        line = line.rstrip(",;\t ").strip(' "')
         if line.startswith("PerfectFlite "):
             header["PerfectFlite"] = line.strip()
         elif line.strip().upper().endswith("PWRLOSS"):
@@ -86,19 +93,21 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
 
 
 def _table(log: bytes, data_row: int, data: str) -> LogTable:
-    unit = re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", data, re.IGNORECASE)
-    channels = [
-        Channel("time", 0, needed=True, header="Time"),
-        Channel("altitude", 1, FEET, needed=True, header="Altitude"),
-        Channel("speed", 2, FEET_A_SECOND, header="Velocity"),
-        Channel("voltage", 4, header="Voltage"),
-    ]
-    if unit:
-        channels.append(Channel("temperature", 3, units.unit("temperature", unit[1]), header="Temperature"))
-    parted = re.search(r"Time\"?\s*([,;\t])", data)
-    separator = parted[1] if parted else ","
-    widest = max(USUAL_WIDTH, data.rstrip(f"{separator} ").count(separator) + 1)  # a program may have added columns
-    return read_columns(log, channels, after=data_row, separator=separator, widths=range(3, widest + 1))
+    separator = max(",;\t", key=data.count)
+    names = data.replace('"', "").rstrip(f"{separator} ").split(separator)
+    channels = [channel for place, name in enumerate(names) if (channel := _channel(place, name))]
+    return read_columns(log, channels, after=data_row, separator=separator, widths=range(LEAST_WIDTH, len(names) + 1))
+
+
+def _channel(place: int, name: str) -> Channel | None:
+    """A column by its name, such as `Data: (Time` or `Temperature (F)`; None if it is not read."""
+    if unit := re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", name, re.IGNORECASE):
+        return Channel("temperature", place, units.unit("temperature", unit[1]), header="Temperature")
+    word = re.sub(r"^\s*Data\s*:|[()]", "", name, flags=re.IGNORECASE).strip().lower()
+    if word not in COLUMNS:
+        return None
+    channel, known_unit = COLUMNS[word]
+    return Channel(channel, place, known_unit, needed=word in ("time", "altitude"), header=word.capitalize())
 
 
 def _written(table: LogTable) -> int:
@@ -106,6 +115,8 @@ def _written(table: LogTable) -> int:
 
     The last row is ignored, because it may be truncated within its voltage.
     """
+    if "voltage" not in table.values:
+        return len(table)
     written = np.flatnonzero(table.values["voltage"][:-1] != ERASED_VOLTAGE)
     last = int(written[-1]) + 1 if len(written) else 0
     return last if 0 < last < len(table) - 1 else len(table)

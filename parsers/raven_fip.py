@@ -42,13 +42,15 @@ EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """Index of each flag in a cell such as `b1100`."""
 
 
-def _triples(names: Sequence[str]) -> int:
-    """Number of channels at the beginning of a header, each with a clock and flags; a program may add columns."""
-    return next((i for i, name in enumerate(names[2::3]) if name != FLAGS), len(names[2::3]))
+def _starts(names: Sequence[str]) -> list[int]:
+    """The places of the clocks of a header's channels, each followed by its values and flags; other columns may be
+    added."""
+    flags = [place for place, name in enumerate(names) if name == FLAGS and place >= 2]
+    return [place - 2 for place in flags if names[place - 2].startswith("time")]
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return _triples(names) > 0
+    return bool(_starts(names))
 
 
 def recognises(head: bytes) -> bool:
@@ -60,38 +62,43 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {MAX_LOG_SIZE >> 20} MB of a Raven")
     log = narrow(log)
     head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel")
-    channels, places = _triples(head.names), dict[str, int]()
-    recorded = head.names[1 : 3 * channels : 3]
+    starts, places = _starts(head.names), dict[str, int]()
+    recorded = {head.names[start + 1]: start for start in reversed(starts)}
     for name, (channel, _) in CHANNELS.items():
         if name in recorded:
-            places.setdefault(channel, recorded.index(name))
+            places.setdefault(channel, recorded[name])
     if not places:
         raise DamagedLog("found no known channel, expected one such as Baro (Atm)", row=head.row)
-    wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
-    wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
-    flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}
-    whole = b"\n".join(_whole_rows(log, channels, len(head.names) - 3 * channels, head.separator.encode()))
+    clocks = dict.fromkeys(places.values())
+    wanted = [Channel(f"time {start}", start) for start in clocks]
+    wanted += [Channel(name, start + 1, CHANNELS[head.names[start + 1]][1]) for name, start in places.items()]
+    flags = {str(start): start + 2 for start in clocks}
+    whole = b"\n".join(_whole_rows(log, starts, len(head.names), head.separator.encode()))
     table = read_columns(whole, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=flags)
     return [Reading(series=_clocks(table, places), events=_events(table), device="Raven"), *table.found]
 
 
-def _whole_rows(log: bytes, channels: int, others: int, mark: bytes) -> Iterator[bytes]:
-    """The lines of a log with three cells for every channel, including those that have ended, and the `others` after.
+def _whole_rows(log: bytes, starts: Sequence[int], width: int, mark: bytes) -> Iterator[bytes]:
+    """The lines of a log with three cells for every channel, including those that have ended.
 
     A spreadsheet pads each line to the longest, so missing cells are detected by the flags, not by the length.
     """
     for line in lines(log):
         line = line.rstrip(b"\r").replace(b'"', b"")
-        cells, place, row = line.split(mark), 0, list[bytes]()
-        if len(cells) >= 3 * channels and not any(cell.strip(b" b01") for cell in cells[2 : 3 * channels : 3]):
+        cells = line.split(mark)
+        if len(cells) > starts[-1] + 2 and not any(cells[start + 2].strip(b" b01") for start in starts):
             yield line
             continue
-        for _ in range(channels):
-            ended = place < len(cells) and not cells[place].strip()
-            row += [b"", b"", b""] if ended else cells[place : place + 3]
-            place += 2 if ended else 3
-        fits = place <= len(cells) and not any(map(bytes.strip, cells[place + others :]))
-        yield mark.join(row + [b""] * others) if fits else line
+        row, place, torn = list[bytes](), 0, True
+        while len(row) < width:
+            size = 3 if len(row) in starts else 1
+            ended = size == 3 and place < len(cells) and not cells[place].strip()
+            row += [b""] * 3 if ended else cells[place : place + size] or [b""]
+            place += 2 if ended else size
+            if len(row) == starts[-1] + 3:
+                torn = place > len(cells)
+        fits = not torn and not any(map(bytes.strip, cells[place:]))
+        yield mark.join(row) if fits else line
 
 
 def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:

@@ -23,6 +23,8 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
+NEEDED = {"time", "altitude", "pressure", "velocity", "events"}
+"""Columns without which a table is not from this program; others may be missing, or additional."""
 WORDS = ("temperature", "events")
 """Columns read as words, because without a temperature the event takes its place."""
 MOST_WORDS = 300
@@ -38,7 +40,7 @@ TAIL, JUMP = 3, 5_000.0
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return tuple(names[: len(NAMES)]) == NAMES
+    return set(names) >= NEEDED
 
 
 def recognises(head: bytes) -> bool:
@@ -47,13 +49,14 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
-    channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
+    places = {name: head.names.index(name) for name in NAMES if name in head.names}
+    channels = [Channel(name, place, needed=name == "time") for name, place in places.items() if name not in WORDS]
     parts, found = read_columns(
         log,
         [replace(c, unit=UNITS["pressure"]["mbar"]) if c.name == "pressure" else c for c in channels],
         after=head.row,
         separator=head.separator,
-        words={name: NAMES.index(name) for name in WORDS},
+        words={name: places[name] for name in WORDS if name in places},
     ).flights()
     readings = [_reading(part, found) for part in parts]
     if not any(readings):
@@ -76,8 +79,7 @@ def _reading(table: LogTable, found: list[Found]) -> Reading | None:
 def _events(table: LogTable) -> dict[str, float]:
     """The words in the samples, each with the time of its first row. [s]"""
     events: dict[str, float] = {}
-    for name in WORDS:
-        known, which = table.words[name]
+    for known, which in table.words.values():
         for i, word in enumerate(known[:MOST_WORDS]):
             if re.fullmatch(r"[A-Za-z][A-Za-z ]*", word.strip()) and (which == i).any():
                 when = float(table.values["time"][int(np.argmax(which == i))])
@@ -87,6 +89,8 @@ def _events(table: LogTable) -> dict[str, float]:
 
 def _temperature(table: LogTable) -> Float[Array, "row"] | None:
     """The temperature in the log's own unit, or None."""
+    if "temperature" not in table.words:
+        return None
     known, which = table.words["temperature"]
     degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
     return None if np.isnan(degrees[which]).all() else degrees[which]

@@ -37,6 +37,8 @@ class Channel:
         return not (self.suffix or self.clock)
 
 
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
+"""A number whose thousands a spreadsheet has separated: `1,234.5`."""
 _CLOCK = re.compile(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", re.ASCII)
 
 
@@ -48,11 +50,17 @@ def number_in(cell: str, channel: Channel) -> float | None:
         return _seconds(cell)
     if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
         return None
+    number = cell[: len(cell) - len(channel.suffix)].strip()
     try:
-        value = float(cell[: len(cell) - len(channel.suffix)])
+        value = float(number.replace(",", "") if is_grouped(number) else number)
     except ValueError:
         return None
     return value if abs(value) <= MAX_CELL_VALUE else None
+
+
+def is_grouped(number: str) -> bool:
+    """Whether a number has commas between its thousands, as in `1,234.5`."""
+    return _GROUPED.fullmatch(number) is not None
 
 
 def _seconds(cell: str) -> float | None:

@@ -215,9 +215,15 @@ def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A counter of 16 or 32 bits with its overflows removed."""
+    """A counter of 16 or 32 bits with its overflows removed.
+
+    An overflow continues the clock with a step like the others; the restart of a second flight does not.
+    """
+    steps = np.diff(counter, prepend=counter[:1])
+    usual = float(np.nanmax(steps[steps >= 0], initial=0.0))
     for span in (2.0**16, 2.0**32):
-        over = np.diff(counter, prepend=counter[:1]) < -0.9 * span
-        if over.any() and float(np.nanmax(counter)) < span:
+        over = steps < -0.9 * span
+        continues = bool((steps[over] + span <= 2 * usual).all())
+        if over.any() and continues and float(np.nanmax(counter)) < span:
             return counter + np.cumsum(over) * span
     return counter

@@ -5,8 +5,8 @@ does not fit the table is skipped and reported in one line; a few hundred are re
 the requested columns plus half a megabyte of text.
 """
 
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from fieldkit.importing.tables.cell import SI, Channel
 from fieldkit.importing.tables.columns_read import note_table
@@ -24,7 +24,7 @@ MOST_REMARKS, LONGEST_REMARK = 1000, 1000
 """Largest number of comment lines that are stored, and largest length of each. [1], [characters]"""
 LAST_LINES = 1 << 13
 """Size of the end of a block from which the length of the last cells is measured. [bytes]"""
-_POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
+_SWAPPED_MARKS = str.maketrans(",.", ".,")
 
 
 def read_columns(
@@ -43,18 +43,19 @@ def read_columns(
     `separator` None is whitespace. `widths` are the numbers of cells that a row may have; None allows any that include
     the needed ones. `words` names columns that are stored as text. Lines that begin with `comment` are stored
     separately. `decimal` None is determined from the first rows, because a spreadsheet may have replaced points by
-    commas. Raises DamagedLog if not a single row can be read.
+    commas. Cells may be in quotation marks, and their thousands separated by the mark that is not the decimal one.
+    Raises DamagedLog if not a single row can be read, or if a comma has two meanings in one column.
     """
     decimal = decimal or _decimal(log, after, separator)
-    reader = Rows(channels, separator, widths, words or {})
-    for first, lines in _lines(log, after, reader, decimal, comment):
+    source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
+    reader = Rows(channels, source.joined_by, widths, words or {}, source.spelled)
+    for first, lines in _lines(log, after, reader, source, comment):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
         if comment:
             remarks = [(first + i, lines[i][:LONGEST_REMARK]) for i in kept if lines[i].startswith(comment)]
             reader.remarks += remarks[: MOST_REMARKS - len(reader.remarks)]
             kept = [i for i in kept if not lines[i].startswith(comment)]
-        rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
-        reader.read([first + i for i in kept], rows)
+        reader.read([first + i for i in kept], source.rewritten([lines[i] for i in kept]))
         if reader.too_much_damaged():
             break
     table = reader.table(cut=is_cut(log))
@@ -62,22 +63,46 @@ def read_columns(
     return table
 
 
-def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> Iterator[tuple[int, list[str]]]:
+@dataclass(frozen=True, slots=True)
+class _Cells:
+    """How a log writes its cells, and their spelling for `Rows`: decimal points, and no quotation marks."""
+
+    separator: str | None
+    decimal: str
+    quoted: bool
+
+    @property
+    def joined_by(self) -> str | None:
+        """The separator of rewritten lines; cells in quotation marks may contain the log's own."""
+        return "\t" if self.quoted else self.separator
+
+    def rewritten(self, lines: list[str]) -> list[str]:
+        """Lines for `Rows`."""
+        if self.quoted:
+            cells = (split(line, self.separator) for line in lines)
+            lines = ["\t".join(cell.replace("\t", " ") for cell in row) for row in cells]
+        return lines if self.decimal == "." else [line.translate(_SWAPPED_MARKS) for line in lines]
+
+    def spelled(self, cell: str) -> str:
+        """A cell of a rewritten line as the log spells it."""
+        return cell if self.decimal == "." else cell.translate(_SWAPPED_MARKS)
+
+
+def _lines(log: bytes, after: int, reader: Rows, source: _Cells, comment: str) -> Iterator[tuple[int, list[str]]]:
     """The lines still to be read, in blocks: all of them, or for a large log those that pandas could not read."""
-    separator = reader.separator
+    separator = source.separator
     if separator is None or not can_be_plain(log, reader.channels, separator, reader.words, comment):
         yield from blocks(log, after)
         return
     for first, block, ends in byte_blocks(log, after):
-        numbers = plain_numbers(block, ends, reader.channels, separator, decimal, reader.widths)
+        numbers = plain_numbers(block, ends, reader.channels, separator, source.decimal, reader.widths)
         if numbers is None:
             yield from ((first + number - 1, lines) for number, lines in blocks(bytes(block)))
         else:
-            tail = first_lines(bytes(block[-LAST_LINES:]), most=ROWS_TO_MEASURE)
-            reader.take(first, numbers, [line for line in tail[1:] if line])
+            tail = [line for line in first_lines(bytes(block[-LAST_LINES:]), most=LAST_LINES)[1:] if line]
+            reader.take(first, numbers, source.rewritten(tail[-ROWS_TO_MEASURE:]))
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows: a point if any has one. Raises DamagedLog if `1,148` is ambiguous."""
-    cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
-    return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)
+    """The decimal mark of the first rows. Raises DamagedLog if `1,148` is ambiguous."""
+    return decimal_mark([cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)])

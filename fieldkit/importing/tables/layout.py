@@ -21,8 +21,8 @@ _WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*[A-Za-z°%]{1,4}\s*")
 """A number with its unit in the cell, such as `57.6F`: it belongs to a table of numbers, but is not read."""
 _ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
-_DECIMAL = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
-_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
+_DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for mark in ",."}
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}[,.]\d{3}\s*")
 _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,4}){0,4}[\])}]?")
 
 
@@ -107,7 +107,7 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
         pairs = zip(names[1], headers, strict=True)
         headers = [f"{name} ({unit.strip('[](){}')})" if unit else name for name, unit in pairs]
     rows = [split(line, separator) for line in lines[start:]]
-    decimal = decimal_mark([cell for cells in rows for cell in cells], separator)
+    decimal = decimal_mark([cell for cells in rows for cell in cells])
     first = tuple(cell.strip() for cell in rows[0])
     if headers is None:
         return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
@@ -125,14 +125,13 @@ def _names(line: str, separator: str | None, width: int) -> list[str] | None:
     return cells + [f"#{i}" for i in range(len(cells) + 1, width + 1)]
 
 
-def decimal_mark(cells: Sequence[str], separator: str | None) -> str:
-    """The decimal mark of a table. Raises DamagedLog if `1,148` could be either number."""
-    if separator == ",":
-        return "."
-    commas = [cell for cell in cells if _DECIMAL.fullmatch(cell)]
-    if any(not _THOUSANDS.fullmatch(cell) for cell in commas):
-        return ","
-    if commas:
+def decimal_mark(cells: Sequence[str]) -> str:
+    """The decimal mark of a table: the one that more cells certainly have. Raises DamagedLog if `1,148` could be either
+    number.
+    """
+    commas, points = ([cell for cell in cells if _DECIMALS[mark].fullmatch(cell)] for mark in ",.")
+    certain = [sum(not _THOUSANDS.fullmatch(cell) for cell in numbers) for numbers in (commas, points)]
+    if commas and not points and not certain[0]:
         found = f"found {commas[0].strip()!r}, which may be {commas[0].strip().replace(',', '')!r} or a decimal comma"
         raise DamagedLog(f"{found}, expected unambiguous numbers")
-    return "."
+    return "," if certain[0] > certain[1] else "."

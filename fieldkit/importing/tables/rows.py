@@ -39,8 +39,12 @@ class Rows:
         separator: str | None,
         widths: Collection[int] | None,
         words: Mapping[str, int],
+        spelled: Callable[[str], str] = str,
     ) -> None:
         self.channels, self.separator, self.widths, self.words = channels, separator, widths, words
+        self.spelled = spelled
+        self.grouped: dict[str, DamagedLog] = {}
+        self.with_commas: set[str] = set()
         self.needed = [i for i, channel in enumerate(channels) if channel.needed]
         self.gaps = gaps(separator)
         self.vocabulary: list[dict[str, int]] = [{"": 0} for _ in words]
@@ -192,13 +196,23 @@ class Rows:
         for channel in self.channels:
             cell = cells[channel.place] if channel.place < len(cells) else ""
             value = number_in(cell, channel)
+            if "," in cell:
+                self._note_comma(cell, value, channel, row)
             if value is None:
                 expected = f"a number with {channel.suffix}" if channel.suffix else "a number"
                 expected = "a time of day such as 12:04:05.3" if channel.clock else expected
                 place = channel.header or channel.name
-                return DamagedLog(f"found {shown(cell)}, expected {expected}", row=row, column=place)
+                return DamagedLog(f"found {shown(self.spelled(cell))}, expected {expected}", row=row, column=place)
             numbers.append(value)
         return numbers
+
+    def _note_comma(self, cell: str, value: float | None, channel: Channel, row: int) -> None:
+        """Record whether a comma in a cell separates thousands; in the same column it must not be a decimal comma."""
+        if value is None:
+            self.with_commas.add(channel.name)
+        elif channel.name not in self.grouped:
+            found = f"found {shown(self.spelled(cell))} in a column with other decimal marks, expected one mark"
+            self.grouped[channel.name] = DamagedLog(found, row=row, column=channel.header or channel.name)
 
     def _keep(
         self, rows: Sequence[int] | Integers, numbers: Float[Array, "row channel"], said: list[list[str]]
@@ -231,7 +245,9 @@ class Rows:
         self.kept = int(kept.sum())
 
     def table(self, *, cut: bool) -> LogTable:
-        """The stored rows as a table. Raises DamagedLog if there are none."""
+        """The stored rows as a table. Raises DamagedLog if there are none, or if decimal marks are mixed."""
+        for name in self.with_commas & self.grouped.keys():
+            raise self.grouped[name]
         if not self.kept:
             raise self.reported[0] if self.reported else DamagedLog("found no samples, expected at least one")
         rows, *columns = [self._joined(column) for column in self.columns]
