@@ -6,11 +6,12 @@ from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import Column, Flight
-from fieldkit.flight.plausibility import middles
+from fieldkit.flight import BY_NAME, Column, Flight
+from fieldkit.flight.plausibility import check, middles
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger
-from fieldkit.motors import is_cluster
+from fieldkit.motors import Catalogue, Motor, is_cluster
+from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.kits import kit_of_rocket
@@ -135,6 +136,24 @@ def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
     if not (flight.rocket and motor):
         return {}
     return middles(one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor)
+
+
+def weighed(motors: Catalogue, flight: Flight, lift_off: float | None) -> Flight:
+    """A flight with the dry mass that follows from its mass on the pad with its motor or cluster [kg]; unchanged
+    without one.
+
+    Raises BadValue for a mass of no rocket, and for one without a motor; UnknownMotor.
+    """
+    if lift_off is None:
+        return flight
+    if not flight.motor:
+        raise BadValue("found a lift-off mass and no motor, expected both: the dry mass is the difference")
+    return flight.with_changes(dry_mass=dry_mass_under(lift_off, motors.resolve_several(flight.motor).motor))
+
+
+def dry_mass_under(lift_off: float, motor: Motor) -> float:
+    """The dry mass from the mass on the pad with a motor [kg]. Raises BadValue for one of no rocket. [kg]"""
+    return check(BY_NAME["dry_mass"], without_motor(lift_off, motor))
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
