@@ -60,6 +60,10 @@ def _stages(text: str) -> list[str]:
     return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
 
 
+SOONEST_CHARGE = 0.1
+"""Least delay of a cluster whose first charge fires before the last motor is burned out: 0 means no charge. [s]"""
+
+
 @dataclass(frozen=True, slots=True)
 class Booster:
     """A lower stage without its motor: its mass [kg], and the ratio of the rocket's drag with it to that of the
@@ -118,12 +122,13 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
 
 def _first_charge(parts: Sequence[tuple[Motor, float]], delays: Sequence[float | None], cluster: Motor) -> float | None:
     """Time from the burnout of a cluster to the first ejection charge, each of which fires its delay after the burnout
-    of its own motor [s]: 0 if there are only boosters, `PLUGGED_DELAY` if all are plugged, None if no delay is known.
+    of its own motor [s]; not before the burnout, 0 if there are only boosters, `PLUGGED_DELAY` if all are plugged, None
+    if no delay is known.
     """
     timed = [(motor, start, delay) for (motor, start), delay in zip(parts, delays, strict=True) if delay is not None]
     fires = [start + motor.burnout + delay for motor, start, delay in timed if 0 < delay < PLUGGED_DELAY]
     if fires:
-        return round(min(fires) - cluster.burnout, 3)
+        return max(round(min(fires) - cluster.burnout, 3), SOONEST_CHARGE)
     return min((delay for *_, delay in timed), default=None)
 
 

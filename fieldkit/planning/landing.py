@@ -178,7 +178,8 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: nan if
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
-    Each wind is tried with the whole landing calculation: a rocket that climbs into the wind lands nearer the pad.
+    Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
+    winds, each with the whole landing calculation.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
