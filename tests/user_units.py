@@ -14,7 +14,7 @@ _ELSEWHERE = {
     "points of a contest": r"(?m)^.* points  .*$",
     "rules of a contest": r"(?m)^( +[✓?!✗] contest |eggs: |body: |launch: |The rule of )(.|\n(?! *[✓?!✗] |\w))*",
     "targets of a contest": r"target \d+ ft",
-    "a rule in the words of the code": r"The\s+rule: (.|\n(?! *([\w/-]+: )?[✓?!⊘] | *These checks))*",
+    "a rule in the words of the code": r"The\s+rule:\s(.|\n(?! *([\w/-]+: )?[✓?!⊘] | *These checks))*",
     "a rule to check oneself": r"distance of complex rockets, but not more than 2,000 ft",
     "rules that only some motors meet": r"occupied buildings: (.|\n(?! *[\w-]+: ))*",
     "dimensions of motors": r"\b(motors|mount) of \d+ mm|│ (diameter|length) +\d+ mm",

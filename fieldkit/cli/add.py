@@ -17,10 +17,19 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+PANEL = "The flight; a number may have a unit, as in 923ft"
+"""Heading of the flight's options in the command's help."""
+
 
 def add(
     context: typer.Context,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an unfinished flight, without asking.")] = False,
+    lift_off_mass: Annotated[
+        str | None,
+        typer.Option(
+            help="Mass ready to fly with the motor: 620g, 22oz; replaces the dry mass.", rich_help_panel=PANEL
+        ),
+    ] = None,
     **given: str | None,
 ) -> None:
     """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
@@ -29,25 +38,42 @@ def add(
     """
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
-        if changes:
-            flight = _from_options(changes)
+        if changes or lift_off_mass is not None:
+            flight = _from_options(changes, lift_off_mass)
             _doubt(ledger, flight)
             _add(ledger, flight, None)
         else:
             _add(ledger, *_from_answers(ledger, resume=resume))
 
 
-takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight; a number may have a unit, as in 923ft")
+takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), PANEL)
 app.command()(add)
 
 
-def _from_options(changes: dict[str, str]) -> "Flight":
+def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight":
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
 
-    flight = Flight().with_changes(**read_settings(changes, MotorCheck()))
+    motors = MotorCheck()
+    flight = Flight().with_changes(**read_settings(changes, motors))
     if not flight.rocket:
         raise BadValue("rocket: found nothing, expected the rocket's name")
+    if lift_off_mass is None:
+        return flight
+    if flight.dry_mass is not None:
+        raise BadValue("found --dry-mass and --lift-off-mass, expected one of them")
+    return _without_motor(flight, lift_off_mass, motors)
+
+
+def _without_motor(flight: "Flight", lift_off_mass: str, motors: MotorCheck) -> "Flight":
+    """A flight with the dry mass that follows from a typed lift-off mass, which is printed. Raises BadValue."""
+    from fieldkit.flight import BY_NAME
+    from fieldkit.importing.manual_entry import read_lift_off_mass
+    from fieldkit.quantities import measure
+    from fieldkit.services.manual_entry import weighed
+
+    flight = weighed(motors.catalogue, flight, read_lift_off_mass(lift_off_mass))
+    complain(f"note: dry mass {measure(BY_NAME['dry_mass'], flight.dry_mass, system())}, without {flight.motor}")
     return flight
 
 
@@ -69,6 +95,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     import sys
 
     from fieldkit.cli.prompts import Conversation, converse
+    from fieldkit.importing.manual_entry import LIFT_OFF_MASS
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
     person = sys.stdin.isatty()
@@ -82,7 +109,10 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     if not finished and person:
         complain("saved as a draft; run `fieldkit add` to continue it")
         raise typer.Exit(1)
-    return with_offers(ledger, conversation.flight, set(conversation.answers)), DRAFT if conversation.keeps else None
+    flight = with_offers(ledger, conversation.flight, set(conversation.answers))
+    if typed := conversation.answers.get(LIFT_OFF_MASS.name):  # in the draft of the app
+        flight = _without_motor(flight, typed, conversation.motors)
+    return flight, DRAFT if conversation.keeps else None
 
 
 def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:

@@ -40,11 +40,14 @@ def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     """Motors flown before, then those of the catalog, each with its delays."""
     from math import isfinite
 
+    from fieldkit.motors.names import with_delay
     from fieldkit.motors.own import known_motors
     from fieldkit.paths import motor_folder
 
     motors, _ = known_motors(motor_folder())
-    sold = (f"{motor.designation}-{delay:g}" for motor in motors.motors for delay in motor.delays if isfinite(delay))
+    sold = (
+        with_delay(motor.designation, delay) for motor in motors.motors for delay in motor.delays if isfinite(delay)
+    )
     fitting = sorted({name for name in sold if name.startswith(incomplete)})
     return list(dict.fromkeys([*_flown(context, "motor", incomplete), *fitting]))[:MAX_MOTORS]
 

@@ -8,7 +8,7 @@ import typer
 
 from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule
+from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule, season_year
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
 
@@ -23,7 +23,7 @@ app = typer.Typer()
 
 def finals(
     context: typer.Context,
-    season: Annotated[int, typer.Option(help="2019 to 2027.")],
+    season: Annotated[int | None, typer.Option(help="2019 to 2027; default: today's.")] = None,
     targets: Annotated[str | None, typer.Option(help="Lowest and highest target, in feet: 775-825.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g, 17oz.")] = None,
@@ -51,7 +51,7 @@ def finals(
     )
     from fieldkit.units import FOOT, parse
 
-    rule = season_rule(season).announced(None, read_window(window) if window else None)
+    rule = season_rule(season_year(season)).announced(None, read_window(window) if window else None)
     if targets:
         low, high = read_window(targets)
         rule = replace(rule, finals_range=(low * FOOT, high * FOOT))
@@ -64,7 +64,7 @@ def finals(
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
-        approved = approved_motors(season, data_file("seasons"))
+        approved = approved_motors(rule.year, data_file("seasons"))
         lines = plan.safety(flown.forecast) + allowed(rule, flown.forecast.plan, found, approved=approved)
         table = finals_table(flown, rule, finals_targets(rule))
     chosen = system()
@@ -74,7 +74,7 @@ def finals(
         files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
         complain(f"{card}: the card")
     if json:
-        document = {"season": season, "motor": found.motor.designation, "finals": table_of(table, found)}
+        document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
         document |= {"flights": flown.forecast.rests_on, "timed_flights": flown.fall.flights}
         print_json(document | about_plan(flown.forecast, lines))
         return
@@ -115,7 +115,10 @@ app.command()(finals)
 
 def contest(
     context: typer.Context,
-    season: Annotated[int, typer.Option(help="2019 to 2027.")],
+    season: Annotated[
+        int | None,
+        typer.Option(help="2019 to 2027; default: that of the last flight, with --motor today's."),
+    ] = None,
     target: Annotated[str | None, typer.Option(help="Target announced that day: 785ft, 239m.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     parachute: Annotated[
@@ -138,20 +141,24 @@ def contest(
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:
+        season = season_year(season)
         complain(f"your own rule, in use from now on: {copy_season(season, data_file('seasons'))}")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
-    rule = season_rule(season).announced(length(target), read_window(window) if window else None)
+    announced = length(target), read_window(window) if window else None
     if (reefed := _share(reef, 0.0)) >= 1:
         raise typer.BadParameter(f"found --reef {reef}, expected less than 100%: that leaves no parachute")
     area = _share(parachute, 1.0) * (1 - reefed)
     ahead, lines = None, []
     with planning(context, given) as plan:
+        last = None if plan.flight.motor else plan.ledger.latest(plan.flight.rocket)
+        year = season_year(season, last.date_time if last is not None else None)
+        rule = season_rule(year).announced(*announced)
         scored = score(rule, plan.ledger.flights(plan.flight.rocket))
         if plan.flight.motor:
             ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
             said = ahead.forecast
-            approved = approved_motors(season, data_file("seasons"))
+            approved = approved_motors(rule.year, data_file("seasons"))
             lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"), approved)
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None

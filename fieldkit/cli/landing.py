@@ -57,7 +57,7 @@ def landing(
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
         one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
     said, found, down, lines = one.said, one.said.found, one.down, one.lines
-    words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system()))
+    words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system(), one.holds))
     if kml is not None and place is not None:
         name = f"{said.plan.rocket} on {found.motor.designation}"
         files.write(kml, landing_kml(name, down, place, wind_from), force=replaces[kml])

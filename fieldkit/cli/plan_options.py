@@ -73,13 +73,14 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     return plan
 
 
-def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float:
+def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float | None:
     """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
     from fieldkit.errors import BadValue
-    from fieldkit.units import parse
+    from fieldkit.importing.manual_entry import read_lift_off_mass
+    from fieldkit.services.manual_entry import weighed
 
-    motor = motors.resolve_several(plan.motor or (last.motor if last else "")).motor
-    mass = parse(text, "mass", "g") - motor.loaded_mass
-    if mass <= 0:
-        raise BadValue(f"lift_off_mass: found {text}, expected more than the mass of its motor")
-    return mass
+    flown = plan.with_changes(motor=plan.motor or (last.motor if last else ""))
+    try:
+        return weighed(motors, flown, read_lift_off_mass(text)).dry_mass
+    except BadValue as error:
+        raise BadValue(f"lift_off_mass: {error}") from error

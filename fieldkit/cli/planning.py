@@ -14,6 +14,8 @@ from fieldkit.cli.screen import progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
+    from datetime import datetime
+
     from fieldkit.flight import Flight
     from fieldkit.flight.site import Site
     from fieldkit.flight.start import Start
@@ -174,6 +176,21 @@ def season_rule(year: int) -> "Season":
     from fieldkit.planning.contest import season
 
     return season(year, data_file("seasons"))
+
+
+def season_year(year: int | None, flown: "datetime | None" = None) -> int:
+    """The year of a season, by default that of a flight's date, or of today; the default is printed."""
+    from datetime import datetime
+
+    from fieldkit.cli.screen import complain
+    from fieldkit.paths import data_file
+    from fieldkit.planning.contest import season_of
+
+    if year is None:
+        year = season_of((flown or datetime.now()).date(), data_file("seasons"))
+        date = "the date of the last flight" if flown else "today's date"
+        complain(f"note: by the rule of season {year}, from {date}; --season for another")
+    return year
 
 
 def own_limits() -> "dict[str, Limit]":

@@ -3,17 +3,27 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from fieldkit import units
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
+from fieldkit.importing.manual_entry import (
+    NOT_RECORDED,
+    QUESTIONS,
+    Question,
+    implausible_answers,
+    read_answer,
+    read_lift_off_mass,
+)
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import rounded, spelled
 from fieldkit.safe_text import printable
 from fieldkit.services import manual_entry
 
 BACK = "<"
+WITH_MOTOR = "with motor"
+"""The end of an answer that is a mass on the pad."""
 
 Listen = Callable[[str], str | None]
 """Asks a question and returns the answer; None at the end of the input."""
@@ -98,6 +108,7 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
     text = text.strip() or offer(conversation, question)
     while True:
         try:
+            text = _without_motor(conversation, question, text)
             _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
@@ -120,6 +131,19 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
     if conversation.keeps:
         conversation.ledger.keep_draft(manual_entry.DRAFT, conversation.answers)
     return True
+
+
+def _without_motor(conversation: Conversation, question: Question, text: str) -> str:
+    """The dry mass of a rocket weighed with its motor, for an answer such as `620g with motor`; any other answer
+    unchanged. Raises BadValue."""
+    if question.name != "dry_mass" or not text.casefold().endswith(WITH_MOTOR):
+        return text
+    unit = _unit(conversation, question)
+    lift_off = read_lift_off_mass(text[: -len(WITH_MOTOR)], unit)
+    mass = manual_entry.weighed(conversation.motors.catalogue, conversation.flight, lift_off).dry_mass
+    dry = f"{units.unit('mass', unit).from_si(mass or 0.0):.6g} {unit}"
+    complain(f"  {dry} without {conversation.flight.motor}")
+    return dry
 
 
 def _take(conversation: Conversation, question: Question, text: str) -> None:
@@ -162,6 +186,8 @@ def _several(motor: str) -> bool:
 def _explain(conversation: Conversation, question: Question) -> None:
     """Print the help of a question, and the answers so far."""
     complain(question.help)
+    if question.name == "dry_mass":
+        complain(f"  or weighed ready to fly: 620g {WITH_MOTOR}")
     if question.name in ("rocket", "config", "motor", "site"):
         rocket = None if question.name in ("rocket", "site") else conversation.flight.rocket
         if known := conversation.ledger.names(question.name, rocket):

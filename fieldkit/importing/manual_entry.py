@@ -35,17 +35,21 @@ NOT_RECORDED = "-"
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One question about a flight; `offered` means that the default is the last flight's answer."""
+    """One question about a flight; `offered` means that the default is the last flight's answer.
+
+    `read_as` is the column whose units its answer has, if it is not a column itself.
+    """
 
     name: str
     title: str
     help: str
     offered: bool = False
+    read_as: str = ""
 
     @property
     def column(self) -> Column | None:
         """The column of a number; None for text."""
-        return BY_NAME.get(self.name)
+        return BY_NAME.get(self.read_as or self.name)
 
 
 def _asked(name: str, *, offered: bool = False) -> Question:
@@ -67,6 +71,14 @@ QUESTIONS = (
     Question("notes", "Notes", "Free text."),
 )
 """The questions about a flight, with readouts in the order in which the altimeter displays them."""
+
+LIFT_OFF_MASS = Question(
+    "lift_off_mass",
+    "Lift-off mass",
+    "Weighed ready to fly with this motor: replaces the dry mass.",
+    read_as="dry_mass",
+)
+"""Another way to give the dry mass."""
 
 
 def field_of(name: str) -> tuple[str, str]:
@@ -95,6 +107,12 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
     if name == "tags":
         return read_tags(text)
     return read_date(_day_in_words(text)) if name == "date_time" else text
+
+
+def read_lift_off_mass(text: str, unit: str = "") -> float | None:
+    """A typed lift-off mass with its unit, in `unit`, or in grams; None if nothing was typed. Raises BadValue. [kg]"""
+    text = "" if text.strip() == NOT_RECORDED else text.strip()
+    return units.parse(text, "mass", unit or "g") if text else None
 
 
 def _day_in_words(text: str) -> str:

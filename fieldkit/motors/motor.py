@@ -189,6 +189,14 @@ def delays_text(delays: Sequence[float]) -> str:
     return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 
+def without_motor(lift_off: float, motor: Motor) -> float:
+    """Dry mass of a rocket from its mass on the pad with a motor [kg]. Raises BadValue for less than the motor. [kg]"""
+    if not lift_off > motor.loaded_mass:
+        alone = f"{motor.maker} {motor.designation} alone weighs {motor.loaded_mass * 1e3:.0f} g"
+        raise BadValue(f"found a lift-off mass of {lift_off * 1e3:.4g} g, expected more: {alone}")
+    return lift_off - motor.loaded_mass
+
+
 def describe(motor: Motor) -> dict[str, object]:
     """A summary of a motor, with the unit in the key: ready for JSON."""
     start, end = motor.burning

@@ -57,6 +57,7 @@ _CORE = re.compile(
     r"(?P<letter>(?:1/[248])?[A-O])-?(?P<thrust>\d+(?:\.\d+)?)(?P<rest>.*)"
 )
 _DELAY = re.compile(r"(\d+(?:\.\d+)?|P)([A-Z]{0,2})")
+_OWN_DELAY = re.compile(r"-(?:\d+(?:\.\d+)?|P)([A-Z]{0,2})(?![\w.-])", re.IGNORECASE)
 _ONE_MOTOR = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
 _SEVERAL_MOTORS = re.compile(rf"(?<![\w./-])\d*{_ONE_MOTOR}(?![\w.]).*?(?<![\w.])\d*{_ONE_MOTOR}(?![\w.])")
 _CLUSTER = re.compile(
@@ -170,6 +171,14 @@ def _tail(rest: str) -> tuple[str, float | None, bool]:
         else:
             letters += squeeze(part)
     return letters, delay, adjustable
+
+
+def with_delay(text: str, delay: float) -> str:
+    """A motor's name with this delay [s], in place of its own if it has one: `F24W-4`; `53F32-5` for `53F32-12A`."""
+    written = "P" if delay == PLUGGED_DELAY else f"{delay:g}"
+    if parse(text).delay is None:
+        return f"{text}-{written}"
+    return _OWN_DELAY.sub(lambda own: f"-{written}{'' if own[1] in ('A', 'S') else own[1]}", text, count=1)
 
 
 def compatible(wanted: str, has: str) -> bool:

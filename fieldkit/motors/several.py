@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
-from fieldkit.motors.motor import BURN_THRUST_FRACTION, Motor
+from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
 from fieldkit.motors.names import MAX_NAME, is_cluster
 from fieldkit.motors.search import Found
 from fieldkit.shapes import Array
@@ -60,6 +60,10 @@ def _stages(text: str) -> list[str]:
     return [part.strip().replace(_FRACTION, "/") for part in halves.split("/") if part.strip()]
 
 
+SOONEST_CHARGE = 0.1
+"""Least delay of a cluster whose first charge fires before the last motor is burned out: 0 means no charge. [s]"""
+
+
 @dataclass(frozen=True, slots=True)
 class Booster:
     """A lower stage without its motor: its mass [kg], and the ratio of the rocket's drag with it to that of the
@@ -97,7 +101,7 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
 def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
     """One motor, or a cluster. Raises UnknownMotor."""
     parts: list[tuple[Motor, float]] = []
-    delay: float | None = None
+    delays: list[float | None] = []
     notes: list[str] = []
     for group in re.split(r"\s*\+\s*", text.strip()):
         named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", group))
@@ -105,14 +109,27 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
             raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")
         found = resolve(named[3])
         notes += found.notes
-        delay = found.delay if delay is None else delay
         count = int(named[1] or named[2] or 1)
         if not 1 <= count <= MAX_MOTORS:
             raise UnknownMotor(f"{text}: found {count} motors, expected 1 to {MAX_MOTORS}")
         parts += [(found.motor, float(named[4] or 0.0))] * count
+        delays += [found.delay] * count
     if len(parts) == 1 and parts[0][1] == 0:
-        return Found(parts[0][0], delay, tuple(notes))
-    return Found(clustered(parts), delay, (*dict.fromkeys(notes), CLUSTER_NOTE))
+        return Found(parts[0][0], delays[0], tuple(notes))
+    motor = clustered(parts)
+    return Found(motor, _first_charge(parts, delays, motor), (*dict.fromkeys(notes), CLUSTER_NOTE))
+
+
+def _first_charge(parts: Sequence[tuple[Motor, float]], delays: Sequence[float | None], cluster: Motor) -> float | None:
+    """Time from the burnout of a cluster to the first ejection charge, each of which fires its delay after the burnout
+    of its own motor [s]; not before the burnout, 0 if there are only boosters, `PLUGGED_DELAY` if all are plugged, None
+    if no delay is known.
+    """
+    timed = [(motor, start, delay) for (motor, start), delay in zip(parts, delays, strict=True) if delay is not None]
+    fires = [start + motor.burnout + delay for motor, start, delay in timed if 0 < delay < PLUGGED_DELAY]
+    if fires:
+        return max(round(min(fires) - cluster.burnout, 3), SOONEST_CHARGE)
+    return min((delay for *_, delay in timed), default=None)
 
 
 def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:

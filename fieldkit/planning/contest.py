@@ -6,6 +6,7 @@ Source: the rules of each season, as its file names them with their reliability.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,8 @@ from fieldkit.units import FOOT
 FOLDER = Path(__file__).parents[1] / "data" / "seasons"
 DRAWS = 1000
 """Number of rockets drawn, each of which flies all flights that may be declared. [1]"""
+FIRST_MONTH = 6
+"""The month of the year before in which a season starts. [1]"""
 AREAS = (0.4, 2.5)
 """Range of the tried parachute areas, as a ratio to the current area. [1]"""
 
@@ -96,6 +99,13 @@ def seasons(own: Path | None = None) -> list[int]:
     """The years with a file, shipped or in the user's own folder."""
     folders = (FOLDER, own) if own is not None else (FOLDER,)
     return sorted({int(file.stem) for folder in folders for file in folder.glob("*.toml") if file.stem.isdecimal()})
+
+
+def season_of(day: date, own: Path | None = None) -> int:
+    """The season of a day, or the nearest one that has a file: finals are in May, and by June the next season has its
+    list of motors."""
+    year = day.year + (day.month >= FIRST_MONTH)
+    return min(seasons(own), key=lambda one: (abs(one - year), -one))
 
 
 def copy_season(year: int, own: Path) -> Path:

@@ -38,8 +38,10 @@ ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
 """Rail angles that are tried. [deg]"""
 MAX_RECOMMENDED_ANGLE = 10 * DEGREE
 """Largest recommended rail angle, below every code's limit, because it costs altitude. [rad]"""
+TRIED_WINDS = np.arange(11.0)
+"""Winds at the pad that are tried: beyond the 20 mph that the codes allow. [m/s]"""
 TRIED_DRAWS = 300
-"""Flights simulated for each rail angle. [1]"""
+"""Flights simulated for each rail angle or wind. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +86,6 @@ class Landing:
             "chance_ballistic": float(self.down.ballistic.mean()),
             "ellipse": self.ellipse().json() if known else None,
         }
-
-    def wind_that_holds(self, size: float) -> float:
-        """Wind at the pad up to which 95 % of landings stay on a field of this size [m], with a central pad. [m/s]"""
-        return size / 2 / max(three(self.drift)[2], 1e-9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,6 +174,26 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
 
 
+def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> float:
+    """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: nan if
+    they do not even in calm air, inf if they do in every tried wind. [m/s]
+
+    Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
+    winds, each with the whole landing calculation.
+    """
+    plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
+    said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    fall = fall_of(rocket.history, plan, found)
+    beyond = np.array([three(landing(one, fall).away)[2] for one in said]) - size / 2
+    off = np.flatnonzero(~(beyond <= 0))
+    if not off.size:
+        return math.inf
+    if off[0] == 0:
+        return math.nan
+    around = slice(off[0] - 1, off[0] + 1)
+    return float(np.interp(0.0, beyond[around], TRIED_WINDS[around]))
+
+
 SI = ShownUnits()
 
 
@@ -188,4 +206,13 @@ def profile_in_words(wind: WindProfile, shown: ShownUnits = SI, heights: Sequenc
     return f"{shown.speed(speeds[0])} at the pad, {more}"
 
 
-__all__ = ["Landing", "LandingEllipse", "RailChoice", "landing", "profile_in_words", "rail_choices", "wind_profile"]
+__all__ = [
+    "Landing",
+    "LandingEllipse",
+    "RailChoice",
+    "landing",
+    "profile_in_words",
+    "rail_choices",
+    "wind_profile",
+    "wind_that_holds",
+]

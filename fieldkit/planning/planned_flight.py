@@ -11,7 +11,14 @@ from fieldkit.motors import Found
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, Landing, RailChoice, landing, rail_choices
+from fieldkit.planning.landing import (
+    MAX_RECOMMENDED_ANGLE,
+    Landing,
+    RailChoice,
+    landing,
+    rail_choices,
+    wind_that_holds,
+)
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.rules import RuleSet
 from fieldkit.planning.safety import safety_lines
@@ -23,13 +30,15 @@ DRAWS = 400
 @dataclass(frozen=True, slots=True)
 class PlannedFlight:
     """A plan, its forecast, the basis of its descent, its landing, its safety lines, and rail settings from best to
-    worst; none if the wind is not known."""
+    worst; none if the wind is not known. `holds` is the result of `wind_that_holds` [m/s]; None with a wind, or without
+    the size of the field."""
 
     said: Prediction
     fall: Fall
     down: Landing
     lines: tuple[SafetyCheck, ...]
     rail: tuple[RailChoice, ...]
+    holds: float | None = None
 
     @property
     def name(self) -> str:
@@ -53,4 +62,6 @@ def planned_flight(
     fall = fall_of(rocket.history, said.plan, found)
     rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
     lines = safety_lines(said, site, fall, limits, rules)
-    return PlannedFlight(said, fall, landing(said, fall), tuple(lines), tuple(rail))
+    unknown = plan.wind is None and site.size is not None
+    holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
+    return PlannedFlight(said, fall, landing(said, fall), tuple(lines), tuple(rail), holds)

@@ -50,12 +50,12 @@ class Governed:
             rule
             for one in self.sets
             for rule in one.rules
-            if rule.check == check and (not rule.classes or self.legal in rule.classes)
+            if rule.check == check and rule.rows and (not rule.classes or self.legal in rule.classes)
         ]
 
     def reminders(self) -> list[Rule]:
         """The rules that no value of a plan can be checked against."""
-        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES]
+        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES or not rule.rows]
         burned = {motor.propellant for motor in self.build.motors}
         return [
             rule

@@ -8,7 +8,7 @@ import datetime
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,18 @@ MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others"
 """Reliability of the text of a rule, by its mark."""
 DEFAULT_AUTHORITIES = ("NAR", "FAA")
 """Default authorities of a launch."""
+DEFINITION_KEYS = (
+    "impulse_of_several_ns",
+    "impulse_of_one_ns",
+    "average_thrust_n",
+    "propellant_g",
+    "mass_g",
+    "kinds",
+    "designations",
+)
+"""What a definition of high power has to say."""
+CLASS_KEYS = ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")
+"""What the classes of an air law have to say."""
 KINDS = ("model", "high power", "any")
 """The kinds of rockets that a set is for."""
 
@@ -166,6 +178,10 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
     if kind not in KINDS:
         raise ValueError(f"for = {kind!r}, one of {', '.join(KINDS)}")
     text = _text(table, RuleText("", str(table["source"]), str(table["mark"]), table["valid_from"]))
+    definition, classes = dict(table.get("definition", {})), dict(table.get("classes", {}))
+    for found, needed in ((definition, DEFINITION_KEYS), (classes, CLASS_KEYS)):
+        if found and (missing := [name for name in needed if name not in found]):
+            raise KeyError(missing[0])
     return RuleSet(
         key=key,
         title=printable(str(table["title"])),
@@ -175,8 +191,8 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
         valid_from=text.valid_from,
         rules=tuple(_rule(one, text, str(table["title"])) for one in table.get("rule", ())),
         text=text,
-        definition=dict(table.get("definition", {})),
-        classes=dict(table.get("classes", {})),
+        definition=definition,
+        classes=classes,
     )
 
 
@@ -206,6 +222,8 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
     for row in table.get("rows", single):
         values = [row.get(name) for name in ("complex", "cleared")]
         value = float(row["at_most"] if "at_most" in row else row["at_least"])
+        if not isfinite(value):
+            raise ValueError(f"{value} for {table['check']}")
         more = [None if one is None else float(one) * scale for one in values]
         stated = _stated(row, value, unit) if table.get("by") == "impulse" and unit in ("ft", "m") else ""
         rows.append(RuleRow(float(row["up_to"]), value * scale, more[0], more[1], _text(row, text), stated))

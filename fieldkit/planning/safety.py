@@ -172,7 +172,7 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
     found = landing(said, fall)
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        drifts = f"drifts {length(three(found.drift)[1])} per {speed(1.0)} of wind"
+        drifts = f"drifts {length(three(found.drift)[1])} per {speed(1.0)} of wind on the way down"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
     _, usual, reach = three(found.away)
     text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"

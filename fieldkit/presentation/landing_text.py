@@ -1,5 +1,6 @@
 """The landing of a plan as lines for a flyer."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 from fieldkit.flight.recovery import Recovery, recovery_of
@@ -7,7 +8,7 @@ from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
-from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing, RailChoice, profile_in_words
+from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.quantities import ShownUnits, counted
@@ -21,13 +22,22 @@ short half axis. [1]"""
 
 
 def landing_in_words(
-    said: Prediction, down: Landing, fall: Fall, rail: Sequence[RailChoice], site: Site, system: str = "SI"
+    said: Prediction,
+    down: Landing,
+    fall: Fall,
+    rail: Sequence[RailChoice],
+    site: Site,
+    system: str = "SI",
+    holds: float | None = None,
 ) -> Iterator[str]:
-    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system."""
+    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system.
+
+    `holds` is the wind that keeps landings on the field, as in `PlannedFlight` [m/s].
+    """
     plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
-    yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown)
+    yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
@@ -69,15 +79,22 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
         yield f"  field     {shown.length(site.size)} across: {inside:.0%} chance of landing on it (pad in the middle)"
 
 
-def _unknown_place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
+def _unknown_place(down: Landing, site: Site, shown: ShownUnits, holds: float | None) -> Iterator[str]:
     """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
     low, middle, high = three(down.drift)
-    yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad,"
-    yield f"            90% interval {shown.lengths(low, high)}"
-    if site.size is not None:
-        wind = down.wind_that_holds(site.size)
-        most = f"95% of landings are on it up to {shown.speed(wind)}"
-        yield f"  field     {shown.length(site.size)} across: {most} (pad in the middle)"
+    yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad"
+    yield f"            on the way down, 90% interval {shown.lengths(low, high)}"
+    if site.size is not None and holds is not None:
+        yield f"  field     {shown.length(site.size)} across: {_held(holds, shown)} (pad in the middle)"
+
+
+def _held(wind: float, shown: ShownUnits) -> str:
+    """The wind up to which landings stay on the field, as in `wind_that_holds`."""
+    if math.isnan(wind):
+        return "fewer than 95% of landings are on it even in calm air"
+    if math.isinf(wind):
+        return f"95% of landings are on it in any wind up to {shown.speed(float(TRIED_WINDS[-1]))}"
+    return f"95% of landings are on it up to {shown.speed(wind)}"
 
 
 def _device(recovery: Recovery, shown: ShownUnits) -> str:

@@ -6,12 +6,13 @@ from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import Column, Flight
-from fieldkit.flight.plausibility import middles
+from fieldkit.flight import BY_NAME, Column, Flight
+from fieldkit.flight.plausibility import check, middles
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger
-from fieldkit.motors import is_cluster
-from fieldkit.motors.names import parse
+from fieldkit.motors import Catalogue, Motor, is_cluster
+from fieldkit.motors.motor import without_motor
+from fieldkit.motors.names import parse, with_delay
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import without_delay
@@ -48,14 +49,16 @@ def with_unit(text: str, unit: str) -> str:
 def setup_answers(plan: Flight) -> dict[str, str]:
     """A planned flight as default answers of the form; the delay follows the motor."""
     texts = {question.name: answer_text(plan, question.name) for question in QUESTIONS if question.offered}
-    if plan.delay is not None and not _has_delay(plan.motor):
-        texts["motor"] = f"{plan.motor}-{plan.delay:g}"
+    if plan.motor and plan.delay is not None:
+        texts["motor"] = _delayed(plan.motor, plan.delay)
     return {name: text for name, text in texts.items() if text}
 
 
-def _has_delay(motor: str) -> bool:
-    """Whether a motor's name ends in a delay: `F24-4W` does, `HP-I205W` does not."""
-    return "-" in motor if is_cluster(motor) else parse(motor).delay is not None
+def _delayed(motor: str, delay: float) -> str:
+    """A motor's name with a delay [s] that it does not have yet; a cluster with delays of its own is unchanged."""
+    if is_cluster(motor):
+        return motor if "-" in motor else f"{motor}-{delay:g}"
+    return motor if parse(motor).delay == delay else with_delay(motor, delay)
 
 
 def planned_answers(ledger: Ledger) -> dict[str, str]:
@@ -133,6 +136,24 @@ def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
     if not (flight.rocket and motor):
         return {}
     return middles(one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor)
+
+
+def weighed(motors: Catalogue, flight: Flight, lift_off: float | None) -> Flight:
+    """A flight with the dry mass that follows from its mass on the pad with its motor or cluster [kg]; unchanged
+    without one.
+
+    Raises BadValue for a mass of no rocket, and for one without a motor; UnknownMotor.
+    """
+    if lift_off is None:
+        return flight
+    if not flight.motor:
+        raise BadValue("found a lift-off mass and no motor, expected both: the dry mass is the difference")
+    return flight.with_changes(dry_mass=dry_mass_under(lift_off, motors.resolve_several(flight.motor).motor))
+
+
+def dry_mass_under(lift_off: float, motor: Motor) -> float:
+    """The dry mass from the mass on the pad with a motor [kg]. Raises BadValue for one of no rocket. [kg]"""
+    return check(BY_NAME["dry_mass"], without_motor(lift_off, motor))
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:

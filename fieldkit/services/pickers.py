@@ -7,10 +7,11 @@ from datetime import date, timedelta
 from difflib import get_close_matches
 from itertools import chain, islice
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import TAGS
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, is_cluster
+from fieldkit.motors.names import with_delay
 from fieldkit.services.kits import kits as own_kits
 from fieldkit.services.sites import sites
 
@@ -60,8 +61,25 @@ class Names:
         flown = [OfferedAnswer(one, "flown before") for one in self.known["motor"] if _contains(one, typed)]
         if not typed.strip():
             return flown[:MAX_PICKS]
-        found = chain(flown, chain.from_iterable(map(_with_delays, self.motors.search(typed)[:MAX_PICKS])))
+        found = chain(flown, chain.from_iterable(map(self.with_delays, self.motors.search(typed)[:MAX_PICKS])))
         return list(islice(found, MAX_PICKS))
+
+    def with_delays(self, motor: Motor) -> Iterable[OfferedAnswer]:
+        """A motor once for each delay on sale, by names that mean it: `AeroTech F24W-4`, `Cesaroni 53F32-5`."""
+        about = f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s" + (
+            "" if motor.available else ", retired"
+        )
+        name = f"{motor.maker} {motor.designation}"
+        sold = [(f"{motor.maker} {with_delay(motor.designation, delay)}", delay) for delay in motor.delays]
+        named = [text for text, delay in sold if self._means(text, motor, delay)]
+        return [OfferedAnswer(text, about) for text in named or [name]]
+
+    def _means(self, text: str, motor: Motor, delay: float) -> bool:
+        """Whether a text names this motor with this delay [s]."""
+        with suppress(UnknownMotor):
+            found = self.motors.resolve(text)
+            return found.motor is motor and found.delay == delay
+        return False
 
     def doubt(self, name: str, text: object) -> str:
         """Why an answer may be a misspelling; empty for a known answer, and if there are none to compare."""
@@ -115,14 +133,6 @@ def days(today: date | None = None) -> list[OfferedAnswer]:
         OfferedAnswer("yesterday", f"{now - timedelta(days=1)}"),
         *before,
     ]
-
-
-def _with_delays(motor: Motor) -> Iterable[OfferedAnswer]:
-    """A motor once for each delay on sale: `AeroTech F24W-4`."""
-    about = f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s" + ("" if motor.available else ", retired")
-    name = f"{motor.maker} {motor.designation}"
-    delays = [delay for delay in motor.delays if 0 <= delay < float("inf") and "-" not in motor.designation]
-    return [OfferedAnswer(f"{name}-{delay:g}", about) for delay in delays] or [OfferedAnswer(name, about)]
 
 
 def _begins(name: str, typed: str) -> bool:

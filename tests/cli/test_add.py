@@ -268,6 +268,40 @@ def test_a_bad_option_is_named(add: Add, file: Path, options: list[str], found: 
     assert held(file) == []
 
 
+@pytest.mark.parametrize("typed", ["385 g with motor", "13.58oz with motor"])
+def test_an_answer_weighed_with_the_motor_gives_the_dry_mass(add: Add, file: Path, typed: str) -> None:
+    answers = [typed if answer == "322g" else answer for answer in ANSWERS]
+    assert add(answers)[0] == 0
+    with Ledger.open(file) as ledger:
+        assert ledger.flights()[0].dry_mass == pytest.approx(0.322, abs=0.001)
+
+
+def test_a_script_may_give_the_mass_ready_to_fly(add: Add, file: Path) -> None:
+    flown = ["--rocket", "Astra", "--apogee", "250m"]
+    status, _, said = add((), *flown, "--motor", "F24-4W", "--lift-off-mass", "385g")
+    assert (status, "note: dry mass 322 g, without F24-4W" in said) == (0, True)
+    with Ledger.open(file) as ledger:
+        assert ledger.flights()[0].dry_mass == pytest.approx(0.322, abs=0.001)
+    for wrong, why in (
+        (["--motor", "F24-4W", "--lift-off-mass", "60g"], "AeroTech F24W alone weighs 63 g"),
+        (["--lift-off-mass", "385g"], "no motor"),
+        (["--motor", "F24-4W", "--lift-off-mass", "385g", "--dry-mass", "322g"], "expected one of them"),
+        (["--motor", "F24-4W", "--lift-off-mass", "heavy"], "expected a number"),
+    ):
+        status, _, said = add((), *flown, *wrong)
+        assert status != 0
+        assert why in said
+
+
+def test_a_lift_off_mass_in_a_draft_of_the_app_is_not_lost(add: Add, file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        draft = {"rocket": "Astra", "motor": "F24-4W", "apogee": "250 m", "lift_off_mass": "385 g"}
+        ledger.keep_draft(DRAFT, draft)
+    assert add([""] * len(ANSWERS), "--resume")[0] == 0
+    with Ledger.open(file) as ledger:
+        assert ledger.flights()[0].dry_mass == pytest.approx(0.322, abs=0.001)
+
+
 def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_continue(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B"})

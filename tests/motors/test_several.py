@@ -10,7 +10,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Found, Motor, catalogue
+from fieldkit.motors import PLUGGED_DELAY, Found, Motor, catalogue
 from fieldkit.motors.motor import impulse
 from fieldkit.motors.several import Booster, names_several
 from fieldkit.physics.flight import fly
@@ -46,6 +46,24 @@ def test_the_thrusts_and_masses_of_a_cluster_add() -> None:
     build = build_of(three, 0.2)
     assert (build.complex, len(build.motors)) == (True, 3)
     assert build.impulse == pytest.approx(three.total_impulse)
+
+
+@pytest.mark.parametrize(
+    ("text", "delay"),
+    [
+        ("C6-0 + C6-5", 5.0),  # a booster has no charge
+        ("2 x C6-P + C6-5", 5.01),  # nor has a plugged motor
+        ("A10-3 + C6-5", 2.205),  # at 1.05 + 3 s, before 1.85 + 5 s
+        ("C6-5 + A10-3", 2.205),
+        ("D12-5 + 2 x C6-7@1.5", 3.285),  # 5 s after the burnout of the D12, not of the motors lit later
+        ("2 x C6-0", 0.0),
+        ("2 x C6-P", PLUGGED_DELAY),
+        ("2 x C6", None),
+    ],
+)
+def test_the_first_charge_of_a_cluster_fires_its_delay_after_its_own_motor(text: str, delay: float | None) -> None:
+    found = MOTORS.resolve_several(text)
+    assert found.delay == pytest.approx(delay, abs=0.002)
 
 
 def test_three_motors_lift_three_rockets_tied_together_as_high_as_one() -> None:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
-from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, seasons
+from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, season_of, seasons
 from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration
 from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
@@ -86,6 +87,39 @@ def test_a_season_of_ones_own_is_a_copy_to_change_and_new_years_are_files(tmp_pa
     assert seasons(own)[-1] == season(2028, own).year == 2028
     with pytest.raises(BadValue, match="2028"):
         season(1999, own)
+
+
+@pytest.mark.parametrize(
+    ("day", "year"),
+    [("2027-05-15", 2027), ("2026-11-23", 2027), ("2026-05-16", 2026), ("2025-06-04", 2026), ("2015-01-01", 2019)],
+)
+def test_a_day_belongs_to_the_season_whose_finals_are_next(day: str, year: int) -> None:
+    assert season_of(date.fromisoformat(day)) == year
+
+
+def test_after_the_last_season_with_a_file_that_one_is_the_nearest(tmp_path: Path) -> None:
+    assert season_of(date(2040, 1, 1)) == seasons()[-1]
+    (tmp_path / "2030.toml").write_text("")
+    assert season_of(date(2030, 1, 1), tmp_path) == 2030
+
+
+def test_without_a_season_flights_are_scored_by_that_of_their_date_and_plans_by_todays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    flown = ["--apogee", "820ft", "--duration", "44s", "--date-time", "2024-04-06T10:00"]
+    assert main([*ledger, "add", "--rocket", "Comet", "--motor", "F39T-6", "--dry-mass", "400g", *flown]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "contest", "--json"]) == 0
+    printed = capsys.readouterr()
+    found = json.loads(printed.out)
+    assert (found["season"], found["flights"][0]["points"]) == (2024, 0.0)
+    assert "by the rule of season 2024, from the date of the last flight" in printed.err
+    for command in ("contest", "finals"):
+        assert main([*ledger, command, "--motor", "F39T-6", "--json"]) == 0
+        printed = capsys.readouterr()
+        assert json.loads(printed.out)["season"] == season_of(date.today())
+        assert "from today's date" in printed.err
 
 
 def test_a_season_bounds_mass_impulse_and_length() -> None:

@@ -307,6 +307,30 @@ def test_a_country_is_a_file(tmp_path: Path) -> None:
         governing(rule_sets(tmp_path), ["MARS"], False, TODAY)
 
 
+OWN = 'title = "Moon"\nauthority = "moon"\nfor = "any"\nvalid_from = 2026-01-01\nmark = "O"\nsource = "a stone"\n'
+
+
+def test_a_rule_of_words_alone_is_a_reminder_whatever_it_is_about(tmp_path: Path) -> None:
+    (tmp_path / "moon.toml").write_text(OWN + '[[rule]]\ncheck = "ground wind"\nsays = "only in calm air"\n')
+    found = governed(build_of(catalogue().resolve("C6").motor, 0.1), 90.0, Site(rules="moon"), rule_sets(tmp_path))
+    assert rule_lines.wind_line(found, 3.0).verdict == "unknown"
+    assert [one.finding for one in rule_lines.reminder_lines(found)] == ["check it yourself: only in calm air"]
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ('[[rule]]\ncheck = "ground wind"\nat_most = nan\nunit = "mph"\n', "nan for ground wind"),
+        ("[definition]\nmass_g = 1500\n", "impulse_of_several_ns"),
+        ("[classes]\nclass1_mass_g = 1500\n", "class1_propellant_g"),
+    ],
+)
+def test_a_file_of_rules_with_gaps_is_refused_by_name(tmp_path: Path, text: str, named: str) -> None:
+    (tmp_path / "moon.toml").write_text(OWN + text)
+    with pytest.raises(BadValue, match=rf"moon\.toml.*{named}"):
+        rule_sets(tmp_path)
+
+
 @pytest.mark.parametrize(
     ("text", "named"), [("title = 1", "found"), ('mark = "X"', "found"), ("[[", "TOML"), ("rule = 3", "found")]
 )

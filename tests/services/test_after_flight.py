@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger, models
-from fieldkit.motors import catalogue
+from fieldkit.motors import PLUGGED_DELAY, catalogue
 from fieldkit.presentation.after_flight_text import outcome_lines, question
 from fieldkit.services.after_flight import expected_instead, outcome
 from fieldkit.services.forecasts import predict_plans
@@ -177,10 +177,16 @@ def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Le
         ("Q-Jet D16", "Q-Jet D16-6"),
         ("3 x C6-5", "3 x C6-5"),
         ("3 x C6", "3 x C6-6"),
-        ("F24-4W", "F24-4W"),
-        ("H128W-14A", "H128W-14A"),
+        ("F24-6W", "F24-6W"),
+        ("F24-4W", "F24-6W"),
+        ("H128W-14A", "H128W-6"),  # drilled to six seconds
+        ("Cesaroni 53F32-12A", "Cesaroni 53F32-6"),
     ],
 )
 def test_the_delay_of_a_plan_is_offered_with_its_motor(motor: str, text: str) -> None:
     assert setup_answers(PLAN.with_changes(motor=motor, delay=6.0))["motor"] == text
-    assert catalogue().resolve_several(text).delay is not None
+    assert catalogue().resolve_several(text).delay == (5.0 if motor == "3 x C6-5" else 6.0)
+
+
+def test_a_plugged_motor_is_offered_as_plugged() -> None:
+    assert setup_answers(PLAN.with_changes(motor="G69N", delay=PLUGGED_DELAY))["motor"] == "G69N-P"

@@ -210,6 +210,24 @@ async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_reporte
         assert "Saved flight 1. u to undo." in words(pilot)
 
 
+async def test_a_rocket_weighed_with_its_motor_has_the_dry_mass_that_is_left(tmp_path: Path) -> None:
+    async with opened(tmp_path / "new.db") as pilot:
+        await press(
+            pilot, "a", *typed("Comet"), "enter", "enter", *typed("F24-4W"), "enter", "enter", *typed("250"), "enter"
+        )
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("lift_off_mass").line.focus()
+        await press(pilot, *typed("60"), "ctrl+s")
+        assert "AeroTech F24W alone weighs 63 g" in words(pilot)
+        assert pilot.app.focused is screen.field("lift_off_mass").line
+        screen.field("lift_off_mass").line.value = ""
+        await press(pilot, *typed("18oz"), "ctrl+s")
+        assert "Saved flight 1. u to undo." in words(pilot)
+    with Ledger.open(tmp_path / "new.db") as ledger:
+        assert ledger.flight("1").dry_mass == pytest.approx(18 * 0.028349523 - 0.0629, abs=1e-4)
+
+
 async def test_nothing_typed_is_not_saved(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", "ctrl+s")

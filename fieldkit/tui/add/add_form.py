@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
-from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
+from fieldkit.importing.manual_entry import (
+    LIFT_OFF_MASS,
+    NOT_RECORDED,
+    QUESTIONS,
+    Question,
+    implausible_answers,
+    read_answer,
+    read_lift_off_mass,
+)
 from fieldkit.quantities import in_both_units, in_system, measure, significant, spelled
 
 if TYPE_CHECKING:
@@ -19,7 +27,17 @@ if TYPE_CHECKING:
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, with the last flight's values as defaults."""
 DATE = Question("date_time", "Date", "When it flew: today, yesterday, 2026-05-01 or 2026-05-01T10:30.", offered=True)
-BY_NAME = {question.name: question for question in (DATE, *QUESTIONS)}
+
+
+def _asked() -> Iterable[Question]:
+    yield DATE
+    for question in QUESTIONS:
+        yield question
+        if question.name == LIFT_OFF_MASS.read_as:
+            yield LIFT_OFF_MASS
+
+
+BY_NAME = {question.name: question for question in _asked()}
 READ = tuple(column.name for column in READOUTS)
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
 TODAY = "today"
@@ -27,12 +45,17 @@ TODAY = "today"
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answers as a flight, the errors of those that cannot be read, by question, and the `usual` readouts of the
-    same rocket on the same motor. [SI]"""
+    """The answers as a flight, the errors of those that cannot be read, by question, the `usual` readouts of the
+    same rocket on the same motor, and the mass with its motor, if it was weighed so. [SI]"""
 
     flight: Flight
     wrong: Mapping[str, str]
     usual: Mapping[str, float]
+    lift_off: float | None = None
+
+    def number(self, question: Question) -> float | None:
+        """The answer to a question about a number. [SI]"""
+        return self.lift_off if question is LIFT_OFF_MASS else self.flight.number(question.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,14 +84,17 @@ class Saved:
 
 def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
     """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
-    flight, wrong = Flight(), dict[str, str]()
+    flight, wrong, lift_off = Flight(), dict[str, str](), None
     for name, text in texts.items():
         try:
+            if name == LIFT_OFF_MASS.name:
+                lift_off = read_lift_off_mass(text, units.get(name, ""))
+                continue
             value = read_answer(name, "" if text == NOT_RECORDED else text, units.get(name, ""))
             flight = flight.with_changes(**{name: value})
         except BadValue as error:
             wrong[name] = str(error)
-    return Answered(flight, wrong, usual)
+    return Answered(flight, wrong, usual, lift_off)
 
 
 def beside(question: Question, said: Answered, unit: str, system: str) -> str:
@@ -78,7 +104,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     if odd := implausible_answers(said.flight, question.name, said.usual, system):
         return f"! {odd[0]}"
     column = question.column
-    value = said.flight.number(question.name) if column else None
+    value = said.number(question) if column else None
     return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
 
 
@@ -183,26 +209,30 @@ class Draft:
     def save(self, said: Answered, *, confirmed: bool = False) -> Saved:
         """Save the flight in the ledger if all answers can be read, its motor is known, and its apogee is plausible or
         `confirmed`."""
-        from fieldkit.services.manual_entry import DRAFT, enter
+        from fieldkit.services.manual_entry import DRAFT, enter, weighed
         from fieldkit.services.plausible_flights import implausible_flights
 
         for name, why in said.wrong.items():
             return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
         if trouble := self.motor_trouble(said.flight.motor):
             return Saved(wrong="motor", trouble=trouble)
-        if not confirmed and (question := self._question(said.flight)):
+        try:
+            typed = weighed(self._resources.motors, said.flight, said.lift_off)
+        except FieldkitError as error:
+            return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {error}")
+        if not confirmed and (question := self._question(typed)):
             return Saved(confirm=question)
         try:
             with self._lock:
-                flight, added = enter(self._resources.ledger, said.flight, DRAFT)
+                flight, added = enter(self._resources.ledger, typed, DRAFT)
                 self.flight += 1
         except FieldkitError as error:
-            return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
+            return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
         odd = implausible_flights([flight], self._resources.motors) if added.new else []
         return Saved(
             added.new[0] if added.new else "",
             flight,
-            lacks=lacks(said.flight),
+            lacks=lacks(typed),
             trouble=in_system("; ".join(odd), self._resources.settings.units),
         )
 

@@ -50,7 +50,7 @@ class Hand(Horizontal):
         from fieldkit.services.manual_entry import typed_unit
 
         question, text = field.question, field.line.value.strip()
-        known = question.column is not None and said.flight.number(question.name) is not None
+        known = question.column is not None and said.number(question) is not None
         asked = f" ({spelled(unit)})" if question.column else ""
         self.border_title = Content(f"{question.title}{asked}")
         self.border_subtitle = spelled(typed_unit(text)) if known else ""

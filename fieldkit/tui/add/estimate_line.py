@@ -1,12 +1,14 @@
 """The live estimate on the Add page: Cd, alpha and the next apogee by the network."""
 
 import asyncio
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from textual.content import Content
 from textual.widgets import Static
 
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
 from fieldkit.tui.asking import go_on
@@ -34,7 +36,7 @@ class EstimateLine(Static):
         super().__init__("", id="estimate")
         self.border_title = "The same flight again"
         self._beside: TypedFlight | None = None
-        self._last: Flight | None = None
+        self._last: tuple[Flight, float | None] | None = None
         self._found: TypedEstimate | None = None
         self._scales: dict[str, tuple[float, float]] = {}
 
@@ -47,24 +49,28 @@ class EstimateLine(Static):
         self._beside = self._last = None
         self._scales.clear()
 
-    def follow(self, typed: Flight) -> None:
-        """Show the estimate from the values so far, once typing pauses."""
-        if typed == self._last:
+    def follow(self, typed: Flight, lift_off: float | None = None) -> None:
+        """Show the estimate from the values so far, once typing pauses; `lift_off` is the mass with the motor, if it
+        was weighed so [kg]."""
+        if (typed, lift_off) == self._last:
             return
-        self._last = typed
-        self.run_worker(partial(self._ask, typed), exclusive=True, group="pause")  # type: ignore[arg-type]  # narrower than it takes
+        self._last = typed, lift_off
+        self.run_worker(partial(self._ask, typed, lift_off), exclusive=True, group="pause")  # type: ignore[arg-type]  # narrower than it takes
 
-    async def _ask(self, typed: Flight) -> None:
+    async def _ask(self, typed: Flight, lift_off: float | None) -> None:
         await asyncio.sleep(PAUSE)
-        self._page.ask(partial(self._work, typed), self._show, "estimate")
+        self._page.ask(partial(self._work, typed, lift_off), self._show, "estimate")
 
-    def _work(self, typed: Flight) -> "TypedEstimate":
+    def _work(self, typed: Flight, lift_off: float | None) -> "TypedEstimate":
+        from fieldkit.services.manual_entry import weighed
         from fieldkit.services.typed_flight import TypedFlight
 
         go_on()
         beside = self._beside
         if beside is None:
             beside = self._beside = TypedFlight(self._page.resources.ledger, self._page.resources.motors)
+        with suppress(FieldkitError):  # its form says why
+            typed = weighed(self._page.resources.motors, typed, lift_off)
         return beside.estimate(typed)
 
     def _show(self, found: "TypedEstimate") -> None:

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
     from fieldkit.planning.contest_day import Day
 
-MAX_MASS = 1e3
-"""A mass above this is a typing error. [kg]"""
 DAY = (
     Question("target", "Announced target", "The apogee announced that day, such as 785ft. Empty: the season's own."),
     Question("window", "Announced window", "Seconds announced that day, such as 37-40. Empty: the season's own."),
@@ -35,19 +33,14 @@ def questions(site: "Site") -> tuple[Question, ...]:
 
 def read(motor: "Motor", name: str, text: str, unit: str) -> object:
     """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue."""
-    from fieldkit.errors import BadValue
+    from fieldkit.importing.manual_entry import read_lift_off_mass
     from fieldkit.planning.contest_day import read_part
-    from fieldkit.units import parse
+    from fieldkit.services.manual_entry import dry_mass_under
 
     if name != WEIGHED.name:
         return read_part(name, text, unit)
-    if not text.strip():
-        return None
-    mass = parse(text, "mass", unit) - motor.loaded_mass
-    if not 0 < mass < MAX_MASS:
-        loaded = f"{motor.maker} {motor.designation} alone weighs {motor.loaded_mass * 1e3:.0f} g"
-        raise BadValue(f"found {text!r}, expected more: {loaded}")
-    return mass
+    mass = read_lift_off_mass(text, unit)
+    return None if mass is None else dry_mass_under(mass, motor)
 
 
 def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:

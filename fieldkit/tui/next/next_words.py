@@ -26,9 +26,11 @@ def rail_speed(said: "Prediction", system: str) -> str:
 
 def title(plan: "Plan", one: "MotorChoice") -> str:
     """Rocket and motor: `Astra A on AeroTech F24W-4`."""
-    delay = "" if one.delay is None else f"-{one.delay:g}"
+    from fieldkit.motors.names import with_delay
+
+    motor = one.motor.designation if one.delay is None else with_delay(one.motor.designation, one.delay)
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
-    return f"{build} on {one.motor.maker} {one.motor.designation}{delay}"
+    return f"{build} on {one.motor.maker} {motor}"
 
 
 def interval(said: "Prediction", system: str) -> str:

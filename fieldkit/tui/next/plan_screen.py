@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from datetime import date
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, cast
 
@@ -108,7 +109,10 @@ class PlanScreen(PageScreen):
     def __init__(self, decision: Decision) -> None:
         super().__init__()
         self._decision = decision
-        self._view, self._aim, self._season, self._share = 0, 0, 2027, SHARES.index(1.0)
+        from fieldkit.planning.contest import season_of
+
+        self._view, self._aim, self._share = 0, 0, SHARES.index(1.0)
+        self._season = season_of(date.today(), data_file("seasons"))
         self._said = Answer(())
 
     def body(self) -> Iterable[Widget]:

@@ -158,13 +158,13 @@ class AddScreen(PageScreen):
         for name, question in BY_NAME.items():
             self.field(name).note(beside(question, self._said, self._unit_of_answer(question), system))
         self._in_hand()
-        self.query_one(EstimateLine).follow(self._said.flight)
+        self.query_one(EstimateLine).follow(self._said.flight, self._said.lift_off)
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that was typed with an answer, else that of a number without one."""
         from fieldkit.services.manual_entry import typed_unit
 
-        known = question.column is not None and self._said.flight.number(question.name) is not None
+        known = question.column is not None and self._said.number(question) is not None
         return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
 
     def _read(self) -> Answered:
@@ -249,7 +249,7 @@ class AddScreen(PageScreen):
             return
         question, column = field.question, field.question.column
         unit = typed_unit(event.value)
-        if column is not None and unit and self._said.flight.number(question.name) is not None:
+        if column is not None and unit and self._said.number(question) is not None:
             self._units[kind(column)] = unit
             self._look()
         if question.name in ("rocket", "config"):
