@@ -8,6 +8,7 @@ import atexit
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
@@ -141,7 +142,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # print the line even if the terminal lacks a character
     try:
         status = _status(arguments)
-        sys.stdout.flush()
+        with suppress(BrokenPipeError):  # the command has finished; only its reader has left
+            sys.stdout.flush()
         return status
     except FieldkitError as error:
         found = _in_user_units(str(error)) if isinstance(error, ImpossibleFlight) else str(error)
@@ -184,12 +186,22 @@ def run() -> NoReturn:
     status = 1  # if an exception is not caught
 
     def leave() -> None:
-        sys.stderr.flush()
+        with suppress(OSError):
+            sys.stderr.flush()
         os._exit(status)
 
     atexit.register(leave)  # runs after handlers that are registered later, when threads have ended
+    _open_streams()
     status = main()
     sys.exit(status)
+
+
+def _open_streams() -> None:
+    """Open the standard streams that the parent process has closed, so that no file gets the number of one: the input
+    is empty, results cannot be written, messages are dropped."""
+    for name, mode, access in (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, access), mode))
 
 
 if __name__ == "__main__":
