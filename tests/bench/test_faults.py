@@ -232,5 +232,16 @@ def test_an_interrupted_run_is_resumed_where_it_was_and_with_its_own_sizes(tmp_p
     assert not bench.resumed(tmp_path, {"kills": 60, "hours": 1.0})
     found = bench.resumed(tmp_path, {"kills": 61, "hours": 1.0})
     assert "expected {'kills': 61, 'hours': 1.0} or another folder" in found
-        tmp_path, {"kills": 61, "hours": 1.0}
-    )
+
+
+def test_the_bench_sees_a_command_that_loses_its_output_and_says_nothing(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    ledgers_folder = tmp_path / "home"
+    with ledgers.at_home(ledgers_folder):
+        found.mkdir()
+        ledgers.season(found / "ledger.db")
+        trial = failing.Bench(tmp_path / "trial", session.Call(("tag", "1", "mine"), found))
+        trial.learn()
+        assert trial.judged_full(trial.tried(full=True)) == ("refused, and done", "")
+        silent = calls.Ended(0, "", "", came=True)
+        assert trial.judged_full(silent)[1] == "its output is lost and it said that it was done"
