@@ -199,7 +199,10 @@ def rotate(file: Path) -> None:
 
 def offer(file: Path) -> str:
     """How to restore a damaged ledger, for the end of a message."""
-    newest = next(iter(backups(file)), None)
+    try:
+        newest = next(iter(backups(file)), None)
+    except OSError as error:
+        return f"its backups in {folder_of(file)} cannot be read ({error.strerror})"
     if newest is None:
         return "it has no backup; `sqlite3 FILE .recover` may recover some of it"
     when = f"{newest.at.astimezone():%Y-%m-%d %H:%M}"

@@ -376,3 +376,4 @@ def test_a_folder_of_backups_that_cannot_be_listed_is_a_warning(file: Path, monk
         monkeypatch.setattr(Path, "iterdir", refused)
         ledger.tag("1", "mine")
         assert ledger.trouble.startswith("no backup could be made")
+        assert backups.offer(file).endswith("cannot be read (Permission denied)")
