@@ -353,7 +353,7 @@ def test_a_backup_that_cannot_be_deleted_denies_no_restore(file: Path, monkeypat
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no modes of groups")
-def test_whoever_may_write_the_ledger_may_write_its_backups(tmp_path: Path) -> None:
+def test_everyone_who_may_write_the_ledger_may_write_its_backups(tmp_path: Path) -> None:
     file = tmp_path / "shared.db"
     before = os.umask(0o077)
     try:
