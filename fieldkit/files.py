@@ -4,6 +4,7 @@ atomically.
 
 import errno
 import os
+import re
 import shutil
 import stat
 import tomllib
@@ -35,6 +36,8 @@ COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
 """Suffixes of the files that SQLite and fieldkit store next to a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would change line endings."""
+_STREAM = re.compile(r"/dev/(?:(stdin)|(stdout)|(stderr))|/(?:dev|proc/self)/fd/([0-9]{1,6})")
+"""Names of the open streams of this process."""
 
 
 def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
@@ -47,7 +50,7 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
     about = file.stat()
     if stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode):
         content = file.read_bytes() if about.st_size <= most else None
-    elif stat.S_ISFIFO(about.st_mode) and _is_stream(file) and not plain:
+    elif stat.S_ISFIFO(about.st_mode) and _stream(file) is not None and not plain:
         content = _poured(file, most)
     else:
         raise OSError(errno.EINVAL, "a pipe or a device, not a plain file")
@@ -120,14 +123,14 @@ def check_target(file: Path, *, force: bool = False) -> None:
 
 def is_taken(file: Path) -> bool:
     """Whether a path is an existing plain file, which is replaced only if the user confirms."""
-    return isfile(file) and not _is_stream(file)
+    return isfile(file) and _stream(file) is None
 
 
 def write(file: Path, content: bytes, *, force: bool = False) -> None:
     """Write a requested file atomically; an existing one is replaced only with `force`.
 
-    A link stays, and its target is written. A device or a pipe receives the bytes directly. Raises FieldkitError if the
-    file cannot be written, also for a file of fieldkit; see `check_target`.
+    A link stays, and its target is written. A device, a pipe or an open stream receives the bytes directly. Raises
+    FieldkitError if the file cannot be written, also for a file of fieldkit; see `check_target`.
     """
     write_all({file: content}, force=force)
 
@@ -147,10 +150,15 @@ def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
 
 def _write(file: Path, content: bytes, force: bool) -> None:
     target = file.resolve()
-    if _is_stream(file) or (target.exists() and not target.is_file()):
+    if _stream(file) is not None or (target.exists() and not target.is_file()):
         with os.fdopen(_into_stream(file), "wb") as stream:
             stream.write(content)
-        return
+    else:
+        _put(target, content, force)
+
+
+def _put(target: Path, content: bytes, force: bool) -> None:
+    """Write a file atomically, with the permissions of the one that it replaces."""
     mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
     new = _written_beside(target, content)
     try:
@@ -165,7 +173,9 @@ def _write(file: Path, content: bytes, force: bool) -> None:
 
 
 def _into_stream(file: Path) -> int:
-    """Open a device or a pipe for writing. Raises OSError for a pipe without a reader, which would block forever."""
+    """Open a device or a pipe for writing, or share an open stream. Raises OSError for a pipe without a reader."""
+    if (number := _stream(file)) is not None:
+        return os.dup(number)
     if not file.is_fifo():
         return os.open(file, os.O_WRONLY | _BINARY)
     try:
@@ -181,17 +191,15 @@ def _name(new: Path, target: Path) -> None:
     """Give a new file its name. Raises FileExistsError if another file has it."""
     try:
         os.link(new, target)
-    except FileExistsError:
-        raise
-    except OSError:  # the disk does not support hard links
-        if target.exists():
+    except OSError as error:  # also if the disk does not support hard links
+        if isinstance(error, FileExistsError) or target.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
         os.replace(new, target)
 
 
 def _written_beside(file: Path, content: bytes) -> Path:
     """A new file in the folder of another one, with its content flushed to the disk."""
-    new = file.with_name(f".{file.name[:100]}.{token_hex(8)}.new")
+    new = file.with_name(f".{file.name[:40]}.{token_hex(8)}.new")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:
             out.write(content)
@@ -203,9 +211,10 @@ def _written_beside(file: Path, content: bytes) -> Path:
     return new
 
 
-def _is_stream(file: Path) -> bool:
-    """Whether a path refers to an already open stream, such as /dev/stdout."""
-    return file.is_absolute() and file.parts[1:2] in (("dev",), ("proc",))
+def _stream(file: Path) -> int | None:
+    """The number of the open stream that a path such as /dev/stdout names, None for other paths."""
+    named = _STREAM.fullmatch(str(file))
+    return None if named is None else int(named[4] or (named.lastindex or 1) - 1)
 
 
 def _kept(target: Path) -> str:
@@ -258,15 +267,11 @@ def _head(file: Path) -> bytes:
 def replace(file: Path, content: bytes) -> None:
     """Replace a file of fieldkit atomically: a kill or a power cut leaves the old file or the new one.
 
-    Raises FieldkitError if it cannot be written.
+    A link stays, and its target is replaced. Raises FieldkitError if it cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        new = _written_beside(file, content)
-        try:
-            os.replace(new, file)
-        finally:
-            new.unlink(missing_ok=True)
+        _put(file.resolve() if file.is_file() else file, content, force=True)
     except OSError as error:
         raise _unwritten(file, error) from error
 

@@ -32,6 +32,14 @@ def printable(text: str) -> str:
     return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANK)))
 
 
+def whole_number(text: str) -> int | None:
+    """The number that a few ASCII digits spell, None for any other text.
+
+    `str.isdigit` also accepts superscripts, which `int` does not read, and digits beyond the number that `int` reads.
+    """
+    return int(text) if re.fullmatch("[0-9]{1,18}", text) else None
+
+
 _FORMULA = re.compile("'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
 """First characters of a cell that a spreadsheet may compute, including full-width ones.
 

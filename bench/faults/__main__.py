@@ -16,7 +16,7 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import cache, partial
 from pathlib import Path
@@ -124,8 +124,26 @@ def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
 def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
     """Result of a part, computed now or saved in this file by an earlier run."""
     if not file.exists():
-        file.write_text(json.dumps(asdict(replace(part(), commit=_commit()))), encoding="utf-8")
+        _save(file, asdict(replace(part(), commit=_commit())))
     return Outcome(**json.loads(file.read_text(encoding="utf-8")))
+
+
+def _save(file: Path, document: object) -> None:
+    """Write a result; an interrupted run leaves none rather than half of one."""
+    new = file.with_suffix(".new")
+    new.write_text(json.dumps(document), encoding="utf-8")
+    new.replace(file)
+
+
+def resumed(keep: Path, sizes: Mapping[str, float]) -> str:
+    """Why results in a folder cannot be resumed with these sizes, empty if they can."""
+    keep.mkdir(parents=True, exist_ok=True)
+    file = keep / "sizes"
+    if not file.exists():
+        _save(file, sizes)
+    if (found := json.loads(file.read_text(encoding="utf-8"))) != sizes:
+        return f"{keep}: found results of {found}, expected {dict(sizes)} or another folder"
+    return ""
 
 
 def _commit() -> str:
@@ -185,7 +203,8 @@ def main() -> int:
     scratch, found = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), []
     scratch.chmod(0o755)  # the server runs as another user
     keep: Path = given.keep or scratch / "kept"
-    keep.mkdir(parents=True, exist_ok=True)
+    if wrong := resumed(keep, {"kills": given.kills, "others": given.others, "hours": given.hours}):
+        parser.error(wrong)
     with at_home(scratch / "home"):
         for name, part in parts(scratch, killed=given.kills, others=given.others, hours=given.hours):
             if not name.startswith(given.only):

@@ -38,6 +38,8 @@ HANGS = 98
 """Exit status of a command that was killed because it took too long."""
 PATIENCE = 60.0
 """Time limit of a command under a fault. [s]"""
+FULL = "/dev/full"
+"""A device on which nothing can be written."""
 ROOM = 1 << 20
 """Size limit of a command's output. [byte]"""
 
@@ -78,26 +80,34 @@ def can_trace() -> bool:
 
 
 def run_with(
-    work: Callable[[], int], folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None
+    work: Callable[[], int],
+    folder: Path,
+    notes: Path,
+    fault: Fault | None = None,
+    largest: int | None = None,
+    *,
+    full: bool = False,
 ) -> Ended:
     """Run some work in a fork, with a fault in its calls on files of `folder`; `notes` is a folder for logs.
 
-    `largest` is a file size limit. [byte]
+    `largest` is a file size limit [byte]; with `full`, nothing can be written to the standard output.
     """
-    ended = forked(folder, notes, fault, largest)
+    ended = forked(folder, notes, fault, largest, full=full)
     if ended is None:
         leave(work)
     return ended
 
 
-def forked(folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None) -> Ended | None:
+def forked(
+    folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None, *, full: bool = False
+) -> Ended | None:
     """Fork, with a fault in the fork: how the fork ended, and None in the fork itself, which must call `leave`."""
     notes.mkdir(parents=True, exist_ok=True)
     pipes = [_pipe(), _pipe()]
     pid = os.fork()
     if not pid:
         try:
-            _begin([writing for _, writing in pipes], largest)
+            _begin([os.open(FULL, os.O_WRONLY) if full else pipes[0][1], pipes[1][1]], largest)
         except BaseException:
             os._exit(TRACEBACK)
         return None
@@ -120,7 +130,8 @@ def leave(work: Callable[[], int]) -> NoReturn:
     status = TRACEBACK
     try:
         status = work()
-        sys.stdout.flush()
+        with suppress(OSError):  # the command has reported it
+            sys.stdout.flush()
         sys.stderr.flush()
     except BaseException as error:
         os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())

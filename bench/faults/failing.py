@@ -46,6 +46,8 @@ class Bench:
         """Those of them that the call creates."""
         self.spoken: set[str] = set()
         """Progress output of the call without faults."""
+        self.prints = False
+        """Whether it prints a result."""
         self.takes = 0.0
         """Duration of the call. [s]"""
 
@@ -59,11 +61,11 @@ class Bench:
                 one.unlink()
         shutil.copytree(self.call.found, self.desk, symlinks=True, dirs_exist_ok=True)
 
-    def tried(self, fault: Fault | None = None, largest: int | None = None) -> Ended:
+    def tried(self, fault: Fault | None = None, largest: int | None = None, *, full: bool = False) -> Ended:
         """Run the call, with an optional fault."""
         self.fresh()
         with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
-            return run_with(command(self.file, arguments), self.desk, self.notes, fault, largest)
+            return run_with(command(self.file, arguments), self.desk, self.notes, fault, largest, full=full)
 
     def learn(self) -> list[tuple[str, int]]:
         """Record the states before and after the call, and the system calls that it makes."""
@@ -72,7 +74,8 @@ class Bench:
             before = state(self.file)
         found_there = self.files()
         began = time.monotonic()
-        self.spoken = set(self.tried().said.splitlines())
+        ended = self.tried()
+        self.spoken, self.prints = set(ended.said.splitlines()), bool(ended.out)
         self.takes = time.monotonic() - began
         found = made(self.notes, self.desk)
         with at_home(self.desk / "home"):
@@ -136,6 +139,13 @@ class Bench:
         lines = [line for line in lines if line not in self.spoken]
         return "refused in a line", "" if len(lines) <= 3 else f"refused in {len(lines)} lines"
 
+    def judged_full(self, ended: Ended) -> tuple[str, str]:
+        """Result of a trial whose output could not be written, and any error."""
+        what, wrong = self.judged(ended)
+        return what, wrong or (
+            "its output is lost and it said that it was done" if self.prints and not ended.status else ""
+        )
+
     def torn(self) -> str:
         """A requested file that was written only in part; empty if each is complete or missing."""
         for name, content in self.files().items():
@@ -176,6 +186,8 @@ def _each(outcome: Outcome, bench: "Bench", reads: int, others: int) -> None:
     if writes and slow and not waits:
         for what, wrong in bench.from_first_write():
             outcome.saw(what, wrong and f"{line}: {wrong}")
+    what, wrong = bench.judged_full(bench.tried(full=True))
+    outcome.saw(f"output full: {what}", wrong and f"{line}: output full: {wrong}")
     shorts = max(1, reads // 4) if slow else others
     for largest in [place * size // shorts for place in range(shorts)] if writes else []:
         what, wrong = bench.judged(bench.tried(largest=largest))

@@ -2,7 +2,7 @@
 
 The server is restarted, or a standby replaces it for good. Each laptop is a process that draws its next command, and
 records acknowledged commands in its own file. At the end every flight that was added and acknowledged is there once,
-except those that its own laptop removed; the journal has each change once and in order.
+except those that its own laptop removed; so is every site, and the journal has each change once and in order.
 """
 
 import multiprocessing
@@ -17,6 +17,7 @@ from threading import Event, Thread
 from bench.faults.ledgers import TABLE, Outcome, fieldkit
 from bench.faults.servers import Server, emptied, standby
 from fieldkit.ledger import Ledger
+from fieldkit.services.sites import SITES
 
 EVERY = 15.0
 """Interval between commands of a laptop at a club's pace. [s]"""
@@ -120,7 +121,8 @@ def _killing(folder: Path, commands: int, kills: int, kill: Callable[[int], obje
 
 
 def _work(url: str, notes: Path, laptop: int, commands: int, seed: int, every: float) -> None:
-    """The commands of one laptop; flights known to be added are recorded with `+`, removed ones with `-`."""
+    """The commands of one laptop; flights known to be added are recorded with `+`, removed ones with `-`, and sites
+    with `*`."""
     rng, mine = random.Random(seed), list[str]()
     with notes.open("a", encoding="ascii") as noted:
 
@@ -156,8 +158,10 @@ def _draw(rng: random.Random, id: str, laptop: int, mine: list[str], done: Calla
     elif draw < 0.9:
         id = mine.pop(rng.randrange(len(mine)))
         done(f"-{id}", "remove", id)
-    elif draw < 0.93:
+    elif draw < 0.92:
         done("", "import", str(TABLE))
+    elif draw < 0.94:
+        done(f"*{id}", "sites", id, "--elevation", "212m")
     elif draw < 0.96:
         done("", "predict", "--rocket", f"R{laptop}", "--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm")
     else:
@@ -175,6 +179,9 @@ def _judged(outcome: Outcome, url: str, folder: Path) -> Outcome:
     with Ledger.open(url) as ledger:
         held = Counter(flight.flight_id for flight in ledger.flights() if flight.flight_id.startswith("L"))
         numbers = [change.number for change in ledger.history()]
+        sites = ledger.draft(SITES) or {}
+    lost = [mark[1:] for mark in marks if mark.startswith("*") and mark[1:] not in sites]
+    outcome.faults += [f"the site {id} was acknowledged and is gone" for id in lost]
     for id, there in known.items():
         if there is not None and bool(held[id]) != there:
             outcome.faults.append(f"{id} was acknowledged to be {'there' if there else 'gone'}, and is not")

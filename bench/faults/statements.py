@@ -25,7 +25,7 @@ CHANGES: dict[str, Change] = {
     "edit all": lambda ledger: ledger.edit_all(["1"], "config", config="B"),
     "tag": lambda ledger: ledger.tag("1", "mine", "weak_launch"),
     "untag": lambda ledger: ledger.untag("1", "off_axis"),
-    "renew": lambda ledger: ledger.renew([Renewal("1", FIRST.with_changes(duration=40.0), None)]),
+    "renew": lambda ledger: ledger.renew([Renewal("1", FIRST, FIRST.with_changes(duration=40.0))]),
     "remove": lambda ledger: ledger.remove("1"),
     "undo": lambda ledger: ledger.undo(),
     "redo": lambda ledger: ledger.redo(),

@@ -153,21 +153,29 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 
 
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
-    """Save a flight in the ledger and print it."""
-    from fieldkit import settings
-    from fieldkit.presentation.after_flight_text import outcome_lines
-    from fieldkit.services.after_flight import outcome
+    """Save a flight in the ledger and print it; that it is saved is reported even if the rest cannot be printed."""
     from fieldkit.services.manual_entry import enter
-    from fieldkit.services.plausible_flights import implausible_flights
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
         complain("duplicate: it is already in the ledger")
         return
-    print_card(flight, added.new[0])
+    try:
+        _print(ledger, flight, added.new[0])
+    finally:
+        complain(f"Saved flight {added.new[0]}. `fieldkit undo` to undo.")
+
+
+def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
+    """Print a new flight, its forecast, and remarks on it."""
+    from fieldkit import settings
+    from fieldkit.presentation.after_flight_text import outcome_lines
+    from fieldkit.services.after_flight import outcome
+    from fieldkit.services.plausible_flights import implausible_flights
+
+    print_card(flight, id)
     print_prediction(prediction_of(ledger, flight))
     if found := outcome(ledger, MotorCheck().catalogue, flight):
         say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
     for line in implausible_flights([flight], MotorCheck().catalogue):
         remark(line)
-    complain(f"Saved flight {added.new[0]}. `fieldkit undo` to undo.")

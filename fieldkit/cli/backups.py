@@ -43,7 +43,7 @@ def restore(
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask for confirmation.")] = False,
 ) -> None:
     """Replace the ledger with a backup. The current ledger is saved first, as the newest backup if it is sound."""
-    from fieldkit.ledger.backups import restore
+    from fieldkit.ledger.restoring import restore
     from fieldkit.services.backups import chosen_copy
 
     file, chosen = chosen_copy(context.find_root().obj, number)

@@ -12,6 +12,7 @@ from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.quantities import counted, in_system
+from fieldkit.safe_text import whole_number
 
 if TYPE_CHECKING:
     from fieldkit.capture import CaptureOptions, Ended, Event, Port, Stored
@@ -170,7 +171,8 @@ def _chooser(
         for flight in flights:
             complain(f"  {flight.number:3d}  {flight.about}")
         typed = typer.prompt("Which flights, by number? Enter for all", default="", show_default=False, err=True)
-        return [int(text) for text in typed.replace(",", " ").split() if text.isdigit()] or there
+        numbers = map(whole_number, typed.replace(",", " ").split())
+        return [number for number in numbers if number is not None] or there
 
     return choose
 

@@ -8,6 +8,7 @@ import atexit
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
@@ -136,13 +137,14 @@ def options(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default that of the process, and return its exit status."""
-    _replace_closed_streams()
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # print the line even if the terminal lacks a character
     try:
         status = _status(arguments)
-        sys.stdout.flush()
+        with suppress(BrokenPipeError):  # the command has finished; only its reader has left
+            sys.stdout.flush()
         return status
     except FieldkitError as error:
         found = _in_user_units(str(error)) if isinstance(error, ImpossibleFlight) else str(error)
@@ -160,18 +162,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 1
 
 
-def _replace_closed_streams() -> None:
-    """Replace the standard streams that were closed before the start, as by `>&-`; Python has None for them.
-
-    Input is empty, messages are lost, and printing a result raises OSError. No other file gets their descriptors.
-    """
-    if sys.stdin is None:
-        sys.stdin = os.fdopen(os.open(os.devnull, os.O_RDONLY), closefd=False)
-    if sys.stdout is None:
-        unwritable = os.open(os.devnull, os.O_RDONLY)
-        sys.stdout = os.fdopen(unwritable, "w", encoding="utf-8", closefd=False)
-    if sys.stderr is None:
-        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8", closefd=False)
+def _open_streams() -> None:
+    """Open the standard streams that the parent process has closed, as by `>&-`, so that no file gets the number of
+    one: the input is empty, results cannot be written, messages are dropped."""
+    for name, mode, access in (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
+        if getattr(sys, name) is None:  # Python's stand-in for a closed stream
+            setattr(sys, name, os.fdopen(os.open(os.devnull, access), mode, encoding="utf-8", closefd=False))
 
 
 def _in_user_units(reason: str) -> str:
@@ -199,7 +195,8 @@ def run() -> NoReturn:
     status = 1  # if an exception is not caught
 
     def leave() -> None:
-        sys.stderr.flush()
+        with suppress(OSError):
+            sys.stderr.flush()
         os._exit(status)
 
     atexit.register(leave)  # runs after handlers that are registered later, when threads have ended

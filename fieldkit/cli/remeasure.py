@@ -51,7 +51,7 @@ def remeasure(
                     continue
                 without += one is None
                 found += [one] if one else []
-        renewals = [Renewal(one.id, one.renewed, one.renewed_entered) for one in found]
+        renewals = [Renewal(one.id, one.flight, one.renewed, one.renewed_entered) for one in found]
         changed = ledger.renew(renewals, dry_run=dry_run)
     for id, text in errors.items():
         complain(f"{id}: {text}")

@@ -3,7 +3,7 @@
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from fieldkit.progress import ReportProgress, no_op
@@ -45,8 +45,9 @@ def say_report(lines: Iterable[str]) -> None:
 
 
 def complain(text: str) -> None:
-    """Print a message of one or a few lines on stderr, apart from results."""
-    sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
+    """Print a message of one or a few lines on stderr, apart from results; one that cannot be written is dropped."""
+    with suppress(OSError):
+        sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
 
 
 def remark(text: str) -> None:

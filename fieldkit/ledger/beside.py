@@ -5,6 +5,7 @@ from typing import Any
 
 from fieldkit.flight.start import Start
 from fieldkit.ledger import drafts, models, opening, starts
+from fieldkit.ledger.drafts import Content
 from fieldkit.ledger.opened import OpenLedger
 from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
 
@@ -80,19 +81,19 @@ class BesideFlights(OpenLedger):
         with self._reading() as connection:
             return starts.starts(connection, rocket)
 
-    def keep_draft(self, name: str, content: Mapping[str, Any]) -> None:
-        """Save a draft under a name, replacing the previous one."""
+    def keep_draft(self, name: str, content: Content) -> None:
+        """Save a draft under a name, replacing the previous one; see `drafts.Content`."""
         with opening.writing(self._engine) as connection:
             drafts.keep(connection, name, content)
 
-    def change_draft(self, name: str, content: Mapping[str, Any], command: str, what: str) -> bool:
+    def change_draft(self, name: str, content: Content, command: str, what: str) -> bool:
         """Save a document under a name as a change that `undo` undoes; False if it is unchanged."""
         with self._changing() as pen:
             if changed := drafts.change(pen, name, content):
                 pen.sign(command, what)
         return changed
 
-    def change_drafts(self, contents: Mapping[str, Mapping[str, Any]], command: str, what: str) -> bool:
+    def change_drafts(self, contents: Mapping[str, Content], command: str, what: str) -> bool:
         """Save several documents, as in `change_draft`, as one change."""
         with self._changing() as pen:
             changed = [drafts.change(pen, name, content) for name, content in contents.items()]

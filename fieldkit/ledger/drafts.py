@@ -1,7 +1,7 @@
 """Documents saved under a name: unfinished flights, which let a killed prompt resume, sites and plans."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
@@ -10,18 +10,27 @@ from fieldkit.ledger.checksums import seal, sound_rows
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.tables import drafts
 
+Content = Mapping[str, Any] | Callable[[dict[str, Any]], Mapping[str, Any]]
+"""A document, or a change of the saved one (empty if absent), which no other process changes in the meantime."""
 
-def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
+
+def keep(connection: Connection, name: str, content: Content) -> None:
     """Save a draft under a name, replacing the previous one."""
+    kept = _changed(draft(connection, name), content)
     drop(connection, name)
-    connection.execute(insert(drafts).values(name=name, content=dict(content)))
+    connection.execute(insert(drafts).values(name=name, content=kept))
     seal(connection, drafts, [(name,)])
 
 
-def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
+def _changed(there: dict[str, Any] | None, content: Content) -> dict[str, Any]:
+    return dict(content(there or {}) if callable(content) else content)
+
+
+def change(pen: ChangeRecorder, name: str, content: Content) -> bool:
     """Save a draft under a name as a change that can be undone; False if it is unchanged."""
-    kept = json.loads(json.dumps(dict(content)))  # as it will be after a round trip through JSON
-    if draft(pen.connection, name) == kept:
+    there = draft(pen.connection, name)
+    kept = json.loads(json.dumps(_changed(there, content)))  # as it will be after a round trip through JSON
+    if there == kept:
         return False
     pen.delete(drafts, drafts.c.name == name)
     pen.insert(drafts, [{"name": name, "content": kept}])

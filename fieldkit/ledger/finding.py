@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Select, func, select, tuple_
@@ -10,6 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
 from fieldkit.ledger.rows import Row, flight_of
 from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
+from fieldkit.safe_text import whole_number
 
 Identity = tuple[str, str]
 """A rocket and a flight_id, which together identify a flight."""
@@ -128,5 +130,6 @@ def latest(connection: Connection, rocket: str | None, config: str | None) -> Fl
 
 def next_flight_id(connection: Connection, rocket: str) -> str:
     """One more than the highest number among a rocket's flight ids."""
-    taken = connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket))
-    return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)
+    taken = set(connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket)))
+    last = max((number for one in taken if (number := whole_number(one)) is not None), default=0)
+    return next(id for id in map(str, count(last + 1)) if id not in taken)

@@ -8,7 +8,6 @@ Each raises LedgerError if the ledger cannot be read or written. Queries for fli
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
@@ -17,6 +16,7 @@ from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
 from fieldkit.ledger.journal import Change, ChangeRecorder
 from fieldkit.ledger.records import Added, Renewal
+from fieldkit.ledger.rows import merged
 from fieldkit.ledger.shown import FlightsOut
 
 
@@ -62,7 +62,7 @@ class Ledger(FlightsOut, BesideFlights):
         return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 
     def edit_all(
-        self, ids: Sequence[str], what: str, beside: Mapping[str, Mapping[str, Any]] | None = None, /, **changes: object
+        self, ids: Sequence[str], what: str, beside: Mapping[str, drafts.Content] | None = None, /, **changes: object
     ) -> int:
         """Change fields of several flights, and the drafts `beside`, as one change named `what`; returns the number of
         flights changed."""
@@ -141,7 +141,8 @@ class Ledger(FlightsOut, BesideFlights):
 
 
 def _renew(pen: ChangeRecorder, one: Renewal) -> bool:
-    return book.renew(pen, naming.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
+    held = naming.resolve(pen.connection, one.id)
+    return book.renew(pen, held, merged(held.flight, one.was, one.flight), one.entered, one.others)
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:

@@ -10,6 +10,10 @@ from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 
+MAX_SLASHES = 10_000
+"""Number of slashes in texts up to which each is tried as the end of a rocket's name; SQLite limits a query to 32,766
+values. [1]"""
+
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
     """The id of each of these flights: its flight_id if unique, else `rocket/flight_id`.
@@ -24,12 +28,13 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
 
 
 def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
-    """The flights that these texts may refer to, as `flight_id` or `rocket/flight_id`; for many texts, all flights.
+    """The flights that these texts may refer to, as `flight_id` or `rocket/flight_id`; for many texts, or many slashes
+    in them, all flights.
 
     Raises DamagedRow.
     """
     query = select(flights.c.rocket, flights.c.flight_id)
-    if len(texts) <= MAX_ROWS_BY_NAME:
+    if len(texts) <= MAX_ROWS_BY_NAME and sum(text.count("/") for text in texts) <= MAX_SLASHES:
         halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))

@@ -87,11 +87,10 @@ def keep_backup(engine: Engine, *, always: bool = False) -> str:
         return ""
     with reading(engine) as connection:
         changes = connection.scalar(select(func.max(journal.c.number))) or 0
-        if not (always or (backups.is_due(file, changes) and not backups.being_made(file))):
-            return ""
     try:
-        with closing(engine.raw_connection()) as ledger:
-            backups.take(ledger.driver_connection, file, changes)  # type: ignore[arg-type]
+        if always or (backups.is_due(file, changes) and not backups.being_made(file)):
+            with closing(engine.raw_connection()) as ledger:
+                backups.take(ledger.driver_connection, file, changes)  # type: ignore[arg-type]
     except (OSError, sqlite3.Error) as error:
         return f"no backup could be made in {backups.folder_of(file)} ({error})"
     return ""

@@ -41,10 +41,11 @@ class Added:
 
 @dataclass(frozen=True, slots=True)
 class Renewal:
-    """An update of a flight whose files were read again: its new content, its content as imported if it was edited
-    since, and additional files."""
+    """An update of a flight whose files were read again: its content then and now, its content as imported if it was
+    edited since, and additional files. Fields that were changed in the ledger in the meantime stay as they are."""
 
     id: str
+    was: Flight
     flight: Flight
     entered: Flight | None = None
     others: tuple[Original, ...] = ()

@@ -67,6 +67,21 @@ def differences(one: Flight, other: Flight) -> list[str]:
     return [name for name in FIELDS if not _alike(getattr(one, name), getattr(other, name))]
 
 
+def merged(now: Flight, was: Flight, new: Flight) -> Flight:
+    """A flight with the changes from `was` to `new`, except in fields that differ from `was` already."""
+    touched = {name for name in FIELDS if getattr(now, name) != getattr(was, name)}
+    changes: dict[str, Any] = {}
+    for name in FIELDS:
+        there, before, after = (getattr(one, name) for one in (now, was, new))
+        if isinstance(there, Mapping):
+            free = {key for key in {**before, **after} if there.get(key) == before.get(key)} - touched
+            kept = {key: value for key, value in there.items() if key not in free}
+            changes[name] = kept | {key: value for key, value in after.items() if key in free}
+        elif name not in touched:
+            changes[name] = after
+    return now.with_changes(**changes)
+
+
 def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
     """Whether a record has the given values, by field; it may have more extra columns and readout accompaniments."""
     return all(_holds(getattr(flight, name), value) for name, value in given.items())

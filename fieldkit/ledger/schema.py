@@ -28,10 +28,10 @@ def version(connection: Connection) -> str | None:
     name = name_of(connection.engine.url)
     tables = inspect(connection)
     if tables.has_table("alembic_version"):
-        found = connection.scalar(text("SELECT version_num FROM alembic_version"))
+        found = str(connection.scalar(text("SELECT version_num FROM alembic_version")))
         if found in STEPS:
-            return str(found)
-        if found and re.match(r"m\d{3}_", found):
+            return found
+        if re.match(r"m\d{3}_", found):
             if found[:4] > STEPS[-1][:4]:
                 raise LedgerError(f"{name}: made by a newer fieldkit ({found}), expected {STEPS[-1]} or older")
             raise DamagedRow(f"found the version {found}, expected one of {', '.join(STEPS)}")

@@ -33,8 +33,8 @@ _PAST_TABLE = "past"
 
 
 def opened(file: Path) -> closing[sqlite3.Connection]:
-    """Open a database for a `with` statement."""
-    return closing(sqlite3.connect(file, timeout=PATIENCE))
+    """Open an existing database for a `with` statement; SQLite would create a missing one."""
+    return closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=rw", uri=True, timeout=PATIENCE))
 
 
 def fault(file: Path, *, since: Path | None = None) -> str:

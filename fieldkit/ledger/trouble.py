@@ -21,7 +21,8 @@ _SQLITE = {
     "SQLITE_READONLY_DBMOVED": "the file was moved, removed or replaced; nothing was changed, open it again",
     "SQLITE_READONLY": "the ledger is read-only, expected a writable file and folder",
     "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
-    "SQLITE_BUSY": f"another program has locked it for {PATIENCE:.0f} s; nothing was changed, try again",
+    "SQLITE_BUSY": f"another program has locked it for {PATIENCE:.0f} s, or its network folder does not support locks; "
+    "nothing was changed, try again",
     "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
     "SQLITE_CANTOPEN": "cannot open the file, expected one in an existing, readable folder",
     "SQLITE_IOERR_READ": "the disk failed to read; nothing was changed",
@@ -72,7 +73,9 @@ def _reason(error: DBAPIError) -> str | None:
 def _damage(engine: Engine) -> str | None:
     """What is wrong with a ledger's file, after an error that a sound file cannot cause."""
     file = file_of(engine.url)
-    fault = (soundness.file_fault(file, thorough=True) or _missing(engine)) if file else ""
+    if file is None or not file.exists():
+        return None
+    fault = soundness.file_fault(file, thorough=True) or _missing(engine)
     return f"the file is damaged ({fault})" if fault else None
 
 

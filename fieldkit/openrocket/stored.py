@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.openrocket.parts import airframe, everything, number, sizes
-from fieldkit.safe_text import printable
+from fieldkit.safe_text import printable, whole_number
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
@@ -125,11 +125,11 @@ def _inactive(rocket: "Element", configuration: str) -> "list[Element]":
     """The stages that are disabled in a configuration, and everything attached to them."""
     stages = [part for part in everything(rocket) if part.tag in ("stage", "parallelstage")]
     off = {
-        int(stage.get("number", "-1"))
+        whole_number(stage.get("number", ""))
         for one in rocket.iterfind("motorconfiguration")
         if one.get("configid") == configuration
         for stage in one.iterfind("stage")
-        if stage.get("active") == "false" and stage.get("number", "").isdigit()
+        if stage.get("active") == "false"
     }
     return [part for number_, stage in enumerate(stages) if number_ in off for part in everything(stage)]
 

@@ -18,4 +18,4 @@ def day_of(ledger: Ledger, year: int) -> Day:
 
 def keep_day(ledger: Ledger, year: int, day: Day) -> None:
     """Save the contest day of a season."""
-    ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")
+    ledger.change_draft(DAYS, lambda saved: saved | {str(year): asdict(day)}, "day", f"of season {year}")

@@ -108,4 +108,4 @@ def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
 
 def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
     """Save these motors as the shortlist of a rocket."""
-    ledger.keep_draft(SHORTLIST, (ledger.draft(SHORTLIST) or {}) | {rocket: sorted(labels)})
+    ledger.keep_draft(SHORTLIST, lambda saved: saved | {rocket: sorted(labels)})

@@ -14,6 +14,7 @@ from fieldkit.importing.read import read, read_recordings
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.to_flights import derived_id
 from fieldkit.ledger import Ledger
+from fieldkit.safe_text import whole_number
 from fieldkit.services.imports import StoredFiles, read_file, stored_files
 
 
@@ -73,8 +74,8 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
     if len(same := [one for one in readings if same_moment(one.stated.get("date_time"), flight.date_time)]) == 1:
         return same[0]
     part = flight.extra.get("log_part", "1" if len(readings) == 1 else "")
-    if part.isdecimal() and 1 <= int(part) <= len(readings):
-        return readings[int(part) - 1]
+    if (number := whole_number(part)) and number <= len(readings):
+        return readings[number - 1]
     named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]
     if len(named) != 1:
         raise LedgerError(f"{id}: its log holds {len(readings)} flights and none has this id")

@@ -1,5 +1,6 @@
 """Launch sites: elevation from the flights, and size, ceiling, distances and rules as saved."""
 
+from collections.abc import Callable
 from typing import Any
 
 from fieldkit.errors import BadValue
@@ -35,9 +36,7 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
     for key in SITE_LENGTHS[1:]:
         if key in changes and changes[key] <= 0:
             raise BadValue(f"{name}: found a {key} that is not above zero, expected a positive length")
-    saved = ledger.draft(SITES) or {}
-    saved[name] = saved.get(name, {}) | changes
-    ledger.change_draft(SITES, saved, "site", name)
+    ledger.change_draft(SITES, lambda saved: saved | {name: saved.get(name, {}) | changes}, "site", name)
     return site_of(ledger, name)
 
 
@@ -46,13 +45,17 @@ def put_site(ledger: Ledger, site: Site) -> None:
     ledger.change_draft(SITES, with_site(ledger, site, site.name), "site", site.name)
 
 
-def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, Any]]:
-    """The saved sites after replacing one completely; `was` is its previous name.
+def with_site(ledger: Ledger, site: Site, was: str) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """The change of the saved sites that replaces one completely; `was` is its previous name.
 
     The elevation of a site with flights comes from its flights unless it was saved.
     """
-    saved = ledger.draft(SITES) or {}
-    told = {"elevation"} if was in ledger.names("site") and "elevation" not in saved.get(was, {}) else set()
-    known = {key: getattr(site, key) for key in (*SITE_LENGTHS, "rules") if key not in told}
-    saved.pop(was, None)
-    return saved | {site.name: {key: value for key, value in known.items() if value not in (None, "")}}
+    is_flown = was in ledger.names("site")
+
+    def replaced(saved: dict[str, Any]) -> dict[str, Any]:
+        told = {"elevation"} if is_flown and "elevation" not in saved.get(was, {}) else set()
+        known = {key: getattr(site, key) for key in (*SITE_LENGTHS, "rules") if key not in told}
+        others = {name: one for name, one in saved.items() if name != was}
+        return others | {site.name: {key: value for key, value in known.items() if value not in (None, "")}}
+
+    return replaced

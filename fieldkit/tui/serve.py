@@ -238,7 +238,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             here = is_loopback(split.hostname or "") and (split.port or 80) == self.port
         except ValueError:  # not a valid port
             return False
-        return here or asked == urlsplit(self.public_url).netloc
+        link = urlsplit(self.public_url).netloc.lower()  # as browsers write it, and without the usual port
+        return here or asked.lower() in (link, link.removesuffix(":80"))
 
     async def on_startup(self, app: web.Application) -> None:
         """Print nothing: the command has already printed the link."""

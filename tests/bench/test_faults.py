@@ -216,3 +216,32 @@ def test_the_page_says_on_which_commit_each_part_ran() -> None:
     rows = [line.split("|") for line in page.splitlines() if line.startswith(("| kill", "| damage"))]
     assert [row[-2].strip() for row in rows] == ["aaaa111", "bbbb222"]
     assert {len(row) for row in rows} == {8}
+
+
+def test_an_interrupted_run_is_resumed_where_it_was_and_with_its_own_sizes(tmp_path: Path) -> None:
+    tried: list[int] = []
+
+    def part() -> ledgers.Outcome:
+        tried.append(1)
+        return ledgers.Outcome("a part", "of the bench", tried=3)
+
+    assert not bench.resumed(tmp_path, {"kills": 60, "hours": 1.0})
+    for _ in range(2):
+        assert bench.tried(part, tmp_path / "a_part.json").tried == 3
+    assert len(tried) == 1
+    assert not bench.resumed(tmp_path, {"kills": 60, "hours": 1.0})
+    found = bench.resumed(tmp_path, {"kills": 61, "hours": 1.0})
+    assert "expected {'kills': 61, 'hours': 1.0} or another folder" in found
+
+
+def test_the_bench_sees_a_command_that_loses_its_output_and_says_nothing(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    ledgers_folder = tmp_path / "home"
+    with ledgers.at_home(ledgers_folder):
+        found.mkdir()
+        ledgers.season(found / "ledger.db")
+        trial = failing.Bench(tmp_path / "trial", session.Call(("tag", "1", "mine"), found))
+        trial.learn()
+        assert trial.judged_full(trial.tried(full=True)) == ("refused, and done", "")
+        silent = calls.Ended(0, "", "", came=True)
+        assert trial.judged_full(silent)[1] == "its output is lost and it said that it was done"

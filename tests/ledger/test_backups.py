@@ -16,7 +16,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, backups, soundness
+from fieldkit.ledger import Ledger, backups, restoring, soundness
 from fieldkit.ledger.schema import STEPS
 
 
@@ -70,17 +70,17 @@ def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
     content, size = first.file.read_bytes(), 4096
     twin = file.with_name("twin.db")
     real = soundness.opened
-    monkeypatch.setattr(backups, "opened", lambda asked: real(twin if asked == first.file else asked))
+    monkeypatch.setattr(restoring, "opened", lambda asked: real(twin if asked == first.file else asked))
     if hurt:
         file.write_bytes(file.read_bytes()[:5000])
     before = file.read_bytes()
     for at in range(size, len(content), size):
         twin.write_bytes(content[:at] + bytes(size) + content[at + size :])
         with pytest.raises(LedgerError, match="nothing was changed"):
-            backups.restore(file, first)
+            restoring.restore(file, first)
         assert file.read_bytes() == before if hurt else flown(file) == ["1", "2", "3"]
     twin.write_bytes(content)
-    backups.restore(file, first)
+    restoring.restore(file, first)
     assert flown(file) == ["1"]
 
 
@@ -90,7 +90,7 @@ def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
 ) -> None:
     """`times` 2: nor can it be taken back."""
     add(file, "1", "2", "3")
-    first, real, calls = next(one for one in backups.backups(file) if one.number == 1), backups.opened, []
+    first, real, calls = next(one for one in backups.backups(file) if one.number == 1), restoring.opened, []
 
     def full(ledger: sqlite3.Connection, target: Path) -> None:
         raise sqlite3.OperationalError("disk I/O error")
@@ -98,15 +98,15 @@ def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
     def failing(asked: Path) -> Any:
         calls.append(asked)
         if asked == first.file:  # all is kept: the next copy is that for the check
-            monkeypatch.setattr(backups, "_copy", full)
+            monkeypatch.setattr(restoring, "copy", full)
         elif times == 2 and first.file in calls:
             raise sqlite3.OperationalError("disk I/O error")
         return real(asked)
 
-    monkeypatch.setattr(backups, "opened", failing)
+    monkeypatch.setattr(restoring, "opened", failing)
     expected = "disk I/O error.*nothing was changed" if times == 1 else "may be damaged; what it was is in .*000"
     with pytest.raises(LedgerError, match=expected):
-        backups.restore(file, first)
+        restoring.restore(file, first)
     monkeypatch.undo()
     assert flown(file) == (["1", "2", "3"] if times == 1 else ["1"])
 
@@ -129,7 +129,7 @@ def test_a_linked_ledger_is_restored_at_its_target_with_its_own_mode(file: Path)
 
 def test_a_restore_holds_the_ledger_from_copy_to_replacement(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add(file, "1", "2")
-    taken, refused = backups._take, []
+    taken, refused = restoring.taken, []
 
     def meddled(*given: Any) -> Any:
         made = taken(*given)
@@ -141,8 +141,8 @@ def test_a_restore_holds_the_ledger_from_copy_to_replacement(file: Path, monkeyp
                 refused.append(error.sqlite_errorname)
         return made
 
-    monkeypatch.setattr(backups, "_take", meddled)
-    backups.restore(file, backups.backups(file)[-1])
+    monkeypatch.setattr(restoring, "taken", meddled)
+    restoring.restore(file, backups.backups(file)[-1])
     assert refused == ["SQLITE_BUSY"]
 
 
@@ -153,7 +153,7 @@ def test_who_waits_for_a_damaged_ledger_does_not_write_into_what_was_put_aside(f
         with closing(sqlite3.connect(file)) as hurt:
             hurt.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
             hurt.commit()
-        aside = backups.restore(file, backups.backups(file)[-1])
+        aside = restoring.restore(file, backups.backups(file)[-1])
         assert aside is not None
         assert "damaged" in aside.name
         with pytest.raises(sqlite3.OperationalError, match="readonly"):
@@ -320,3 +320,60 @@ def test_a_folder_without_room_for_copies_is_a_warning_and_no_refusal(
     assert main(["--ledger", str(file), "add", "--rocket", "Astra", "--apogee", "100m"]) == 0
     assert "warning: no backup could be made" in capsys.readouterr().err
     assert len(flown(file)) == 2
+
+
+def test_a_file_whose_name_is_no_moment_is_no_backup(file: Path) -> None:
+    add(file, "1", "2")
+    known = backups.backups(file)
+    (backups.folder_of(file) / "000009_20269999T999999Z_5.db").write_bytes(b"")
+    assert backups.backups(file) == known
+    add(file, "3")
+
+
+def test_a_backup_that_another_process_deleted_is_not_created_by_looking_at_it(file: Path) -> None:
+    add(file, "1", "2")
+    first = backups.backups(file)[-1]
+    first.file.unlink()
+    assert (first.flights, first.size) == (None, 0)
+    assert not first.file.exists()
+
+
+def test_a_backup_that_cannot_be_deleted_denies_no_restore(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add(file, "1", "2", "3")
+    monkeypatch.setattr(backups, "MAX_BACKUPS", 1)
+
+    def refused(*_: object) -> None:
+        raise PermissionError
+
+    first = backups.backups(file)[-1]
+    monkeypatch.setattr(Path, "unlink", refused)
+    backups.rotate(file)
+    monkeypatch.undo()
+    assert first in backups.backups(file)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no modes of groups")
+def test_everyone_who_may_write_the_ledger_may_write_its_backups(tmp_path: Path) -> None:
+    file = tmp_path / "shared.db"
+    before = os.umask(0o077)
+    try:
+        Ledger.open(file).close()
+        file.chmod(0o664)
+        add(file, "1", "2")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(backups.folder_of(file).stat().st_mode) == 0o775
+    assert {stat.S_IMODE(one.file.stat().st_mode) for one in backups.backups(file)} == {0o664}
+
+
+def test_a_folder_of_backups_that_cannot_be_listed_is_a_warning(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add(file, "1")
+
+    def refused(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    with Ledger.open(file) as ledger:
+        monkeypatch.setattr(Path, "iterdir", refused)
+        ledger.tag("1", "mine")
+        assert ledger.trouble.startswith("no backup could be made")
+        assert backups.offer(file).endswith("cannot be read (Permission denied)")

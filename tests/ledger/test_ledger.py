@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from sqlalchemy.engine import make_url
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, Renewal
 
 pytestmark = pytest.mark.fast
 
@@ -401,3 +402,26 @@ def test_a_flight_that_was_renamed_is_a_duplicate_though_another_took_its_name(l
     ledger.edit("Astra/1", notes="another flight")
     again = ledger.add([FIRST])
     assert (again.duplicates, again.conflicts) == (1, ())
+
+
+def test_a_flight_that_is_edited_while_its_files_are_read_again_keeps_the_edit(ledger: Ledger) -> None:
+    read = Flight(
+        "1", "Astra", apogee=100.0, top_speed=40.0, sd={"apogee": 2.0}, extra={"kinds": "raw", "color": "red"}
+    )
+    again = replace(
+        read,
+        apogee=101.0,
+        top_speed=41.0,
+        burn_time=0.9,
+        sd={"apogee": 1.0, "burn_time": 0.1},
+        extra={"kinds": "raw csv"},
+    )
+    ledger.add([read])
+    ledger.edit("1", notes="high", top_speed=45.0, burn_time=1.2, extra={**read.extra, "color": "blue"})
+    edited = ledger.flight("1")
+    assert ledger.renew([Renewal("1", read, again)]) == 1
+    assert ledger.flight("1") == replace(
+        edited, apogee=101.0, sd={"apogee": 1.0}, extra={"kinds": "raw csv", "color": "blue"}
+    )
+    ledger.undo()
+    assert ledger.flight("1") == edited

@@ -125,6 +125,30 @@ def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
+def test_a_version_that_is_no_text_is_another_programs(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    with closing(sqlite3.connect(file)) as raw:
+        raw.execute("UPDATE alembic_version SET version_num = ?", (b"m0\xff",))
+        raw.commit()
+    with pytest.raises(LedgerError, match="another program's tables"):
+        Ledger.open(file)
+
+
+def test_ids_of_many_slashes_stay_within_the_values_of_a_query(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    many = Flight(flight_id="/".join("1" * 200), rocket="Astra", apogee=100.0)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        event.listen(
+            ledger._engine, "connect", lambda raw, _: raw.setlimit(sqlite3.SQLITE_LIMIT_VARIABLE_NUMBER, 32_766)
+        )
+        ledger._engine.dispose()
+        ledger.add([many.with_changes(flight_id=f"{many.flight_id}{number}") for number in range(90)])
+        assert len([one for page in ledger.pages() for one in page]) == 90
+        assert ledger.flight(f"Astra/{many.flight_id}7").rocket == "Astra"
+        with pytest.raises(LedgerError, match="no flight"):
+            ledger.flight("/" * 40_000)
+
+
 def test_a_damaged_ledger_is_reported_to_be_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:

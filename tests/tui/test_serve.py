@@ -561,3 +561,19 @@ async def test_apps_end_when_their_server_is_killed(unused_tcp_port: int, tmp_pa
                 process.kill()
             while any(Path(f"/proc/{app}").exists() for app in apps):
                 await asyncio.sleep(0.1)
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "asked", "is_ours"),
+    [
+        ("Field-Laptop", 8000, "field-laptop:8000", True),
+        ("Field-Laptop", 80, "field-laptop", True),
+        ("192.168.1.5", 80, "192.168.1.5", True),
+        ("192.168.1.5", 8000, "192.168.1.5", False),
+        ("192.168.1.5", 8080, "192.168.1.5:80", False),
+        ("Field-Laptop", 80, "other-laptop", False),
+        ("192.168.1.5", 8000, "localhost:8000", True),
+    ],
+)
+def test_a_host_is_known_as_a_browser_writes_it(host: str, port: int, asked: str, is_ours: bool) -> None:
+    assert GuardedServer(host, port, "a token", None).is_ours(asked) == is_ours

@@ -16,6 +16,7 @@ from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
+from fieldkit.safe_text import whole_number
 
 MAX_FLIGHTS = 25
 """Number of flights that a unit stores. [1]"""
@@ -157,8 +158,9 @@ def _counted(link: Link) -> Dialogue[int]:
     for _ in range(TRIES):
         link.send(b"n;")
         while (one := (yield from _next(link, ANSWER))) is not None and one.name != "end":
-            if one.name == "nbrOfFlight" and one.sound and one.fields and one.fields[0].strip().isdigit():
-                return int(one.fields[0])
+            known = one.fields[0].strip() if one.name == "nbrOfFlight" and one.sound and one.fields else ""
+            if (count := whole_number(known)) is not None:
+                return count
     raise PortTrouble(f"{link.line.name}: no number of flights in answer to n;, expected $nbrOfFlight,N,checksum;")
 
 

@@ -143,7 +143,9 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
     given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
-    sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
+    sorting.renewals.append(
+        Renewal(id, flight, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new))
+    )
     sorting.notes.append(f"{arrival.source}: added to flight {id}")
 
 

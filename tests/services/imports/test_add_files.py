@@ -212,7 +212,7 @@ def test_a_readout_edited_after_it_was_measured_again_stays(ledger: Ledger, requ
     request.getfixturevalue("better_measuring")
     once = remeasured(ledger, id)
     assert once is not None
-    assert ledger.renew([Renewal(id, once.renewed, once.renewed_entered)]) == 1
+    assert ledger.renew([Renewal(id, once.flight, once.renewed, once.renewed_entered)]) == 1
     twice = remeasured(ledger, id)
     assert twice is not None
     assert (twice.changes, twice.others, twice.kept) == ({}, (), ())
@@ -238,7 +238,7 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
         return capsys.readouterr().out
 
     lower = before.with_changes(apogee=(before.apogee or 0) - 2, sd=before.sd, source=before.source)
-    ledger.renew([Renewal(id, lower)])
+    ledger.renew([Renewal(id, before, lower)])
     capsys.readouterr()
     assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
     assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
