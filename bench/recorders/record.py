@@ -17,6 +17,8 @@ SOUND, SHOCK_WIDTH, SHOCKED = 335.0, 0.05, (0.92, 1.12)
 """Speed of sound [m/s], width of the edges of the shock region, and its range [Mach]."""
 BLOW, BLOW_LASTS = 15 * GRAVITY, 0.03
 """Acceleration from the shock of a charge [m/s^2], and its duration [s]."""
+DRIFT_TIME = 4.0
+"""Correlation time of a receiver's height. [s]"""
 SWING = 8.0
 """Acceleration from swinging under a parachute. [m/s^2]"""
 
@@ -39,7 +41,7 @@ def written(path: Path, recorder: Recorder, rng: np.random.Generator) -> bytes:
         columns |= _accelerometer(path, recorder, when, rng)
     if recorder.gps:
         when = _clock(begin, end, recorder.gps, 0.0, rng)
-        wander = _lagged(rng.normal(0, 4 * recorder.gps_noise, when.size), when, 4.0)
+        wander = receiver_drift(when, recorder, rng)
         height = np.interp(when, path.time, path.above, left=0, right=0) + path.elevation
         noise = rng.normal(0, recorder.gps_noise / 3, when.size) + wander
         columns["gps altitude (m)"] = (when, np.round(height + noise, 1))
@@ -114,6 +116,13 @@ def _lagged(values: Float[Array, "time"], when: Float[Array, "time"], over: floa
 
     part = 1 - float(np.exp(-float(np.median(np.diff(when))) / over))
     return np.asarray(lfilter([part], [1, part - 1], values, zi=[(1 - part) * values[0]])[0])
+
+
+def receiver_drift(when: Float[Array, "time"], recorder: Recorder, rng: np.random.Generator) -> Float[Array, "time"]:
+    """Drift of a receiver's height, which began long before the log. [m]"""
+    earlier = round(5 * DRIFT_TIME * recorder.gps)
+    every = np.concatenate([when[0] - np.arange(earlier, 0, -1) / recorder.gps, when])
+    return _lagged(rng.normal(0, 4 * recorder.gps_noise, every.size), every, DRIFT_TIME)[earlier:]
 
 
 def _table(columns: dict[str, tuple[Array, Array]], recorder: Recorder, path: Path) -> bytes:

@@ -4,19 +4,22 @@ An initial guess of the acceleration, from the accelerometer or from a coast wit
 barometer adds a correction whose acceleration is a random walk (`process_noise`, `smooth`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fieldkit.analysis.ballistic import Coast, fitted_coast
+from fieldkit.analysis.burnout import Burnout, FitStart, burnout_sd_by_pressure, guess_for, likeliest_burnout
 from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.height_lag import NO_LAG, Lag
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
-from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, Marks, Samples, samples_on, settled
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, settled
 from fieldkit.analysis.records import Sightings
 from fieldkit.analysis.robust_statistics import median_step
-from fieldkit.analysis.smooth import Grid, apply, basis
-from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.analysis.samples import Marks, Samples, samples_on
+from fieldkit.analysis.smooth import Grid, apply, unlagged
 from fieldkit.shapes import Array, Flags, Float
 
 DRAWS = 200
@@ -39,8 +42,10 @@ highest climb rate in its heights. [1]"""
 _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Closer to apogee than this a coast is far too slow for shocks [s]. An apparent fall there is ejection gas in the
 airframe, which lasts this long [s]."""
-_LAG_SD = 0.05
-"""Typical (rms) delay of heights from filters and vents if no accelerometer reveals it; 0.2 s is rare. [s]"""
+_ROUNDS = 12
+"""Rounds of a fixed-point iteration whose error shrinks to a third in each. [1]"""
+_MIN_WEIGHT = 0.02
+"""Smallest probability of a lag that counts. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +71,15 @@ class Ascent:
     """Satellite data that complement the heights."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LaggedAscent:
+    """The ascent if the heights have one of several lags, and the probability of that lag. [1]"""
+
+    weight: float
+    lag: Lag
+    ascent: Ascent
+
+
 def ascend(
     track: Heights,
     push: Push | None,
@@ -74,21 +88,24 @@ def ascend(
     blow: float | None,
     marked: float | None,
     sighted: Sightings | None = None,
-) -> Ascent | None:
-    """Fit the ascent. Returns None if there are too few samples.
+    lags: Sequence[Lag] = (NO_LAG,),
+) -> list[LaggedAscent]:
+    """Fit the ascent for each of the `lags` that the heights may have, most probable first. Empty if too few samples.
+
+    Without a lag it is always fitted.
 
     `sighted` is the satellite data that complement the heights; `blow` is the time when the charge was felt [s];
     `marked` is the time when the logger detected apogee, after which it may have fired a charge [s].
     """
     climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
-        return None
+        return []
     begin = max(float(track.time[0]), lift - 1.5 if lift is not None else seen.top - LONGEST_CLIMB)
     end = min(float(track.time[-1]), seen.top + float(np.clip(4 * median_step(climb), _TIME_AFTER_APOGEE, _LONG_AFTER)))
     fallen = _dip(track, seen, lift)
     near = (track.time >= begin) & (track.time <= end) & ~fallen
     if near.sum() < _MIN_SAMPLES:
-        return None
+        return []
     grid = _grid(begin, end, median_step(climb))
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
     start = _fit_start(track, seen, grid, near, push, marks, sighted)
@@ -96,21 +113,8 @@ def ascend(
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         start = _fit_start(track, seen, grid, slow, push, marks, sighted)
-    ascent = _fitted(start, marks, pressed=track.pressed)
-    return replace(ascent, sighted=sighted) if ascent else None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _FitStart:
-    """Input of a fit: the samples that count, the coast that they suggest, and an initial guess.
-
-    `fused` if the guess comes from an accelerometer.
-    """
-
-    samples: Samples
-    coast: Coast | None
-    guess: Guess
-    fused: bool
+    found = _fitted(start, marks, lags, STATIC_SD if track.pressed else 0.0)
+    return [replace(one, ascent=replace(one.ascent, sighted=sighted)) for one in found]
 
 
 def _grid(begin: float, end: float, step: float) -> Grid:
@@ -133,7 +137,7 @@ def _fit_start(
     push: Push | None,
     marks: Marks,
     sighted: Sightings | None,
-) -> _FitStart:
+) -> FitStart:
     """Select the samples that count on a grid, and make an initial guess from them and an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
@@ -141,7 +145,7 @@ def _fit_start(
         coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
     samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
-    return _FitStart(samples, coast, guess, fused)
+    return FitStart(samples, coast, guess, fused)
 
 
 def _speed(coast: Coast, moment: float) -> float:
@@ -154,66 +158,39 @@ def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
     return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
-def _fitted(start: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
+def _fitted(start: FitStart, marks: Marks, lags: Sequence[Lag], static: float) -> list[LaggedAscent]:
     """Fit the curve from an initial guess. With heights only, burnout is then estimated and the curve fitted again.
 
-    If heights are `pressed` (derived from pressure), those of a fast airframe are biased, which shifts burnout.
+    `static` is the standard deviation of the airframe's pressure error, as a fraction of the dynamic pressure.
     """
     samples, grid = start.samples, start.samples.grid
     if start.fused:
         marks = replace(marks, burnout=fastest(grid, start.guess, marks.lift, marks.released))
     found = settled(samples, start.guess, start.fused, marks)
     if start.fused or marks.lift is None:
-        return _drawn(samples, start.guess, found, start.fused, 0.0)
-    burnout, spread = _likeliest(start, found, marks, marks.lift)
-    if pressed:
-        spread = float(np.hypot(spread, _by_pressure(start, found, marks, burnout)))
-    marks = replace(marks, burnout=burnout)
-    guess, _ = first_guess(grid, start.coast, None, marks.lift, burnout, marks.released)
-    return _drawn(samples, guess, settled(samples, guess, False, marks), False, spread)
+        return [LaggedAscent(1.0, lags[0], _drawn(samples, start.guess, found, start.fused, 0.0))]
+    tried = [likeliest_burnout(start, found, marks, lag, static) for lag in lags]
+    most = max(one.evidence for one in tried)
+    if not np.isfinite(most):
+        raise np.linalg.LinAlgError("no curve can be fitted to these samples")
+    weights = np.exp([one.evidence - most for one in tried])
+    weights /= weights.sum()
+    likely = [place for place in np.argsort(-weights).tolist() if weights[place] > _MIN_WEIGHT or not lags[place].lag]
+    total = float(weights[likely].sum())
+    best, lag = tried[likely[0]], lags[likely[0]]
+    spread = burnout_sd_by_pressure(start, found, marks, best, lag, static) if static else 0.0
+    settings = settled(samples, guess_for(start, best.marks, best.lag), False, best.marks, best.lag)
+    return [
+        LaggedAscent(weights[place] / total, lags[place], _again(start, settings, tried[place], spread))
+        for place in likely
+    ]
 
 
-def _likeliest(start: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
-    """Burnout time that maximizes the likelihood of the heights, and its standard deviation. [s]
-
-    Acceleration jumps at burnout.
-    """
-    about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
-    every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
-    evidence = []
-    for burnout in every:
-        guess, _ = first_guess(start.samples.grid, start.coast, None, lift, burnout, marks.released)
-        evidence.append(found.again(start.samples, guess, replace(marks, burnout=burnout)).evidence)
-    share = np.exp(np.array(evidence) - np.max(evidence))
-    share /= share.sum()
-    mean = float(share @ every)
-    return mean, float(np.sqrt(share @ (every - mean) ** 2))
-
-
-def _by_pressure(start: _FitStart, found: FittedCurve, marks: Marks, burnout: float) -> float:
-    """Standard deviation of the burnout time caused by the error and lag of the pressure in the airframe. [s]
-
-    The burnout estimate can jump from one bend of the heights to another, so the error is averaged with three-point
-    Gauss-Hermite quadrature instead of linearized.
-    """
-    lift = marks.lift if marks.lift is not None else start.samples.grid.start
-    far = np.sqrt(3) * STATIC_SD
-    moved = [_likeliest(_corrected(start, marks, static), found, marks, lift)[0] - burnout for static in (-far, far)]
-    late = _likeliest(_corrected(start, marks, 0.0, _LAG_SD), found, marks, lift)[0] - burnout
-    return float(np.sqrt(np.square(moved).sum() / 6 + late**2))
-
-
-def _corrected(start: _FitStart, marks: Marks, static: float, lag: float = 0.0) -> _FitStart:
-    """The same heights corrected for a static pressure error (fraction of dynamic pressure) and a lag. [s]
-
-    Pressure that is too high by a fraction of the dynamic pressure lowers heights by that fraction of v²/2g. A filter
-    or vents with one time constant delay a climb at constant speed by that time.
-    """
-    samples, grid = start.samples, start.samples.grid
-    flies = samples.is_own & (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
-    speed = np.where(flies, np.interp(samples.time, grid.time, start.guess.speed), 0.0)
-    height = samples.height + static * speed**2 / (2 * GRAVITY) + lag * speed
-    return replace(start, samples=replace(samples, height=height))
+def _again(start: FitStart, found: FittedCurve, burnout: Burnout, spread: float) -> Ascent:
+    """The curve for a burnout and a lag, with known settings; `spread` is a further error of burnout. [s]"""
+    guess = guess_for(start, burnout.marks, burnout.lag)
+    curve = found.again(start.samples, guess, burnout.marks, burnout.lag)
+    return _drawn(start.samples, guess, curve, False, float(np.hypot(burnout.sd, spread)), burnout.lag)
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
@@ -234,12 +211,12 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     return low
 
 
-def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
+def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spread: float, lag: float = 0.0) -> Ascent:
     """The curve (guess plus correction) and draws of it."""
     grid = samples.grid
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))
-    shapes = [basis(grid, knots, order) for order in range(3)]
+    shapes = [unlagged(grid, knots, order, lag) for order in range(3)]
     mean = [apply(rows, found.curve.mean) for rows in shapes]
     drawn = [apply(rows, coefficients) for rows in shapes]
     return Ascent(
@@ -253,17 +230,20 @@ def _drawn(samples: Samples, guess: Guess, found: FittedCurve, fused: bool, spre
         found.noise,
         spread,
         fused,
-        _resolution(samples, found),
+        _resolution(samples, found, lag),
     )
 
 
-def _resolution(samples: Samples, found: FittedCurve) -> float:
+def _resolution(samples: Samples, found: FittedCurve, lag: float) -> float:
     """Width of the uniform window over which the fitted acceleration is effectively averaged. [s]
 
-    With process noise q of the acceleration and heights of spectral density r, a curve passes the fraction 1 / (1 + w^6
-    r/q) of an acceleration of frequency w. The window has width 3.79 / w at the w where this fraction is one half:
-    there a uniform window passes half as well.
+    With process noise q of the acceleration and heights of spectral density r and a first-order lag T, a curve passes
+    the fraction 1 / (1 + w^6 (1 + (w T)^2) r/q) of an acceleration of frequency w. The window has width 3.79 / w at the
+    w where this fraction is one half: there a uniform window passes half as well.
     """
     own = samples.is_own
     density = float(np.median(found.variance[own])) * median_step(samples.time[own])
-    return float(3.79 * (density / found.thrust) ** (1 / 6))
+    half = 0.0
+    for _ in range(_ROUNDS):
+        half = float((found.thrust / density / (1 + (half * lag) ** 2)) ** (1 / 6))
+    return 3.79 / half

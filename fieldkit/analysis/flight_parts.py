@@ -43,7 +43,7 @@ class FittedLog:
     """The contents of a log and the fitted curve of its ascent.
 
     `push` is the acceleration trusted for its size, `felt` the one trusted for shocks; `every` are the times of all
-    samples [s], `stated` the events that the logger marked [s].
+    samples [s], `stated` the events that the logger marked [s]. `drag` if drag and impulse are to be measured.
     """
 
     track: Heights
@@ -53,6 +53,7 @@ class FittedLog:
     push: Push | None
     felt: Push | None
     stated: Mapping[str, float]
+    drag: bool = True
 
     @property
     def source(self) -> str:
@@ -97,7 +98,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         return Recorded(notes=(NO_FLIGHT,))
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
-    if lift and burnt and apogee:
+    if lift and burnt and apogee and log.drag:
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
     known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
     known, unknown = known_well(known)

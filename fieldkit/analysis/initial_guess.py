@@ -3,7 +3,9 @@
 Derivation: constant acceleration in the boost, then Newton's second law with drag in proportion to v².
 """
 
+import math
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -24,6 +26,18 @@ class Guess:
     acceleration: Float[Array, "knot"]
     speed: Float[Array, "knot"]
     height: Float[Array, "knot"]
+
+
+def lagged(values: Float[Array, "knot"], first: float, step: float, lag: float) -> Float[Array, "knot"]:
+    """Values at knots `step` apart as a first-order lag shows them, starting at `first`; in their unit. [s]
+
+    Exact for values that change linearly between knots.
+    """
+    if lag <= 0:
+        return values
+    kept = math.exp(-step / lag)
+    gained = (1 - kept) * values[:-1] + np.diff(values) * (1 - lag / step * (1 - kept))
+    return np.array(list(accumulate(gained.tolist(), lambda shown, more: kept * shown + more, initial=first)))
 
 
 def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> float:

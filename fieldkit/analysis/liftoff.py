@@ -1,5 +1,8 @@
 """Time of lift-off."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
@@ -13,6 +16,9 @@ from fieldkit.shapes import Array, Float, Int, Integers
 _THRUST = 2 * GRAVITY
 """Specific force that a rocket does not feel before lift-off. [m/s^2]"""
 
+_STEP, _QUICK_STEP = 0.01, 0.03
+"""Steps between the lift-off times to try: for lift-off, and for how a lag shifts it. [s]"""
+
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     """Lift-off from the accelerometer if possible, otherwise from the rise off the pad; None if neither shows it."""
@@ -23,6 +29,15 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
         return None
     return checked_by_climb(corner, track, seen) if corner is not None and track.pressed else corner
+
+
+def sooner(lift: Event, track: Heights, seen: Outline, lags: Sequence[float]) -> list[Event]:
+    """A lift-off from heights, corrected for each of some lags by which they may be late. [s]"""
+    if lift.source != track.source:
+        return [lift] * len(lags)
+    corners = [_by_rise(track, seen, lag, _QUICK_STEP) for lag in (0.0, *lags)]
+    times = [one.time if one else lift.time for one in corners]
+    return [replace(lift, time=lift.time - max(times[0] - one, 0.0)) for one in times[1:]]
 
 
 def _is_under_way(push: Push, moment: float) -> bool:
@@ -66,7 +81,7 @@ def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float
     return len(crossing) - 1
 
 
-def _by_rise(track: Heights, seen: Outline) -> Event | None:
+def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, pace: float = _STEP) -> Event | None:
     """The corner at which a flat pad becomes a rise with acceleration and jerk, by least squares.
 
     A log that begins low in the boost is extrapolated back to the pad's level if the logger recorded it.
@@ -84,8 +99,8 @@ def _by_rise(track: Heights, seen: Outline) -> Event | None:
     time, height = track.time[near], track.height[near] - seen.pad
     if time.size < 5 or (not known and height[0] > rise):
         return None
-    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), 0.01)
-    misfit = np.array([_misfit(time, height, corner, known) for corner in corners])
+    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), pace)
+    misfit = np.array([_misfit(time, height, corner, known, lag) for corner in corners])
     sigma = max(np.sqrt(misfit.min() / max(time.size - 4, 1)), track.noise)
     weight = np.exp(-0.5 * (misfit - misfit.min()) / sigma**2)
     weight /= weight.sum()
@@ -105,10 +120,16 @@ def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:
     return float(track.time[there[0]]) if there.size else seen.fastest
 
 
-def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool) -> float:
+def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool, lag: float) -> float:
     """Sum of squared residuals from the best rise after a corner; `level` if the pad's height is fitted too. [m^2]"""
     after = np.maximum(time - corner, 0)
-    columns = [after**2 / 2, after**3 / 6, *([np.ones_like(time)] if level else [])]
+    square = after**2 / 2 - lag * _late_line(after, lag)
+    columns = [square, after**3 / 6 - lag * square, *([np.ones_like(time)] if level else [])]
     design = np.stack(columns, axis=1)
     found, *_ = np.linalg.lstsq(design, height, rcond=None)
     return float(((height - design @ found) ** 2).sum()) + (1e6 if found[0] < 0 else 0)
+
+
+def _late_line(after: Float[Array, "_"], lag: float) -> Float[Array, "_"]:
+    """What a first-order lag shows of a line that begins to rise at 0. [s]"""
+    return after + lag * np.expm1(-after / lag) if lag > 0 else after

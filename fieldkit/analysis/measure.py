@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fieldkit.analysis.accelerometer_check import Agreement, agreement
-from fieldkit.analysis.ascent import Ascent, ascend
+from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.channels import Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
+from fieldkit.analysis.height_lag import averaged, possible_lags
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
 from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
@@ -79,20 +81,37 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     shape = leaning.upward if leaning is not None else trust.push
     sighted = sightings(clocks, track, seen)
     moments = (lift.time if lift else None, blow.time if blow else None, stated.get("apogee"))
-    try:
-        ascent = ascend(track, shape, seen, *moments, sighted)
-    except np.linalg.LinAlgError:  # samples so noisy that no curve fits them
-        ascent = None
-    if ascent is not None and ascent.fused and _misses_the_top(ascent, seen, track):
+    lags = possible_lags(track, seen, lift)
+    ascents = _ascents(track, shape, seen, *moments, sighted, lags)
+    if ascents and ascents[0].ascent.fused and _misses_the_top(ascents[0].ascent, seen, track):
         trust, felt = _Trust(None, notes=(DISBELIEVED.format("and the heights are of different climbs"),)), None
-        ascent = ascend(track, None, seen, moments[0], None, moments[2], sighted)
-    if ascent is None:
+        ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
+    if not ascents:
         return Recorded(notes=(NO_FLIGHT,))
-    found = recorded_of(FittedLog(track, every, seen, ascent, trust.push, felt, stated), lift, clocks)
-    if NO_FLIGHT in found.notes:
-        return found
+    log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated)
+    each = [_recorded(replace(log, drag=one is ascents[0]), one, clocks) for one in ascents]
+    on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
+    if NO_FLIGHT in on_time.notes:  # a lag makes no rocket of a drone
+        return on_time
+    weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
+    found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     return replace(found, notes=(*found.notes, *trust.notes), track=above)
+
+
+def _ascents(*log: Any) -> list[LaggedAscent]:
+    """The fitted ascents, as `ascend` returns them; none if samples are so noisy that no curve fits them."""
+    try:
+        return ascend(*log)
+    except np.linalg.LinAlgError:
+        return []
+
+
+def _recorded(log: FittedLog, found: LaggedAscent, clocks: Sequence[Series]) -> Recorded:
+    """Results of a fitted ascent whose heights have a lag."""
+    track, seen = _sooner(found.lag.lag, log.track, log.seen)
+    on_time = replace(log, track=replace(track, lag=log.track.lag), seen=seen, ascent=found.ascent)
+    return recorded_of(on_time, found.lag.lift, clocks)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

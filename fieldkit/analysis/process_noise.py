@@ -6,16 +6,15 @@ maximum likelihood) with priors as wide as loggers and rockets differ.
 Derivation: the marginal likelihood of the smoother in `fieldkit.analysis.smooth`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import Push
-from fieldkit.analysis.initial_guess import Guess
+from fieldkit.analysis.initial_guess import Guess, lagged
 from fieldkit.analysis.optimize import nelder_mead
-from fieldkit.analysis.records import Sightings
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
-from fieldkit.analysis.smooth import CurvePosterior, Grid, SplineDesign, apply, design, fit
+from fieldkit.analysis.samples import Marks, Samples
+from fieldkit.analysis.smooth import CurvePosterior, Grid, apply, fit
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
@@ -37,99 +36,13 @@ _GAS, _GAS_LASTS = 4.0, 0.7
 """Effect of ejection gas on the pressure in an airframe, as height [m], and its duration [s]."""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
+_FOLLOWED = 5.0
+"""Time constants after which a first-order lag has followed a step to 1 %. [1]"""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
 """Speed at which a typical parachute decelerates the rocket by one g (by four at twice that) [m/s], and the largest
 deceleration that an airframe survives [m/s^2]."""
 _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
 """How long a parachute may take to open [s], and in what fraction of that time it decelerates hardest [1]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Marks:
-    """Boundaries of the flight phases [s].
-
-    Lift-off, None if the log begins later; burnout; the earliest time a parachute may be out; and the time a charge was
-    felt, infinite if none was.
-    """
-
-    lift: float | None
-    burnout: float
-    released: float
-    charge: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Samples:
-    """Height samples above the pad that count [m], their times [s], their splines, and the noise of one [m].
-
-    The first `own` samples are the heights of the log's main source. The rest are satellite data, heights and speeds by
-    their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights are delayed
-    by `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was saturated [m^2/s^5].
-    """
-
-    time: Float[Array, "time"]
-    height: Float[Array, "time"]
-    splines: SplineDesign
-    noise: float
-    hidden: Float[Array, "interval"]
-    own: int
-    order: Int[Integers, "time"]
-    variance: Float[Array, "time"]
-    static: float = 0.0
-    lag: float = 0.0
-
-    @property
-    def grid(self) -> Grid:
-        """The knots of the splines."""
-        return self.splines.grid
-
-    def above(self, guess: Guess) -> Float[Array, "time"]:
-        """The samples minus a guess. [m], [m/s]"""
-        height, speed = (np.interp(self.time, self.grid.time, one) for one in (guess.height, guess.speed))
-        return np.asarray(self.height - np.where(self.order == 1, speed, height))
-
-    @property
-    def is_own(self) -> Flags:
-        """Which samples are heights of the log's main source."""
-        return np.arange(self.time.size) < self.own
-
-
-def samples_on(
-    grid: Grid,
-    time: Float[Array, "time"],
-    height: Float[Array, "time"],
-    noise: float,
-    push: Push | None = None,
-    sighted: Sightings | None = None,
-    lag: float = 0.0,
-) -> Samples:
-    """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
-
-    `height` and `noise` are in m, `time` and `lag` in s.
-    """
-    own = time.size
-    order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0
-    if sighted is not None:
-        near = (sighted.time > grid.time[0]) & (sighted.time < grid.time[-1])
-        time, height = np.append(time, sighted.time[near]), np.append(height, sighted.value[near])
-        order, variance = np.append(order, sighted.order[near]), np.append(variance, sighted.variance[near])
-        static = sighted.static
-    return Samples(
-        time, height, design(grid, time, order), noise, _hidden(grid, push), own, order, variance, static, lag
-    )
-
-
-def _hidden(grid: Grid, push: Push | None) -> Float[Array, "interval"]:
-    """Process noise of the acceleration around the values filled in during saturation: as large as their average, for
-    as long as the saturation lasted. [m^2/s^5]"""
-    if push is None or push.full is None or not push.full.any():
-        return np.zeros(grid.count)
-    reach = max(grid.step, median_step(push.time))
-    near = np.interp(grid.middles, push.time, push.full) + sum(
-        np.interp(grid.middles + away, push.time, push.full) for away in (-reach, reach)
-    )
-    lasts = float(push.full.sum()) * median_step(push.time)
-    return np.where(near > 0, max(push.missed, GRAVITY) ** 2 / max(lasts, 2 * reach), 0.0)
 
 
 def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
@@ -139,6 +52,15 @@ def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
     pad = middle < (marks.lift - max(0.05, grid.step) if marks.lift is not None else -np.inf)
     opens = (middle > marks.charge - 2 * grid.step) & (middle < marks.charge + _OPENING_TIME)
     return np.select([pad, thrust, opens, middle < marks.released], [0, 1, 4, 2], 3)
+
+
+def lags(grid: Grid, marks: Marks, lag: float) -> Float[Array, "interval"]:
+    """Lag that counts in each interval: from lift-off until the samples have followed the rocket after burnout. [s]
+
+    In the smooth parts of a flight, what lags is as smooth as what does not.
+    """
+    follows = (grid.middles > (marks.lift or grid.start)) & (grid.middles < marks.burnout + _FOLLOWED * lag)
+    return np.where(follows, lag, 0.0)
 
 
 def noise_variance(
@@ -165,18 +87,41 @@ class FittedCurve:
     coast: float
     opening: float
 
-    def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
-        """Fit the curve around another guess with the same settings."""
-        wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
-        return fit(samples.splines, samples.above(guess), 1 / self.variance, wander + samples.hidden)
+    def again(
+        self, samples: Samples, guess: Guess, marks: Marks, lag: float, error: Float[Array, "time"] | None = None
+    ) -> "FittedCurve":
+        """Fit the curve around another guess and for another lag of the samples [s], with the same settings.
+
+        `error` is one that the samples may have in common. [m]
+        """
+        wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening) + samples.hidden
+        height, late = samples.above(guess, lag), lags(samples.grid, marks, lag)
+        return replace(self, curve=fit(samples.splines, height, 1 / self.variance, wander, late, error))
+
+    def evidence(self, samples: Samples, guess: Guess, marks: Marks, lag: float, static: float) -> float:
+        """Log evidence of another guess and another lag of the samples [s], with the same settings; -inf if none fits.
+
+        `static` is the standard deviation of the airframe's pressure error, as a fraction of the dynamic pressure.
+        """
+        error = static * self.ram(samples, guess, marks, lag) if static > 0 else None
+        try:
+            return self.again(samples, guess, marks, lag, error).curve.evidence
+        except np.linalg.LinAlgError:
+            return -np.inf
+
+    def ram(self, samples: Samples, guess: Guess, marks: Marks, lag: float) -> Float[Array, "time"]:
+        """Height of the dynamic pressure at each sample, v²/2g behind a lag [s]. [m]"""
+        shown = lagged(guess.speed**2 / (2 * GRAVITY), 0.0, samples.grid.step, lag)
+        flies = samples.is_own & (samples.time < marks.released)
+        return np.asarray(flies * np.interp(samples.time, samples.grid.time, shown))
 
 
-def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
+def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float = 0.0) -> FittedCurve:
     """The most probable curve through the residuals of the guess, fitted robustly, and the noise of a sample.
 
-    `fused` if the guess has the shape of an accelerometer.
+    `fused` if the guess has the shape of an accelerometer; `lag` is the time constant by which samples are late [s].
     """
-    model = _model(samples, guess, fused, marks)
+    model = _model(samples, guess, fused, marks, lag)
     settings, weight = model.centre, np.ones(samples.time.size)
     for tries in (45, 30, 20):
         for _ in range(4):
@@ -212,6 +157,7 @@ class _Model:
     early: Flags
     known: Float[Array, "time"]
     opening: float
+    late: Float[Array, "interval"]
     centre: Float[Array, "four"]
     spread: Float[Array, "four"]
 
@@ -224,7 +170,9 @@ class _Model:
     def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the residuals."""
         wander = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
-        return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander + self.samples.hidden)
+        return fit(
+            self.samples.splines, self.rest, weight / self.variance(settings), wander + self.samples.hidden, self.late
+        )
 
     def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
         """Residuals after the curve. [m]"""
@@ -244,16 +192,17 @@ class _Model:
         return nelder_mead(lambda settings: self.cost(settings, weight), simplex, tries)
 
 
-def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
+def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float) -> _Model:
     """The model of a flight; if an accelerometer gives the shape, the process noise is smaller."""
     phase = phases(samples.grid, marks)
     return _Model(
         samples,
-        samples.above(guess),
+        samples.above(guess, lag),
         phase,
         phase[np.minimum(samples.splines.rows.first, phase.size - 1)] == 1,
         _ram(samples, guess, fused) ** 2 + _blur(samples, guess, marks) ** 2 + _gas(samples.time, marks.charge) ** 2,
         _opening(samples.grid, guess, marks.charge),
+        lags(samples.grid, marks, lag),
         np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, samples.noise, 1.5]),
         np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7]),
     )

@@ -5,6 +5,10 @@ The height is a cubic spline on evenly spaced knots. Between knots its accelerat
 Ansley 1987); `process_noise` may change from phase to phase. Observations are heights with normal errors; Student's t
 errors are handled by weights that are updated after each fit (Lange, Little and Taylor 1989). All matrices are banded,
 so the cost of a fit is proportional to the number of knots.
+
+A filter or small vents may make the samples late by a first-order lag T. They then show a height m, and the rocket has
+the height h = m + T dm/dt. The spline is m, and the random walk is the acceleration of h: over an interval it gains
+what the acceleration of m gains, plus T times the change of the third derivative of m.
 """
 
 from dataclasses import dataclass
@@ -14,8 +18,8 @@ import numpy as np
 from fieldkit.shapes import Array, Float, Int, Integers
 
 _DEGREE = 3
-_THIRD = (-1, 3, -3, 1)
-"""Coefficients of the third derivative of a spline."""
+_THIRD, _FOURTH = (-1, 3, -3, 1), (1, -4, 6, -4, 1)
+"""Coefficients of the third derivative of a spline, and of its change from one interval to the next."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,8 +58,15 @@ def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
         0: [(1 - u) ** 3 / 6, (3 * u**3 - 6 * u**2 + 4) / 6, (-3 * u**3 + 3 * u**2 + 3 * u + 1) / 6, u**3 / 6],
         1: [-((1 - u) ** 2) / 2, (3 * u**2 - 4 * u) / 2, (-3 * u**2 + 2 * u + 1) / 2, u**2 / 2],
         2: [1 - u, 3 * u - 2, 1 - 3 * u, u],
+        3: [np.full(u.size, float(one)) for one in _THIRD],
     }[order]
     return SplineRows(first, np.stack(table, axis=-1) / grid.step**order)
+
+
+def unlagged(grid: Grid, time: Float[Array, "time"], order: int, lag: float) -> SplineRows:
+    """The splines of what samples with a first-order lag [s] show: the curve, or a derivative, before the lag."""
+    rows = basis(grid, time, order)
+    return SplineRows(rows.first, rows.value + lag * basis(grid, time, order + 1).value) if lag else rows
 
 
 def apply(rows: SplineRows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
@@ -101,15 +112,14 @@ class WeightedSums:
 class SplineDesign:
     """The splines of the samples, and the sums that turn weights into normal equations.
 
-    `sums` adds up the samples' contribution to each coefficient, `products` their contribution to each pair of
-    neighbors in band form, and `jumps` the intervals' contribution to the third derivative.
+    `sums` adds up the samples' contribution to each coefficient, and `products` their contribution to each pair of
+    neighbors in band form.
     """
 
     grid: Grid
     rows: SplineRows
     sums: WeightedSums
     products: WeightedSums
-    jumps: WeightedSums
 
 
 def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] | None = None) -> SplineDesign:
@@ -120,11 +130,9 @@ def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] 
     rows = basis(grid, time)
     if order is not None and order.any():
         rows = SplineRows(rows.first, np.where(order[:, None] == 1, basis(grid, time, 1).value, rows.value))
-    size, interval = grid.count + _DEGREE, np.arange(grid.count)
+    size = grid.count + _DEGREE
     pairs = [(j, k) for j in range(_DEGREE + 1) for k in range(j + 1)]
-    band = (_DEGREE + 1) * size
     values = rows.value.T
-    bend = np.array([[float(_THIRD[j] * _THIRD[k])] for j, k in pairs])
     return SplineDesign(
         grid,
         rows,
@@ -132,10 +140,51 @@ def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] 
         WeightedSums(
             np.stack([(j - k) * size + rows.first + k for j, k in pairs]),
             np.stack([values[j] * values[k] for j, k in pairs]),
-            band,
+            (_DEGREE + 2) * size,
         ),
-        WeightedSums(np.stack([(j - k) * size + interval + k for j, k in pairs]), bend, band),
     )
+
+
+def _walk(weight: Float[Array, "interval"], lag: Float[Array, "interval"]) -> Float[Array, "band knot"]:
+    """Precision of the coefficients, in band form, if the acceleration is a random walk; `lag` in intervals.
+
+    A window of five coefficients begins one before each interval. In the first one, which lacks that, no lag counts.
+    """
+    still, change = np.array((0, *_THIRD), float), np.array(_FOURTH, float)
+    lag = np.concatenate(([0.0], lag[1:]))
+    mixed = np.outer(still, change) + np.outer(change, still)
+    parts = [(weight, np.outer(still, still)), (weight * lag, mixed), (weight * lag**2, np.outer(change, change))]
+    band = np.zeros((still.size, weight.size + still.size - 1))
+    for counted, products in parts if lag.any() else parts[:1]:
+        for apart in range(still.size):
+            band[apart, : band.shape[1] - apart] += np.convolve(counted, np.diag(products, apart))
+    return band[:, 1:]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Misfit:
+    """Deviations of a curve from samples and from the process, and their weights."""
+
+    samples: SplineDesign
+    precision: Float[Array, "time"]
+    weight: Float[Array, "interval"]
+    lag: Float[Array, "interval"]
+
+    def deviations(
+        self, height: Float[Array, "time"], curve: Float[Array, "knot"]
+    ) -> tuple[Float[Array, "time"], Float[Array, "interval"]]:
+        """Of heights from a curve [m], and steps of its acceleration, as third differences [m]."""
+        steps = np.diff(curve, 3)
+        steps[1:] += self.lag[1:] * np.diff(steps)
+        return height - apply(self.samples.rows, curve), steps
+
+    def product(
+        self,
+        one: tuple[Float[Array, "time"], Float[Array, "interval"]],
+        other: tuple[Float[Array, "time"], Float[Array, "interval"]],
+    ) -> float:
+        """Weighted product of two such deviations; differences of large sums would be inaccurate. [1]"""
+        return float(self.precision @ (one[0] * other[0]) + self.weight @ (one[1] * other[1]))
 
 
 def fit(
@@ -143,28 +192,38 @@ def fit(
     height: Float[Array, "time"],
     precision: Float[Array, "time"],
     process_noise: Float[Array, "interval"],
+    lag: Float[Array, "interval"] | None = None,
+    error: Float[Array, "time"] | None = None,
 ) -> CurvePosterior:
     """The posterior of the curve. Raises LinAlgError if the samples are too noisy for one to exist.
 
     `precision` is one over the variance of each height [1/m^2], zero for a sample that does not count; `process_noise`
-    is the variance that acceleration gains per second in each interval [m^2/s^5].
+    is the variance that acceleration gains per second in each interval [m^2/s^5]; `lag` is the time constant by which
+    the acceleration that walks is ahead of that of the curve [s]. An `error` [m] times an unknown standard normal
+    factor, which heights have in common, lowers the evidence but leaves the curve as it is.
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 
     weight = 1 / (process_noise * samples.grid.step**5)
-    band = (samples.products.of(precision) + samples.jumps.of(weight)).reshape(_DEGREE + 1, -1)
+    intervals = np.zeros(weight.size) if lag is None else lag / samples.grid.step
+    band = samples.products.of(precision).reshape(_DEGREE + 2, -1) + _walk(weight, intervals)
     band[0] += 1e-9  # for parts of the curve without samples
-    right = samples.sums.of(precision * height)
     factor, wrong = dpbtrf(band, lower=1)
     if wrong or not np.isfinite(factor[0]).all():
         raise np.linalg.LinAlgError("no curve can be fitted to these samples")
-    mean, _ = dpbtrs(factor, right, lower=1)
-    counted = precision > 0
+    mean, _ = dpbtrs(factor, samples.sums.of(precision * height), lower=1)
+    counted, misfit = precision > 0, _Misfit(samples, precision, weight, intervals)
+    left = misfit.deviations(height, mean)
     evidence = 0.5 * (
         np.log(precision[counted]).sum()
         + np.log(weight).sum()
+        + 2 * np.log1p(intervals[1:]).sum()
         - 2 * np.log(factor[0]).sum()
-        - (precision * height**2).sum()
-        + mean @ right
+        - misfit.product(left, left)
     )
+    if error is not None:  # the misfit is quadratic in the factor, so the integral over it is known
+        moved, _ = dpbtrs(factor, samples.sums.of(precision * error), lower=1)
+        shared = misfit.deviations(error, moved)
+        bend = misfit.product(shared, shared)
+        evidence += 0.5 * (misfit.product(shared, left) ** 2 / (1 + bend) - np.log1p(bend))
     return CurvePosterior(samples.grid, mean, factor, float(evidence))

@@ -10,7 +10,7 @@ from bench.recorders.__main__ import main
 from bench.recorders.flights import draw
 from bench.recorders.judge import Miss, cells, judged, read, table
 from bench.recorders.models import RECORDERS
-from bench.recorders.record import written
+from bench.recorders.record import receiver_drift, written
 
 SOME = (
     "5 Hz feet",
@@ -73,3 +73,11 @@ def test_a_bench_that_was_cut_short_continues_where_it_was(tmp_path: Path, capsy
     assert kept.read_text() == first
     with pytest.raises(SystemExit):
         main(["--flights", "2", "--keep", str(kept), "--only", "5 Hz feet"])
+
+
+def test_a_receiver_drifts_as_much_on_the_pad_as_in_flight() -> None:
+    """Its drift began long before the log, so its size does not depend on the time since then."""
+    random, when = np.random.default_rng(5), np.arange(0.0, 30.0, 0.2)
+    drifts = np.array([receiver_drift(when, RECORDERS["satellites 5 Hz"], random) for _ in range(300)])
+    early, late = drifts[:, :5].std(), drifts[:, -5:].std()
+    assert early == pytest.approx(late, rel=0.15)

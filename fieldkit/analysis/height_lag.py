@@ -1,0 +1,79 @@
+"""The lag of heights behind the flight: a filter in the logger, or vents too small for the bay.
+
+A lag cannot be seen in a coast, which it only shifts in time. It shows at lift-off and burnout: if the heights are
+corrected for too small a lag, thrust seems to fade over seconds after burnout, and for too large a lag, the drag seems
+to be much greater just after burnout than later. So each lag has a likelihood (`fieldkit.analysis.ascent`), and the
+figures are averaged over the lags.
+
+Source: the BMP280 datasheet (Bosch, BST-BMP280-DS001, 3.3.3), whose filters have time constants of 0.06 to 0.6 s at 25
+samples per second. A bay with one port of 1/4 inch per 100 cubic inches, the rule of altimeter manuals, has far less:
+by Bernoulli's equation its heights are low by w^2 / 2g at the speed w = v V / (A H) of the air in the port, with V/A =
+52 m and H = 12 km, the scale height of adiabatic changes. That is 0.1 ms at v = 100 m/s, and it grows as 1/A^2.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.liftoff import sooner
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.possible import known_well
+from fieldkit.analysis.records import Event, Figure, Recorded
+
+_LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
+"""Lags to try. [s]"""
+_TYPICAL_LAG = 0.05
+"""Scale of the half-Cauchy prior of a lag: half of all loggers are below it, one in six has more than 0.2 s. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Lag:
+    """A lag that heights may have [s], its prior probability [1], and lift-off if they have it."""
+
+    lag: float
+    prior: float
+    lift: Event | None = None
+
+
+NO_LAG = Lag(0.0, 1.0)
+"""Heights that are on time."""
+
+
+def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag]:
+    """The lags that heights may have if only they show the boost; near the speed of sound shocks hide them."""
+    if lift is None or not track.pressed or seen.transonic:
+        return [replace(NO_LAG, lift=lift)]
+    edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
+    prior = np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
+    lifts = sooner(lift, track, seen, _LAGS)
+    return [Lag(*one) for one in zip(_LAGS, prior.tolist(), lifts, strict=True)]
+
+
+def averaged(every: Sequence[Recorded], weights: Sequence[float]) -> Recorded:
+    """The most probable of some measurements of one flight, with figures and events averaged over all of them."""
+    best = every[int(np.argmax(weights))]
+    figures = {name: _mean([one.figures.get(name) for one in every], weights) for name in best.figures}
+    if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
+        mean = figures["top_speed"].value / figures["burn_time"].value
+        figures["avg_accel"] = replace(figures["avg_accel"], value=mean)
+    events = {name: _moment([one.events.get(name) for one in every], weights) for name in best.events}
+    known, unknown = known_well(figures)
+    return replace(best, figures=known, events=events, notes=(*best.notes, *unknown))
+
+
+def _mean(every: Sequence[Figure | None], weights: Sequence[float]) -> Figure:
+    """Mean and standard deviation of a mixture of figures; those that lack it do not count."""
+    known = [(one, weight) for one, weight in zip(every, weights, strict=True) if one is not None and weight > 0]
+    share = np.array([weight for _, weight in known]) / sum(weight for _, weight in known)
+    value, sd = (np.array([getattr(one, part) for one, _ in known]) for part in ("value", "sd"))
+    mean = float(share @ value)
+    source = max(known, key=lambda pair: pair[1])[0].source
+    return Figure(mean, float(np.sqrt(share @ (sd**2 + (value - mean) ** 2))), source)
+
+
+def _moment(every: Sequence[Event | None], weights: Sequence[float]) -> Event:
+    """Mean and standard deviation of a mixture of events."""
+    found = _mean([Figure(one.time, one.sd, one.source) if one else None for one in every], weights)
+    return Event(found.value, found.sd, found.source)

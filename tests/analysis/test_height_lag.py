@@ -1,0 +1,109 @@
+"""Heights that a filter or small vents delay: the measurements are averaged over the lag."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import NO_FLIGHT, Event, Figure, Recorded, measure
+from fieldkit.analysis.height_lag import averaged
+from fieldkit.analysis.initial_guess import lagged
+from fieldkit.analysis.smooth import Grid, design, fit
+from fieldkit.flight import Series
+from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, Truth, fly, log
+
+READOUTS = ("apogee", "top_speed", "burn_time", "avg_accel", "time_to_apogee", "coast_to_apogee", "duration")
+
+
+def recording(truth: Truth) -> tuple[Series, ...]:
+    """A log of the barometer alone."""
+    return log(truth, Logger(), np.random.default_rng(2))
+
+
+def behind(series: Series, lag: float) -> Series:
+    """The heights of a recording behind a first-order filter."""
+    assert series.altitude is not None
+    fine = np.arange(series.time[0], series.time[-1], 0.002)
+    height = np.interp(fine, series.time, series.altitude)
+    return replace(series, altitude=np.interp(series.time, fine, lagged(height, float(height[0]), 0.002, lag)))
+
+
+@pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
+@pytest.mark.parametrize("lag", [0.25, 0.4])
+def test_small_vents_move_no_readout_by_more_than_it_claims(rocket: Rocket, lag: float) -> None:
+    truth = fly(rocket)
+    figures = measure([behind(recording(truth)[0], lag)]).figures
+    right = truth.readouts()
+    assert {name for name in READOUTS if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd} == set()
+    assert figures["burn_time"].value == pytest.approx(right["burn_time"], rel=0.25)
+
+
+def test_heights_that_are_on_time_stay_on_time() -> None:
+    truth = fly(LARGE)
+    found = measure(recording(truth)).figures["time_to_apogee"]
+    assert found.value == pytest.approx(truth.readouts()["time_to_apogee"], abs=0.15)
+    assert found.sd < 0.2
+
+
+def test_a_lag_shows_a_ramp_late_by_itself() -> None:
+    time = np.arange(0.0, 3.0, 0.01)
+    shown = lagged(20 * time, 0.0, 0.01, 0.2)
+    assert shown == pytest.approx(20 * (time - 0.2 + 0.2 * np.exp(-time / 0.2)), abs=1e-9)
+
+
+def test_the_evidence_of_a_lag_is_that_of_the_dense_matrices() -> None:
+    """If samples show m, the third differences of the heights ahead of the lag have independent errors."""
+    random = np.random.default_rng(3)
+    grid = Grid(0.0, 0.1, 30)
+    time, noise, lag = np.sort(random.uniform(0, 3, 80)), 50.0, np.where(np.arange(30) > 4, 0.25, 0.0)
+    samples, height, error = design(grid, time), 5 * random.standard_normal(80), random.standard_normal(80)
+    rows = np.zeros((80, 33))
+    for place in range(4):
+        rows[np.arange(80), samples.rows.first + place] = samples.rows.value[:, place]
+
+    def dense(late: np.ndarray, extra: np.ndarray) -> float:
+        walk = np.diff(np.eye(33), 3, axis=0)
+        walk[1:] += (late / grid.step)[1:, None] * np.diff(walk, axis=0)
+        walk /= np.sqrt(noise * grid.step**5)
+        certain = np.linalg.inv(np.eye(80) / 4 + np.outer(extra, extra))
+        precision = walk.T @ walk + rows.T @ certain @ rows
+        right = rows.T @ certain @ height
+        misfit = height @ certain @ height - right @ np.linalg.solve(precision, right)
+        sizes = [np.linalg.slogdet(one)[1] for one in (walk @ walk.T, certain, precision)]
+        return float(sizes[0] + sizes[1] - sizes[2] - misfit) / 2
+
+    def found(late: np.ndarray | None, extra: np.ndarray | None) -> float:
+        return fit(samples, height, np.full(80, 4.0), np.full(30, noise), late, extra).evidence
+
+    none = np.zeros(80)
+    assert found(lag, error) - found(lag, None) == pytest.approx(dense(lag, error) - dense(lag, none), abs=1e-4)
+    assert found(lag, None) - found(None, None) == pytest.approx(dense(lag, none) - dense(0 * lag, none), abs=1e-4)
+
+
+def test_samples_too_noisy_for_a_second_curve_are_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The accelerometer contradicts the heights at the top, and no curve fits the heights alone."""
+    module = sys.modules["fieldkit.analysis.measure"]
+    fitted = module.ascend  # type: ignore[attr-defined]
+
+    def ascend(track: object, push: object, *others: object) -> object:
+        if push is None:
+            raise np.linalg.LinAlgError
+        return fitted(track, push, *others)
+
+    monkeypatch.setattr(module, "ascend", ascend)
+    monkeypatch.setattr(module, "_misses_the_top", lambda *_: True)
+    found = measure(log(fly(SMALL), Logger(accelerometer=100.0), np.random.default_rng(2)))
+    assert found.notes == (NO_FLIGHT,)
+
+
+def test_figures_are_averaged_with_the_spread_between_them() -> None:
+    def recorded(speed: float, burn: float) -> Recorded:
+        figures = {"top_speed": Figure(speed, 3.0, "pressure"), "burn_time": Figure(burn, 0.1, "pressure")}
+        return Recorded({"burnout": Event(burn, 0.1, "pressure")}, figures)
+
+    found = averaged([recorded(100.0, 1.0), recorded(80.0, 2.0)], [0.75, 0.25])
+    assert found.figures["top_speed"].value == 95.0
+    assert found.figures["top_speed"].sd == pytest.approx(np.sqrt(9 + 0.75 * 25 + 0.25 * 225))
+    assert found.events["burnout"].time == 1.25
+    assert found.events["burnout"].sd == pytest.approx(np.sqrt(0.01 + 0.75 * 0.0625 + 0.25 * 0.5625))
