@@ -55,21 +55,12 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
             floor = float(level[there & push.full].min()) - push.missed
             lasts = float(push.full[there].sum()) * median_step(push.time)
             filled = float(level[there & push.full].mean())
-            peak = _smoothed_peak(ascent, inside, mean, hidden, (filled, lasts))
-            return _of_log_normal(_above(peak, max(floor, GRAVITY)))
-    return _of_log_normal(_smoothed_peak(ascent, inside, mean)) if inside.any() else None
-
-
-def _of_log_normal(peak: Figure) -> Figure:
-    """Mean and standard deviation of a peak whose logarithm is normal, from its median and relative spread: thrust
-    curves have a long tail of high peaks."""
-    variance = (peak.sd / peak.value) ** 2
-    value = float(peak.value * np.exp(variance / 2))
-    return Figure(value, float(value * np.sqrt(np.expm1(variance))), peak.source)
+            return _above(_smoothed_peak(ascent, inside, mean, hidden, (filled, lasts)), max(floor, GRAVITY))
+    return _smoothed_peak(ascent, inside, mean) if inside.any() else None
 
 
 def _above(peak: Figure, floor: float) -> Figure:
-    """Median and spread of a peak that is at least the end of the range: its log-normal distribution, truncated."""
+    """A peak known to be at least the end of the range: the normal distribution of its logarithm, truncated there."""
     spread = peak.sd / peak.value
     logs = np.log(peak.value) + spread * np.linspace(-5, 5, 2001)
     logs = logs[logs >= np.log(floor)]
@@ -112,7 +103,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
 def _smoothed_peak(
     ascent: Ascent, inside: Flags, mean: Figure, hidden: Flags | None = None, filled: tuple[float, float] = (0.0, 0.0)
 ) -> Figure:
-    """Median and spread of the peak from heights only: that of the curve, times what motors have beyond its window.
+    """Peak from heights only: that of the curve, times what motors have beyond a window as long as the curve resolves.
 
     If an accelerometer was saturated in the samples `hidden`, `filled` is the mean there [m/s^2] and how long it lasted
     [s]. Disturbed pressure at high speed creates peaks that no motor has. If the curve's peak differs from what motors
