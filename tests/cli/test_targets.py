@@ -327,7 +327,6 @@ READERS = {
     "plugins.py": "cards that come along",
     "cli/main.py": "nothing, in place of a stream that was closed",
     "cli/docs.py": "pages that come along",
-    "cli/main.py": "the null device",
     "cli/demo.py": "a ledger",
     "cli/completing.py": "a ledger",
     "cli/session.py": "a ledger",
