@@ -2,8 +2,9 @@
 brings the landing closest to the pad."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -48,16 +49,22 @@ TRIED_DRAWS = 300
 class Landing:
     """The landing points of a forecast: draws downwind of the pad and to the right of that [m], and the descent.
 
-    `drift` is the drift of the descent per m/s of wind at the pad [s]; without a `wind`, only `drift` is known, and
-    `along` and `across` assume no wind.
+    `down_in` gives the descent of the same draws in another wind. Without a `wind`, only `drift` is known, and `along`
+    and `across` assume no wind.
     """
 
     along: Float[Array, "draw"]
     across: Float[Array, "draw"]
     duration: Float[Array, "draw"]
     down: DescentResult
-    drift: Float[Array, "draw"]
+    down_in: Callable[[WindProfile], DescentResult]
     wind: float | None
+
+    @property
+    def drift(self) -> Float[Array, "draw"]:
+        """Drift of the descent per m/s of wind at the pad. [s]"""
+        calm, breeze = (self.down_in(WindProfile(wind)).along for wind in (0.0, 1.0))
+        return breeze - calm
 
     @property
     def away(self) -> Float[Array, "draw"]:
@@ -134,15 +141,15 @@ def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
     rng = np.random.default_rng(seed)
     count = len(said.apogee)
     speed = fall.speeds(rng, (count, 1), landing_mass(said.plan, said.found), air_of(said.plan).density)[:, 0]
-    down = descents(said, fall, speed)
+    down_in = partial(descents, said, fall, speed)
+    down = down_in()
     stronger = np.exp(WIND_SPEED_SD * rng.normal(size=count))
     turned = WIND_DIRECTION_SD * rng.normal(size=count)
     climb = np.exp((CLIMB_SD if stability(said.plan) else CLIMB_SD_OF_UNKNOWN_STABILITY) * rng.normal(size=count))
     along = climb * np.nan_to_num(said.drift) + stronger * (down.along * np.cos(turned) - down.across * np.sin(turned))
     sideways = np.broadcast_to(np.nan_to_num(said.across), (count,))
     across = climb * sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
-    calm, breeze = (descents(said, fall, speed, WindProfile(wind)).along for wind in (0.0, 1.0))
-    return Landing(along, across, said.rise_time + down.time, down, breeze - calm, said.plan.wind)
+    return Landing(along, across, said.rise_time + down.time, down, down_in, said.plan.wind)
 
 
 @dataclass(frozen=True, slots=True)

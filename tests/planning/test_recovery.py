@@ -26,7 +26,7 @@ from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.landing import RailChoice, landing, rail_choices, wind_that_holds
+from fieldkit.planning.landing import TRIED_DRAWS, RailChoice, landing, rail_choices, wind_that_holds
 from fieldkit.planning.limits import limits
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
@@ -185,7 +185,9 @@ def test_up_to_the_wind_that_holds_landings_stay_on_the_field(size: float, chang
     plan = PLAN.with_changes(wind=None, **changes)
     wind = wind_that_holds(NEW, plan, FOUND, size)
     (said,) = forecasts(NEW, [(plan.with_changes(wind=wind), FOUND)], draws=1000)
-    assert np.mean(landing(said, fall_of([], plan, FOUND)).away <= size / 2) == pytest.approx(0.95, abs=0.025)
+    stay = np.mean(landing(said, fall_of([], plan, FOUND)).away <= size / 2)
+    by_chance = np.sqrt(0.95 * 0.05 * (1 / TRIED_DRAWS + 1 / 1000))  # of the two sets of draws
+    assert stay == pytest.approx(0.95, abs=3 * by_chance)
 
 
 def test_no_wind_keeps_a_leaning_rocket_on_a_small_field_and_any_wind_a_fast_one_on_a_large_field() -> None:

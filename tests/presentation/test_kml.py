@@ -39,7 +39,7 @@ def test_a_landing_is_a_pad_a_middle_an_ellipse_and_some_of_the_draws() -> None:
     along, across = 300 + 40 * rng.normal(size=200), 20 * rng.normal(size=200)
     down = DescentResult(*[np.ones(200)] * 7)
     content = landing_kml(
-        "<Comet> & \x1b[31m", Landing(along, across, np.ones(200), down, np.ones(200), 4.0), (47.5, 8.7), 270.0
+        "<Comet> & \x1b[31m", Landing(along, across, np.ones(200), down, lambda _: down, 4.0), (47.5, 8.7), 270.0
     )
     found = coordinates(content)
     assert found[0] == [(8.7, 47.5)]
