@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import AmbiguousMotor, BadValue, DamagedLog, UnknownMotor
+from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
@@ -110,16 +110,16 @@ def _tagged(flight: Flight) -> Flight:
 
 
 def _weighed(flight: Flight, reading: Reading) -> Flight:
-    """A flight with its dry mass, if only the lift-off mass is stated. Raises DamagedLog if the result is not
-    positive."""
-    if reading.liftoff_mass is None or flight.dry_mass is not None or not flight.motor:
+    """A flight with its dry mass, if only the lift-off mass is stated; with an unknown motor, the stated mass stays an
+    extra column. Raises DamagedLog if the result is not positive."""
+    if reading.liftoff_mass is None or flight.dry_mass is not None:
         return flight
     from fieldkit.motors import catalogue
 
     try:
-        loaded = catalogue().find(flight.motor).motor.loaded_mass
-    except (UnknownMotor, AmbiguousMotor):
-        return flight
+        loaded = catalogue().resolve_several(flight.motor).motor.loaded_mass
+    except UnknownMotor:
+        return flight.with_changes(extra={**flight.extra, "liftoff_mass_g": f"{1000 * reading.liftoff_mass:g}"})
     if reading.liftoff_mass <= loaded:
         found = f"found a lift-off mass of {1000 * reading.liftoff_mass:.0f} g"
         raise DamagedLog(

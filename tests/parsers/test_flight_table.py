@@ -436,6 +436,21 @@ def test_a_list_of_launches_by_others_is_one_of_flights() -> None:
     assert "liftoff_mass" in {column.channel for column in got.recognition.columns}
 
 
+@pytest.mark.parametrize("motor", ["homemade", ""])
+def test_a_lift_off_mass_with_an_unknown_motor_is_kept_as_it_was(motor: str) -> None:
+    (flight,) = intake(f"engine,liftoff_mass_g,altitude_m\n{motor},650.5,245.3\n").flights
+    assert flight.dry_mass is None
+    assert flight.extra["liftoff_mass_g"] == "650.5"
+
+
+def test_a_cluster_is_subtracted_from_a_lift_off_mass() -> None:
+    one, two = (
+        intake(f"engine,liftoff_mass_g,altitude_m\n{motor},250,245.3\n").flights[0].dry_mass or 0.0
+        for motor in ("C6-5", "2 x C6-5")
+    )
+    assert 0.25 - two == pytest.approx(2 * (0.25 - one))
+
+
 def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
     (flight,) = intake("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
     assert flight.date_time is None
