@@ -269,7 +269,7 @@ def test_a_mawd_is_captured_and_imported_and_importing_it_again_changes_nothing(
     assert Path(document["file"]).parent == folder
     assert main(["flights", "--json"]) == 0
     (flight,) = json.loads(capsys.readouterr().out)["flights"]
-    assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.001)
+    assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.005)  # a jump into flight looks like a lag
     assert flight["rocket"] == "Astra"
     assert main(["import", "--set", "rocket=Astra", "--json", document["file"]]) == 0
     again = json.loads(capsys.readouterr().out)
