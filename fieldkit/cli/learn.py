@@ -1,9 +1,10 @@
 """`fieldkit learn`: fit how much rockets, motors and flights vary, from the exports of several flyers."""
 
+from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,9 +21,11 @@ app = typer.Typer()
 @app.command()
 def learn(
     exports: Annotated[
-        list[Path],
-        typer.Argument(help="One flight table per flyer, or a folder of one flyer's files.", exists=True),
-    ],
+        list[Path] | None,
+        typer.Argument(
+            help="One flight table per flyer, or a folder of one flyer's files.", exists=True, show_default=False
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", help="Write the card to this file.", show_default="the screen"),
@@ -49,6 +52,17 @@ def learn(
             show_default=False,
         ),
     ] = None,
+    high_power: Annotated[
+        Path | None,
+        typer.Option(
+            "--high-power",
+            metavar="FILE",
+            help="Also fit how closely high-power flights follow their simulation, to a table of first flights with "
+            "the columns diameter_mm, motor, apogee_m, peak_mach and predicted_..._m (what a design program forecast).",
+            exists=True,
+            show_default=False,
+        ),
+    ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -61,28 +75,36 @@ def learn(
 
     from fieldkit.files import replace as replace_file
     from fieldkit.files import write
+    from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers
     from fieldkit.paths import hyperprior_file
     from fieldkit.services.learn import check as left_out
     from fieldkit.services.learn import learn as learned_from
     from fieldkit.services.learn import read_flyer, scores
+    from fieldkit.services.learn_high_power import learn_from_table, read_table
 
+    if not exports and not high_power:
+        raise typer.BadParameter("found no tables, expected at least one, or --high-power FILE")
     force = settled(out, force) if out else force
-    motors = known_motors()
-    flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
+    motors, found = known_motors(), START if from_start else learned()
+    flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports or ()]
     for line in (line for flyer in flyers for line in flyer.left_out):
         remark(line)
-    with progress("learning") as on_progress:
-        found = learned_from(
-            flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress
-        )
-    if check:
+    if flyers:
+        with progress("learning") as on_progress:
+            found = learned_from(
+                flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress
+            )
+    if check and flyers:
         with (
             workers(cluster) if cluster else nullcontext() as pool,
             progress("cross-validating each rocket") as on_progress,
         ):
             checked = left_out(flyers, found, from_start=from_start, pool=pool, on_progress=on_progress)
         found = replace(found, about={**found.about, "scores": scores(checked)})
+    if high_power:
+        with progress("learning from high-power flights"):
+            found = learn_from_table(read_table(high_power, motors), found)
     text = dumps(found.json(), indent=1, sort_keys=False)
     if out:
         write(out, (text + "\n").encode(), force=force)
@@ -100,13 +122,12 @@ def learn(
 
 def _print(found: "Hyperprior") -> None:
     """Print every standard deviation, and the cross-validated scores."""
-    flights = sum(one["flights"] for one in found.about["data"])
-    evidence = found.about["log_evidence"]
-    say_wrapped(
-        f"Fitted to {flights} flights of {len(found.about['data'])} flyers: log evidence "
-        f"{evidence['before']:.1f} before, {evidence['after']:.1f} after."
-    )
-    print_table(["quantity", "differs by", "sd"], [_row(name, sd) for name, sd in found.sds.items()], ["sd"])
+    for line in _fitted_to(found.about):
+        say_wrapped(line)
+    rows = [_row(name, sd) for name, sd in found.sds.items()]
+    rows.append(("drag", "design", f"{found.design_drag:.3f}"))
+    print_table(["quantity", "differs by", "sd"], rows, ["sd"])
+    say(f"Mass, thrust and apogee on high-power motors: {found.high_power:.2f} times as far")
     for flyer, tables in found.about.get("scores", {}).items():
         for title, rows in tables.items():
             say()
@@ -116,6 +137,22 @@ def _print(found: "Hyperprior") -> None:
                 [_scored(row) for row in rows],
                 ["flights", "median", "mean", "CRPS", "interval score", "coverage"],
             )
+
+
+def _fitted_to(about: Mapping[str, Any]) -> Iterator[str]:
+    """What the card was fitted to, a line each."""
+    if data := about.get("data"):
+        flights, evidence = sum(one["flights"] for one in data), about["log_evidence"]
+        yield (
+            f"Fitted to {flights} flights of {len(data)} flyers: log evidence {evidence['before']:.1f} before, "
+            f"{evidence['after']:.1f} after."
+        )
+    if high_power := about.get("high_power_flights"):
+        density = high_power["log_density"]
+        yield (
+            f"High power fitted to {high_power['flights']} first flights: log density {density['before']:.1f} before, "
+            f"{density['after']:.1f} after."
+        )
 
 
 def _row(name: str, sd: float) -> tuple[str, str, str]:

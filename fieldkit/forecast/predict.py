@@ -34,9 +34,6 @@ DRAWS = 1000
 MAX_LOG_APOGEE_RATIO = 1.5
 """Limit of the log ratio of an apogee to its expectation in a draw, because the tail of a Student t has no physical
 bound. [1]"""
-DESIGN_CD_SD = 0.2
-"""Standard deviation of the log Cd from a design program: less than the 0.35 of any rocket, but not zero, because
-paint, lugs and gaps are rarely as drawn. An expert judgment that flights soon outweigh. [1]"""
 
 
 def forecast_model(
@@ -210,7 +207,11 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
     design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains."""
     usual = model.hyperprior.sd("drag", "rocket")
-    sd = float(np.sqrt(DESIGN_CD_SD**2 + sum(term.sd**2 - usual**2 for term in model.terms if term.name == "drag")))
+    sd = float(
+        np.sqrt(
+            model.hyperprior.design_drag**2 + sum(term.sd**2 - usual**2 for term in model.terms if term.name == "drag")
+        )
+    )
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
     fleet = fleet_term("drag")

@@ -40,7 +40,8 @@ LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight",
 """Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
 sensor's samples, to which the bias of a device does not apply."""
 CARD = "hyperprior.json"
-
+DESIGN_DRAG = 0.2
+"""Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
 Kind = Literal["learned", "certified"]
 
 
@@ -54,7 +55,9 @@ class Hyperprior:
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
     `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
-    `tail` is the degrees of freedom of the Student t distribution of single flights and readings.
+    `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
+    standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
+    random effects of mass, thrust and apogee of flights on high-power motors.
     """
 
     kind: Kind
@@ -68,6 +71,8 @@ class Hyperprior:
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
     mean_sds: Mapping[str, float] = field(default_factory=dict)
+    design_drag: float = DESIGN_DRAG
+    high_power: float = 1.0
     about: Mapping[str, Any] = field(default_factory=dict)
 
     def sd(self, quantity: str, level: str) -> float:
@@ -118,6 +123,8 @@ class Hyperprior:
             "reading": {"median": self.reading.median, "log_sd": self.reading.log_sd},
             "opening_s": list(self.opening),
             "tail": self.tail,
+            "design_drag": self.design_drag,
+            "high_power": self.high_power,
         }
 
 
@@ -271,17 +278,13 @@ def read_card(text: str, name: str) -> Hyperprior:
             reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),
+            design_drag=float(card.get("design_drag", DESIGN_DRAG)),
+            high_power=float(card.get("high_power", 1.0)),
         )
     except (ValueError, RecursionError, OverflowError, KeyError, TypeError, AttributeError, IndexError) as error:
         raise DamagedModel(f"{name}: found {error!r}, expected a hyperprior as `fieldkit learn` writes it") from error
-    positive = [
-        *found.sds.values(),
-        *found.mean_sds.values(),
-        *found.fixed,
-        *found.ratio,
-        found.unknown_area,
-    ]
-    never_zero = [found.tail, found.opening[1]]
+    positive = [*found.sds.values(), *found.mean_sds.values(), *found.fixed, *found.ratio, found.unknown_area]
+    never_zero = [found.tail, found.opening[1], found.design_drag, found.high_power]
     never_zero += [end for scale in (found.scatter, found.reading) for end in (scale.median, scale.log_sd)]
     values = [*found.means.values(), found.opening[0], *positive, *never_zero]
     unknown = [key for key in found.sds if not _known(key)]

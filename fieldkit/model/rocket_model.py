@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.readout import SENSORS
+from fieldkit.model.high_power import CLOSER_AT_HIGH_POWER, departures
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -199,6 +200,8 @@ def _quantity_terms(
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean."""
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
+    if quantity in CLOSER_AT_HIGH_POWER:
+        every = departures(found, hyperprior)
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
         if logged.any():
@@ -218,7 +221,7 @@ def _quantity_terms(
             continue
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
         for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
-            weight = np.array([own == kind for own in group], float)
+            weight = every * np.array([own == kind for own in group], float)
             joint = "on" if level in ("rocket_motor", "day") else "of"
             name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
@@ -275,8 +278,9 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     Derivation: variances of independent deviations add, per flight and, if a day has no term of its own, per day.
     """
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
+    scaled = departures(model.found, model.hyperprior)
     if not day:
-        return np.full(len(model.flights), flight)
+        return flight * scaled
     names = set(model.names)
     alone = np.array([f"apogee on {own}" not in names for own in model.groups("day")])
-    return np.asarray(np.hypot(flight, day * alone))
+    return np.asarray(np.hypot(flight, day * alone) * scaled)
