@@ -13,6 +13,7 @@ import numpy as np
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.importance import sampled
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
@@ -45,6 +46,8 @@ SAMPLED_WINDOW = log(50.0)
 """Hypotheses within these log odds of the most probable one are checked by importance sampling. [nat]"""
 MAX_SAMPLED = 8
 """Maximum number of hypotheses to check. [1]"""
+MAX_REFINED = 12
+"""Maximum number of hypotheses whose scales are integrated on finer grids, to choose those to check. [1]"""
 SEED = 19
 """Seed of the draws, the same for every hypothesis."""
 
@@ -93,15 +96,12 @@ def checked(
     A hypothesis is probable if its log odds against the best are within `window`. Other places of a set get the
     correction of its best one; improbable sets get the correction of their largest checked subset.
     """
-    best = posterior.best().log_weight
-    likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
-    likely = [one for one in likely if one.log_weight > best - window][:MAX_SAMPLED]
-    likely = [posterior.best(frozenset()), *(one for one in likely if one.candidates)]
+    likely = _likely(posterior, window)
     found: dict[int, Hypothesis] = {}
     correction: dict[Members, float] = {}
-    for number, one in enumerate(likely):
+    for number, (one, fine) in enumerate(likely):
         on_progress("checking the probable ones", number / len(likely))
-        drawn = sampled(one.fit, np.random.default_rng(SEED))
+        drawn = sampled(fine, np.random.default_rng(SEED))
         correction.setdefault(one.members, drawn.log_evidence - one.fit.log_evidence)
         found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
     return SetPosterior(
@@ -110,6 +110,17 @@ def checked(
             for one in posterior.hypotheses
         )
     )
+
+
+def _likely(posterior: SetPosterior, window: float) -> list[tuple[Hypothesis, Fit]]:
+    """The plain model and the probable hypotheses, each with its fit whose scales are integrated around their mode."""
+    order = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
+    near = [one for one in order if one.log_weight > order[0].log_weight - window - SCREENING_ERROR][:MAX_REFINED]
+    near = [posterior.best(frozenset()), *(one for one in near if one.candidates)]
+    fits = [around_mode(one.fit) for one in near]
+    weight = np.array([one.log_prior + fine.log_evidence for one, fine in zip(near, fits, strict=True)])
+    rows = [row for row in np.argsort(-weight) if row and weight[row] > np.nanmax(weight) - window]
+    return [(near[row], fits[row]) for row in [0, *rows[:MAX_SAMPLED]]]
 
 
 def _checked_part(members: Members, checked_sets: Collection[Members]) -> Members:
