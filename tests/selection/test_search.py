@@ -72,6 +72,23 @@ def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit()
     assert found[0] == pytest.approx(found[1], abs=0.1)
 
 
+def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The linear fits of the plain model and of one effect alone are off by 15 and 4 nats, of better sets by 1."""
+    off = {"": 15.0, "wear": 4.0, "wear+wind": 1.0, "mass_offset+wear": 1.0}
+    linear = {"": -150.0, "wear": -5.0, "wear+wind": 0.0, "mass_offset+wear": -1.0, "wear+tip_off": -5.5, "wind": -9.0}
+
+    def hypothesis(name: str) -> Hypothesis:
+        own = SimpleNamespace(log_evidence=linear[name], model=None, name=name)
+        return Hypothesis(tuple(candidate(effect) for effect in name.split("+") if effect), own)
+
+    monkeypatch.setattr(search, "around_mode", lambda fit: fit)
+    monkeypatch.setattr(
+        search, "sampled", lambda fit, rng: SimpleNamespace(log_evidence=fit.log_evidence + off[fit.name])
+    )
+    found = checked(SetPosterior(tuple(hypothesis(name) for name in linear)), window=5.2)
+    assert [one.correction for one in found.hypotheses] == [15.0, 4.0, 1.0, 1.0, 1.0, 1.0]
+
+
 @pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])
 @pytest.mark.parametrize("beyond", [-3.0, 0.0, 40.0])
 def test_a_strength_has_the_moments_of_its_truncated_posterior(effect: str, beyond: float) -> None:

@@ -45,7 +45,8 @@ def _interval(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, f
     if not np.isfinite(log_weight).all():  # a flight cannot be simulated at this point
         return scale.range
     x, slope = np.log(scale.values), np.diff(log_weight) / np.diff(np.log(scale.values))
-    at = np.linspace(*np.log(scale.range), LATTICE)
+    first, last = scale.range
+    at = np.log(np.geomspace(first, last, LATTICE))
     segment = np.clip(np.searchsorted(x, at) - 1, 0, len(slope) - 1)
     log_density = log_weight[segment] + slope[segment] * (at - x[segment])
     below = np.cumsum(np.exp(log_density - log_density.max()))
