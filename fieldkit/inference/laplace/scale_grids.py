@@ -16,7 +16,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array, Float
 
 ROUNDS = 2
-"""Number of times the grids are moved; the first time only roughly to where the posterior is. [1]"""
+"""Number of times the grids are moved; the first time from a grid too coarse to be accurate. [1]"""
 TAIL = 1e-3
 """Posterior probability of a scale beyond each end of its grid. [1]"""
 LATTICE = 1000
