@@ -6,7 +6,7 @@ Cooper and Hauskrecht, AAAI 2015).
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +17,9 @@ BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
 """Ends of the bins of probability. [1]"""
 WORTH_SAYING = 0.05
 """Minimum probability of a case in the second error, because most effects are absent and have a low probability. [1]"""
+PRIOR_EFFECTS = 0.67
+"""Prior expected number of effects, and of unexplained patterns, in the product: ten families, each with a probability
+of 1 - 0.5^(1/10). [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +56,38 @@ def calibration_error(bins: Sequence[Bin]) -> float:
     return sum(one.cases * abs(one.expected - one.found) for one in bins) / sum(one.cases for one in bins)
 
 
+def at_their_frequency(results: Sequence[Result]) -> list[Result]:
+    """Results with the odds of every effect multiplied by one factor, the ratio of the mean number of effects in these
+    histories to `PRIOR_EFFECTS`.
+
+    By Bayes' theorem this is to first order what the probabilities would be if the product had known how common effects
+    are here.
+    """
+    present = [len(effects(one.label) - {"none"}) for one in results]
+    factor = float(np.mean(present)) / PRIOR_EFFECTS
+
+    def moved(chance: float) -> float:
+        return factor * chance / (1 - chance + factor * chance)
+
+    return [
+        replace(one, probabilities={name: moved(chance) for name, chance in one.probabilities.items()})
+        for one in results
+    ]
+
+
 def calibration_lines(results: Sequence[Result]) -> Iterator[str]:
-    """The reliability diagram as a table in Markdown, and the errors; nothing if no probabilities were given."""
+    """The reliability diagram as a table in Markdown, and the errors, as given and at the frequency of effects in these
+    histories; nothing if no probabilities were given."""
     if not cases(results):
         return
+    yield from _lines(results)
+    yield ""
+    yield "With the odds of every effect at its mean frequency in these histories:"
+    yield ""
+    yield from _lines(at_their_frequency(results))
+
+
+def _lines(results: Sequence[Result]) -> Iterator[str]:
     bins = reliability(results)
     yield "| probability | cases | mean | present |"
     yield "|---|---|---|---|"

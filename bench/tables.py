@@ -125,6 +125,8 @@ def _forecasts(results: Sequence[Result]) -> Iterator[str]:
         before = _geometric(after.interval / before.interval for before, after, _ in pairs)
         ideal = _geometric(after.interval / (IDEAL_INTERVAL * own) for _, after, own in pairs)
         yield f"interval score after relative to before: {before:.2f}, to the ideal: {ideal:.2f} (geometric mean)"
+        error = _geometric(after.mae / own for _, after, own in pairs)
+        yield f"of that from the error after relative to the ideal: {error:.2f}, from intervals: {ideal / error:.2f}"
 
 
 def _geometric(values: Iterable[float]) -> float:

@@ -2,19 +2,29 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from math import erf, log, pi, sqrt
 
 import numpy as np
 
 from fieldkit.shapes import Array, Float
 
+POINTS = 5
+"""Number of points of a grid around a posterior. [1]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A log-normal factor, integrated on a grid. [1]"""
+    """A log-normal factor between the ends of a grid, on which it is integrated. [1]
+
+    A grid around a posterior is even in the logarithm with a `step`, and its weights are prior density times step;
+    `ends` are those of the grid from which it was made. Without them, the weights of the grid add to one.
+    """
 
     grid: tuple[float, ...]
     median: float
     log_sd: float
+    step: float = 0.0
+    ends: tuple[float, float] | None = None
 
     @property
     def values(self) -> Float[Array, "scale"]:
@@ -27,20 +37,36 @@ class Scale:
         return replace(self, grid=tuple(np.sort(np.r_[values, np.sqrt(values[1:] * values[:-1])]).tolist()))
 
     @property
+    def range(self) -> tuple[float, float]:
+        """The ends of the prior, which is truncated there. [1]"""
+        return self.ends or (self.grid[0], self.grid[-1])
+
+    def between(self, low: float, high: float) -> "Scale":
+        """The same on a grid of midpoints of even intervals of the logarithm, from `low` to `high`."""
+        edges = np.linspace(np.log(low), np.log(high), POINTS + 1)
+        grid = np.exp((edges[1:] + edges[:-1]) / 2)
+        return replace(self, grid=tuple(grid.tolist()), step=float(edges[1] - edges[0]), ends=self.range)
+
+    @property
     def log_prior(self) -> Float[Array, "scale"]:
-        """Log prior weight of each value of the grid, not normalized. [nat]"""
-        return np.asarray(-0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2)
+        """Log prior weight of each value of the grid, not normalized without `ends`. [nat]"""
+        log_density = -0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2
+        if not self.ends:
+            return np.asarray(log_density)
+        low, high = np.log(np.array(self.ends) / self.median) / (self.log_sd * sqrt(2))
+        inside = self.log_sd * sqrt(pi / 2) * (erf(high) - erf(low))
+        return np.asarray(log_density + log(self.step / inside))
 
 
 @cache
 def scale_pairs(
     scatter: Scale, reading: Scale
 ) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """The scatter scale, reading scale and normalized log prior of every pair on two grids; the arrays are
-    read-only. Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
+    """The scatter scale, reading scale and log prior weight of every pair on two grids; the arrays are read-only.
+    Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
     values = np.meshgrid(scatter.values, reading.values, indexing="ij")
-    prior = (scatter.log_prior[:, None] + reading.log_prior).ravel()
-    found = values[0].ravel(), values[1].ravel(), prior - np.logaddexp.reduce(prior)
+    own = [one.log_prior - (0.0 if one.ends else np.logaddexp.reduce(one.log_prior)) for one in (scatter, reading)]
+    found = values[0].ravel(), values[1].ravel(), (own[0][:, None] + own[1]).ravel()
     for one in found:
         one.flags.writeable = False
     return found

@@ -84,7 +84,8 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
     scales = one.sampled.scales
     columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
     log_weight = said.log_weight.copy()
-    for row, again in zip(rows, refits_without(one.fit, rows), strict=True):
+    fit, left = one.sampled.fit, one.sampled.log_evidence - one.sampled.fit.log_evidence
+    for row, again in zip(rows, refits_without(fit, rows), strict=True):
         apogee = again.tangent.slope[row, 0]
         parts = (
             again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
@@ -94,7 +95,7 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
         )
         for column, part in zip(columns, parts, strict=True):
             column[:, row] = part[scales]
-        log_weight[row] = one.log_prior + one.correction + again.log_evidence
+        log_weight[row] = one.log_prior + left + again.log_evidence
     mean, known, own, weight = columns
     return _Said(mean, known, own, weight, log_weight)
 

@@ -4,7 +4,7 @@ The search only decides which sets are tried (Occam's window: Madigan and Rafter
 Association 89, 1994). Sets that are not tried get no probability; the others get theirs from their evidence.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import log
 
@@ -13,6 +13,7 @@ import numpy as np
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.importance import sampled
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
@@ -45,6 +46,8 @@ SAMPLED_WINDOW = log(50.0)
 """Hypotheses within these log odds of the most probable one are checked by importance sampling. [nat]"""
 MAX_SAMPLED = 8
 """Maximum number of hypotheses to check. [1]"""
+MAX_REFINED = 12
+"""Maximum number of hypotheses whose scales are integrated on finer grids, to choose those to check. [1]"""
 SEED = 19
 """Seed of the draws, the same for every hypothesis."""
 
@@ -90,31 +93,42 @@ def checked(
 ) -> SetPosterior:
     """The posterior with the evidence of its probable hypotheses checked by the simulator.
 
-    A hypothesis is probable if its log odds against the best are within `window`. Other places of a set get the
-    correction of its best one; improbable sets get the correction of their largest checked subset.
+    A hypothesis is probable if its log odds against the best are within `window`; the plain model is always checked.
+    The others get the least correction of the probable sets with most of their effects: far from the flights the error
+    of a linear fit may be tens of nats, so a worse set lends nothing.
     """
-    best = posterior.best().log_weight
-    likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
-    likely = [one for one in likely if one.log_weight > best - window][:MAX_SAMPLED]
-    likely = [posterior.best(frozenset()), *(one for one in likely if one.candidates)]
+    plain, likely = posterior.best(frozenset()), _likely(posterior, window)
+    every = [*likely, *([] if any(one is plain for one, _ in likely) else [(plain, around_mode(plain.fit))])]
     found: dict[int, Hypothesis] = {}
-    correction: dict[Members, float] = {}
-    for number, one in enumerate(likely):
-        on_progress("checking the probable ones", number / len(likely))
-        drawn = sampled(one.fit, np.random.default_rng(SEED))
-        correction.setdefault(one.members, drawn.log_evidence - one.fit.log_evidence)
+    for number, (one, fine) in enumerate(every):
+        on_progress("checking the probable ones", number / len(every))
+        drawn = sampled(fine, np.random.default_rng(SEED))
         found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
+    lent: dict[Members, float] = {}
+    for one, _ in likely or every:
+        lent.setdefault(one.members, found[id(one)].correction)
     return SetPosterior(
         tuple(
-            found.get(id(one)) or replace(one, correction=correction[_checked_part(one.members, correction)])
-            for one in posterior.hypotheses
+            found.get(id(one)) or replace(one, correction=_borrowed(one.members, lent)) for one in posterior.hypotheses
         )
     )
 
 
-def _checked_part(members: Members, checked_sets: Collection[Members]) -> Members:
-    """The largest checked subset of a set; among several, the most probable one."""
-    return max((own for own in checked_sets if own <= members), key=len)
+def _likely(posterior: SetPosterior, window: float) -> list[tuple[Hypothesis, Fit]]:
+    """The probable hypotheses, most probable first, each with its fit whose scales are integrated around their mode."""
+    order = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
+    near = [one for one in order if one.log_weight > order[0].log_weight - window - SCREENING_ERROR][:MAX_REFINED]
+    fits = [around_mode(one.fit) for one in near]
+    weight = np.array([one.log_prior + fine.log_evidence for one, fine in zip(near, fits, strict=True)])
+    best = weight.max(initial=-np.inf, where=np.isfinite(weight))
+    rows = [int(row) for row in np.argsort(-weight) if weight[row] > best - window]
+    return [(near[row], fits[row]) for row in rows[:MAX_SAMPLED]]
+
+
+def _borrowed(members: Members, lent: Mapping[Members, float]) -> float:
+    """The least correction of the checked sets that share the most effects with a set. [nat]"""
+    shared = {own: len(own & members) for own in lent}
+    return min(lent[own] for own, count in shared.items() if count == max(shared.values()))
 
 
 def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from bench.calibration import calibration_error, calibration_lines, reliability
+from bench.calibration import PRIOR_EFFECTS, at_their_frequency, calibration_error, calibration_lines, reliability
 from bench.result import Errors, Result
 from bench.tables import IDEAL_INTERVAL, NORMAL_90, summary
+from fieldkit.selection.prior import inclusion_probabilities
 
 pytestmark = pytest.mark.fast
 
@@ -27,6 +28,16 @@ def test_probabilities_that_are_right_are_calibrated_and_overconfident_ones_are_
     assert calibration_error(right) < 0.03
     assert calibration_error(sure) > 0.08
     assert sum(one.cases for one in right) == 2000
+
+
+def test_odds_move_by_the_frequency_of_effects_relative_to_their_prior() -> None:
+    """Every history has one effect; a second in half of them makes 1.5, so odds of one grow by 1.5 over the prior's."""
+    labels = ("wind", "wind+wear", "wear", "wind+wear")
+    given = [Result(label, "pair", label, 0.5, 1.0, "none", probabilities={"wind": 0.5}) for label in labels]
+    moved = at_their_frequency(given)
+    odds = [one.probabilities["wind"] / (1 - one.probabilities["wind"]) for one in moved]
+    np.testing.assert_allclose(odds, 1.5 / PRIOR_EFFECTS)
+    assert sum(inclusion_probabilities().values()) == pytest.approx(PRIOR_EFFECTS, abs=0.005)
 
 
 def test_sets_without_probabilities_have_no_diagram() -> None:

@@ -1,5 +1,7 @@
-"""The search: a set's weight covers all places of its effects, and strengths stay within their bounds."""
+"""The search: a set's weight covers all places of its effects, the evidence of probable sets is accurate, and strengths
+stay within their bounds."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,12 +9,18 @@ import numpy as np
 import pytest
 from scipy.stats import truncnorm
 
+from fieldkit.inference.laplace.fit import fit
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import effects
 from fieldkit.selection import search
 from fieldkit.selection.candidates import Candidate, Place
-from fieldkit.selection.hypotheses import Hypothesis
+from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
+from fieldkit.selection.search import checked
 from fieldkit.selection.trial import Trial, strength_moments
+from tests.seasons import season
 
 pytestmark = pytest.mark.fast
 
@@ -46,6 +54,39 @@ def test_a_set_of_three_keeps_the_weight_of_all_places_of_its_effects(monkeypatc
         (found,) = search._expanded(found, SimpleNamespace(), {name: others[name]}, -np.inf).values()
     odds = np.logaddexp.reduce([one.log_weight for one in found])
     assert odds == pytest.approx(search.log_prior_odds(["motor_thrust", "wear", "mass_offset"]))
+
+
+def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit() -> None:
+    """Two grids of the scatter with values at and between those of the other, and the same ends."""
+    pairs = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
+    flights = [flight for flight, _ in pairs]
+    data = observe(flights, [True] * len(flights))
+    usual = rocket_model(flights, [motor for _, motor in pairs])
+    linear, found = [], []
+    for grid in ((0.5, 1.0, 2.0, 6.5), (0.5, 0.7, 1.4, 6.5)):
+        own = replace(CERTIFIED_PRIOR, scatter=replace(CERTIFIED_PRIOR.scatter, grid=grid))
+        one = Hypothesis((), fit(replace(usual, hyperprior=own), data, outlier_flights=True))
+        linear.append(one.log_evidence)
+        found.append(checked(SetPosterior((one,))).hypotheses[0].log_evidence)
+    assert abs(linear[0] - linear[1]) > 0.4
+    assert found[0] == pytest.approx(found[1], abs=0.1)
+
+
+def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The linear fits of the plain model and of one effect alone are off by 15 and 4 nats, of better sets by 1."""
+    off = {"": 15.0, "wear": 4.0, "wear+wind": 1.0, "mass_offset+wear": 1.0}
+    linear = {"": -150.0, "wear": -5.0, "wear+wind": 0.0, "mass_offset+wear": -1.0, "wear+tip_off": -5.5, "wind": -9.0}
+
+    def hypothesis(name: str) -> Hypothesis:
+        own = SimpleNamespace(log_evidence=linear[name], model=None, name=name)
+        return Hypothesis(tuple(candidate(effect) for effect in name.split("+") if effect), own)
+
+    monkeypatch.setattr(search, "around_mode", lambda fit: fit)
+    monkeypatch.setattr(
+        search, "sampled", lambda fit, rng: SimpleNamespace(log_evidence=fit.log_evidence + off[fit.name])
+    )
+    found = checked(SetPosterior(tuple(hypothesis(name) for name in linear)), window=5.2)
+    assert [one.correction for one in found.hypotheses] == [15.0, 4.0, 1.0, 1.0, 1.0, 1.0]
 
 
 @pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])

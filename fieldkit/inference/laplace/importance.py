@@ -42,12 +42,14 @@ NO_FLIGHT_MISS = 20.0
 class Sampled:
     """A fit checked by importance sampling.
 
-    `log_evidence` has the standard error `error`; `pareto_k` is the shape of the tail of its weights. For every
-    left-out flight: `log_without`, the log evidence of the others, `pareto_k_without`, and the forecast of its compared
-    apogee as a mixture over scales: mean, variance due to the uncertain parameters of the rocket, variance due to the
-    flight's scatter and reading, and the weight of each of the `scales` with any weight.
+    `fit` is the fit from which terms were drawn; sums are over its scales. `log_evidence` has the standard error
+    `error`; `pareto_k` is the shape of the tail of its weights. For every left-out flight: `log_without`, the log
+    evidence of the others, `pareto_k_without`, and the forecast of its compared apogee as a mixture over scales: mean,
+    variance due to the uncertain parameters of the rocket, variance due to the flight's scatter and reading, and the
+    weight of each of the `scales` with any weight.
     """
 
+    fit: Fit
     log_evidence: float
     error: float
     pareto_k: float
@@ -103,7 +105,7 @@ def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled
     square = np.einsum("fds,df->sf", weights, apogee**2) / safe
     known = np.maximum(square - mean**2, 0.0)
     return Sampled(
-        log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit)[scales], by_scale, scales
+        fit, log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit)[scales], by_scale, scales
     )
 
 
