@@ -6,6 +6,7 @@ from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
+from fieldkit.forecast.predict import DRAWS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.check import SafetyCheck
@@ -22,9 +23,6 @@ from fieldkit.planning.landing import (
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.rules import RuleSet
 from fieldkit.planning.safety import safety_lines
-
-DRAWS = 400
-"""Flights simulated for a plan. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +55,9 @@ class PlannedFlight:
 def planned_flight(
     rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits, rules: Sequence[RuleSet] | None = None
 ) -> PlannedFlight:
-    """The complete forecast of a plan for a rocket at a site. Raises BadValue, ImpossibleFlight."""
+    """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
+    figures. Raises BadValue, ImpossibleFlight.
+    """
     (said,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
     fall = fall_of(rocket.history, said.plan, found)
     rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
