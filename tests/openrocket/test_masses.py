@@ -114,3 +114,13 @@ def test_an_ogive_becomes_a_cone_as_its_parameter_falls() -> None:
     arc = (0.03**2 + 0.1**2) / (2 * 0.03)
     volume = math.pi * (0.1 * arc**2 - 0.1**3 / 3 - (arc - 0.03) * arc**2 * math.asin(0.1 / arc))
     assert ogive[3] == pytest.approx(700 * volume, rel=1e-3)
+
+
+@pytest.mark.parametrize(("includes", "cd"), [("true", 0.52), ("false", None)])
+def test_a_cd_that_is_entered_counts_if_it_includes_the_parts_inside(includes: str, cd: float | None) -> None:
+    entered = f"<overridecd>0.52</overridecd><overridesubcomponentscd>{includes}</overridesubcomponentscd>"
+    stage = f"<stage>{entered}<subcomponents>{TUBE.format(inside='')}</subcomponents></stage>"
+    rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"
+    found = read_design(f'<openrocket version="1.9">{rocket}</openrocket>'.encode(), "a.ork")
+    assert found.cd == cd
+    assert found.cd_by == ("its override" if cd else "")
