@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
+"""Line above the safety checks of the finals."""
+
 
 def finals(
     context: typer.Context,
@@ -39,9 +42,10 @@ def finals(
 
     from fieldkit import files
     from fieldkit.paths import data_file
+    from fieldkit.planning.check import strictest
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
-    from fieldkit.planning.finals import finals_table, finals_targets, trials
+    from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
     from fieldkit.presentation.finals_text import (
         FINALS_NOTES,
         finals_basis,
@@ -64,9 +68,13 @@ def finals(
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
-        approved = approved_motors(rule.year, data_file("seasons"))
-        lines = plan.safety(flown.forecast) + allowed(rule, flown.forecast.plan, found, approved=approved)
         table = finals_table(flown, rule, finals_targets(rule))
+        approved = approved_motors(rule.year, data_file("seasons"))
+        ends = end_flights(plan.rocket, plan.flight, found, table)
+        lines = strictest(
+            *([*plan.safety(one, area), *allowed(rule, one.plan, found, approved=approved)] for one, area in ends)
+        )
+        said = ends[-1][0]
     chosen = system()
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
@@ -75,16 +83,16 @@ def finals(
         complain(f"{card}: the card")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
-        document |= {"flights": flown.forecast.rests_on, "timed_flights": flown.fall.flights}
-        print_json(document | about_plan(flown.forecast, lines))
+        document |= {"flights": said.rests_on, "timed_flights": flown.fall.flights}
+        print_json(document | about_plan(said, lines))
         return
     for line in heading:
         say_wrapped(line)
     headers = finals_headers(chosen)
     print_table(headers, rows, numbers=headers)
-    for line in (*FINALS_NOTES, *notes):
+    for line in (*FINALS_NOTES, *notes, ENDS_NOTE):
         say_wrapped(line)
-    print_safety(flown.forecast.plan, lines, plan.rocket.starts)
+    print_safety(said.plan, lines, plan.rocket.starts)
 
 
 def table_of(table: "Sequence[Together]", found: "Found") -> list[dict[str, Any]]:
@@ -159,7 +167,9 @@ def contest(
             ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
             said = ahead.forecast
             approved = approved_motors(rule.year, data_file("seasons"))
-            lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"), approved)
+            lines = plan.safety(said, area) + allowed(
+                rule, said.plan, said.found, length(rocket_length, "mm"), approved
+            )
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
     if json:

@@ -10,10 +10,13 @@ from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, syste
 from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
+    from fieldkit.motors import Catalogue, Motor
     from fieldkit.planning.check import Verdict
     from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
+Names = dict["Motor", str]
+"""The name of each motor in the guide."""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
 """Delays of a motor listed: as many as fit in 80 characters, or all. [1]"""
 
@@ -42,28 +45,30 @@ def print_guide(
         motors = suitable_motors(plan.motors, wanted)
         mass = plan.flight.dry_mass or 0.0  # without one the guide prints a note
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
-        weak = [motor.designation for motor in motors if not lifts(motor, mass)] if strong is not motors else []
+        names = {motor: _called(motor, plan.motors) for motor in motors}
+        weak = [motor for motor in motors if not lifts(motor, mass)] if strong is not motors else []
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
     advice = None if season is None else _advice(plan, found, season)
     if season is not None and target is None:
         target = season_rule(season).target
     choices = by_closeness(found, target)
     if json:
-        _print_json(plan, wanted, target, choices, weak, advice)
+        _print_json(plan, wanted, target, choices, [motor.designation for motor in weak], advice)
         return
     fitting = [choice for choice in choices if choice.fits]
-    _print(plan, wanted, fitting or choices, len(choices), every=every)
     shown = fitting or choices
-    _print_checks(shown, every=every)
+    _print(plan, wanted, shown, names, len(choices), every=every)
+    _print_checks(shown, names, every=every)
     if fitting:
-        _print_apart([choice for choice in choices if not choice.fits], choices)
+        _print_apart([choice for choice in choices if not choice.fits], names)
     else:
         say("  every one of these motors is excluded by a check")
     if advice is not None:
         for line in advice_in_words(advice, season_rule(season or 0)):
             say_wrapped(line, "    ")
     if weak:
-        say_wrapped(f"left out, thrust below {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  ")
+        left_out = ", ".join(names[motor] for motor in weak)
+        say_wrapped(f"left out, thrust below {LEAST_THRUST:g} times the weight: {left_out}", "  ")
     say()
     delays = "every delay sold" if every else "the delays sold that are nearest to it; --all lists every one"
     say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
@@ -132,7 +137,9 @@ def _print_json(
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 
-def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of: int, *, every: bool) -> None:
+def _print(
+    plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", names: Names, of: int, *, every: bool
+) -> None:
     from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK
     from fieldkit.presentation.forecast_text import rests_in_words
 
@@ -147,7 +154,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
         say_wrapped(
             "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "
         )
-    if unknown := [_name(one, choices) for one in choices if EJECTION_CHECK in one.not_judged]:
+    if unknown := [names[one.motor] for one in choices if EJECTION_CHECK in one.not_judged]:
         say_wrapped(f"delay   unknown: {', '.join(unknown)}", "        ")
     if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:
         say_wrapped(
@@ -156,10 +163,10 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     say_wrapped(f"based on {rests_in_words(said)}")
     print_conditions(said.plan, plan.rocket.starts)
     say()
-    _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
+    _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
-def _print_checks(choices: "list[MotorChoice]", *, every: bool) -> None:
+def _print_checks(choices: "list[MotorChoice]", names: Names, *, every: bool) -> None:
     """Print each failed or unknown check once with the motors that it concerns, or `every` one in full."""
     from fieldkit.planning.check import MARKS, SEVERITY
 
@@ -167,19 +174,20 @@ def _print_checks(choices: "list[MotorChoice]", *, every: bool) -> None:
         for choice in choices:
             for line in choice.lines:
                 if line.verdict != "ok":
-                    say_wrapped(f"  {_name(choice, choices)}: {line.words(system())}", "    ")
+                    say_wrapped(f"  {names[choice.motor]}: {line.words(system())}", "    ")
         return
     concerned: "dict[tuple[Verdict, str], list[str]]" = {}
     for choice in choices:
         for line in choice.lines:
-            concerned.setdefault((line.verdict, line.name), []).append(_name(choice, choices))
+            concerned.setdefault((line.verdict, line.name), []).append(names[choice.motor])
     everywhere = [
         name for (verdict, name), motors in concerned.items() if verdict == "unknown" and _all(motors, choices)
     ]
     for verdict in reversed(SEVERITY[1:]):
         for (of, check), motors in concerned.items():
             if of == verdict and check not in everywhere:
-                say_wrapped(f"  {MARKS[verdict]} {check}: {verdict}: {_in_short(motors, choices)}", "    ")
+                named = _in_short(motors, [names[one.motor] for one in choices])
+                say_wrapped(f"  {MARKS[verdict]} {check}: {verdict}: {named}", "    ")
     if everywhere:
         say_wrapped(f"  ? not checked, inputs missing: {', '.join(everywhere)}", "    ")
     say("  values, limits, and rules of each motor: --all")
@@ -189,28 +197,29 @@ def _all(motors: list[str], choices: "list[MotorChoice]") -> bool:
     return len(motors) == len(choices)
 
 
-def _in_short(motors: list[str], choices: "list[MotorChoice]") -> str:
+def _in_short(motors: list[str], every: list[str]) -> str:
     """`F24W, F39T`, or `all but F39T` if that is shorter."""
-    others = [name for choice in choices if (name := _name(choice, choices)) not in motors]
+    others = [name for name in every if name not in motors]
     if not others:
         return "all"
     return f"all but {', '.join(others)}" if len(others) < len(motors) else ", ".join(motors)
 
 
-def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> None:
+def _print_apart(apart: "list[MotorChoice]", names: Names) -> None:
     """Print a line for each reason that excludes motors, with these motors."""
     reasons: dict[str, list[str]] = {}
     for choice in apart:
         for line in choice.why_not:
-            reasons.setdefault(line.name, []).append(_name(choice, choices))
-    for reason, names in reasons.items():
-        say_wrapped(f"  excluded by {reason}: {', '.join(names)}", "    ")
+            reasons.setdefault(line.name, []).append(names[choice.motor])
+    for reason, excluded in reasons.items():
+        say_wrapped(f"  excluded by {reason}: {', '.join(excluded)}", "    ")
 
 
-def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
-    """The designation, with the maker if another maker has one of the same name."""
-    motor = choice.motor
-    alone = sum(one.motor.designation == motor.designation for one in choices) == 1
+def _called(motor: "Motor", known: "Catalogue") -> str:
+    """The designation, with the maker if that alone would be read as another motor."""
+    from fieldkit.planning.motor_guide import label
+
+    alone = label(known.resolve(motor.designation).motor) == label(motor)
     return motor.designation if alone else f"{motor.designation} {motor.maker}"
 
 
@@ -220,7 +229,7 @@ def _ejections(choice: "MotorChoice", most: int) -> str:
     return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
 
 
-def _table(choices: "list[MotorChoice]", most: int) -> None:
+def _table(choices: "list[MotorChoice]", names: Names, most: int) -> None:
     from fieldkit.planning.quantiles import three
 
     shown = ShownUnits(system())
@@ -232,7 +241,7 @@ def _table(choices: "list[MotorChoice]", most: int) -> None:
         failed = len(choice.failed)
         rows.append(
             (
-                f"{_name(choice, choices)}{'' if choice.flown else ' *'}",
+                f"{names[choice.motor]}{'' if choice.flown else ' *'}",
                 shown.length(middle).split()[0],
                 "-".join(shown.length(end).split()[0] for end in (low, high)),
                 shown.length(three(said.true_apogee)[1]).split()[0],

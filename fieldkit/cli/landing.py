@@ -13,12 +13,15 @@ from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
+    from fieldkit.flight import Flight
     from fieldkit.planning.landing import Landing
 
 app = typer.Typer()
 
 CARD_LINES = 30
 """Lines of a range card above its safety lines. [1]"""
+USUAL_WIND_FROM = 270.0
+"""Direction of the wind on a map if none is given, clockwise from north. [deg]"""
 
 
 def landing(
@@ -31,8 +34,9 @@ def landing(
         Path | None, typer.Option(metavar="FILE", help="Write a one-page range card: .png, .pdf, .svg.")
     ] = None,
     wind_from: Annotated[
-        float, typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north.")
-    ] = 270.0,
+        float | None,
+        typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
+    ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
@@ -60,14 +64,23 @@ def landing(
     words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system(), one.holds))
     if kml is not None and place is not None:
         name = f"{said.plan.rocket} on {found.motor.designation}"
-        files.write(kml, landing_kml(name, down, place, wind_from), force=replaces[kml])
+        if wind_from is None:
+            complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
+        content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from)
+        files.write(kml, content, force=replaces[kml])
         complain(f"{kml}: the landing ellipse")
     if card is not None:
         from fieldkit.presentation.forecast_text import in_words
+        from fieldkit.presentation.planning_text import conditions_in_words
         from fieldkit.presentation.report.range_card import range_card
 
         more = [line for line in words[1:] if not line.startswith("  based on")]
-        told = [*in_words(said, system()), *more][:CARD_LINES]
+        around = [
+            *conditions_in_words(said.plan, plan.rocket.starts, system()),
+            *(f"  note      {one}" for one in found.notes),
+        ]
+        name, *forecast = in_words(said, system())
+        told = [name, _day(said.plan), *forecast, *more, *around][:CARD_LINES]
         files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
         complain(f"{card}: the range card")
     if json:
@@ -75,6 +88,14 @@ def landing(
         print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(said, lines))
         return
     print_plan(words, said.plan, lines, plan.rocket.starts)
+
+
+def _day(plan: "Flight") -> str:
+    """The date of a plan, by default today, and its site."""
+    import datetime
+
+    day = (plan.date_time or datetime.datetime.now()).date().isoformat()
+    return f"  day       {day}, {plan.site or 'site not named'}"
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:

@@ -57,12 +57,13 @@ class PlanContext:
             complain(f"note: {note}")
         return found
 
-    def safety(self, said: "Prediction") -> "list[SafetyCheck]":
-        """Every safety check of a forecast."""
+    def safety(self, said: "Prediction", area: float = 1.0) -> "list[SafetyCheck]":
+        """Every safety check of a forecast, with a fraction of the parachute's area. [1]"""
         from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
+        fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
+        return safety_lines(said, self.site, fall, self.limits)
 
 
 @contextmanager

@@ -95,10 +95,13 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most probably means, with a note on the others. Raises UnknownMotor.
 
     If several match, one in production is preferred, then the most popular maker in that class, then the oldest entry
-    in the catalog.
+    in the catalog. If only the delay indicates a motor that is no longer made, the note names those that are.
     """
     name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
+    if not best.own and not best.available:
+        any_delay = sorted(_fitting(listings, replace(name, delay=None), name.maker), key=_likelihood)
+        others += [one for one in any_delay if one.available and one not in others]
     note = f"read as {best.label}; it could also be {', '.join(other.label for other in others)}" if others else ""
     return _found(name, best, note)
 

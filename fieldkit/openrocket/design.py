@@ -135,10 +135,13 @@ def _drag(
 ) -> tuple[float | None, str]:
     """Cd from an override of the whole rocket, otherwise from a stored simulation; based on the largest diameter.
 
+    An override that does not include the parts inside is that of the stage alone, which OpenRocket adds to theirs.
+
     The reference area is computed from the geometry in full precision, because the stored one is rounded to one digit.
     """
     for part in (rocket, *stages):
-        if part.findtext("overridecd") is not None and len(stages) == 1:
+        whole = (part.findtext("overridesubcomponentscd") or "").strip() == "true"
+        if part.findtext("overridecd") is not None and whole and len(stages) == 1:
             return _on(number(part, "overridecd"), reference_diameter(rocket), diameter), "its override"
     flown = [one for one in stored if one.cd]
     if not flown:

@@ -23,6 +23,10 @@ ASSEMBLIES = ("stage", "podset", "parallelstage")
 """Parts that consist of an airframe of their own."""
 MOST_COPIES = 999
 """Largest number of tubes in a cluster, or of pods in a set. [1]"""
+SECTIONS = {"square": 1.0, "rounded": 0.99, "airfoil": 0.85}
+"""Volume of a fin over its area times its thickness, by cross section. Source: OpenRocket's `FinSet`. [1]"""
+SHAPE_PARAMETERS = {"ogive": (1.0, 1.0), "power": (0.5, 1.0), "parabolic": (1.0, 1.0), "haack": (0.0, 1 / 3)}
+"""Default and largest shape parameter of a profile; the smallest is 0. Source: OpenRocket's `Transition.Shape`. [1]"""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -39,8 +43,13 @@ class Size:
 def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
     """A number of a part in SI, which must be finite; the number after `auto` if the file includes one."""
     text = (part.findtext(name) or "").split()
+    return _finite(text[-1], otherwise) if text else otherwise
+
+
+def _finite(text: str, otherwise: float = 0.0) -> float:
+    """A number in the file; the alternative if the text is not a finite one."""
     try:
-        value = float(text[-1]) if text else otherwise
+        value = float(text)
     except ValueError:
         return otherwise
     return value if math.isfinite(value) else otherwise
@@ -135,11 +144,7 @@ def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 
 def _density(part: "Element", name: str) -> float:
     material = part.find(name)
-    try:
-        value = float(material.get("density", "0")) if material is not None else 0.0
-    except ValueError:
-        return 0.0
-    return value if math.isfinite(value) else 0.0
+    return _finite(material.get("density", "0")) if material is not None else 0.0
 
 
 def _instances(part: "Element") -> float:
@@ -167,22 +172,31 @@ def _profile(part: "Element", x: Float[Array, "step"], radius: float, length: fl
     Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
     """
     shape = (part.findtext("shape") or "conical").strip()
-    bent = number(part, "shapeparameter", 1.0)
+    usual, most = SHAPE_PARAMETERS.get(shape, (0.0, 1.0))
+    bent = min(max(number(part, "shapeparameter", usual), 0.0), most)
     if shape == "ellipsoid":
         return np.asarray(np.sqrt(1 - (1 - x) ** 2))
-    if shape == "ogive" and radius > 0:
-        rho = (radius**2 + length**2) / (2 * radius)
-        return np.asarray(
-            np.clip((np.sqrt(np.maximum(rho**2 - (length * (1 - x)) ** 2, 0)) + radius - rho) / radius, 0, 1)
-        )
+    if shape == "ogive" and min(radius, length, bent) > 0:
+        return _ogive(x, radius / max(length, radius), bent)
     if shape == "power":
-        return np.asarray(x ** (bent or 1.0))
+        return np.asarray(x**bent)
     if shape == "parabolic":
         return np.asarray((2 * x - bent * x**2) / (2 - bent))
     if shape == "haack":
         angle = np.arccos(1 - 2 * x)
         return np.asarray(np.sqrt(np.maximum(angle - np.sin(2 * angle) / 2 + bent * np.sin(angle) ** 3, 0) / np.pi))
     return x
+
+
+def _ogive(x: Float[Array, "step"], ratio: float, bent: float) -> Float[Array, "step"]:
+    """Radius profile of an ogive by the ratio of its radius to its length: tangent to the body for a shape parameter of
+    1, nearly a cone toward 0.
+
+    The circle has its center 1 / bent lengths behind the tip and runs through tip and shoulder.
+    """
+    ahead = 1 / bent
+    below = (2 * ahead - 1 - ratio**2) / (2 * ratio)
+    return np.asarray((np.sqrt(ahead**2 + below**2 - (ahead - x) ** 2) - below) / ratio)
 
 
 def _ring(part: "Element", name: str) -> float:
@@ -208,16 +222,21 @@ def _tube(part: "Element") -> float:
 
 
 def _fins(part: "Element") -> float:
-    """Volume of one fin without its tab. [m^3]"""
+    """Volume of one fin with its tab; an airfoil has less than its thickness suggests. [m^3]"""
+    section = SECTIONS.get((part.findtext("crosssection") or "").strip(), 1.0)
+    tab = number(part, "tabheight") * number(part, "tablength")
+    return (section * _planform(part) + tab) * number(part, "thickness")
+
+
+def _planform(part: "Element") -> float:
+    """Area of one fin without its tab. [m^2]"""
     root, tip, height = (number(part, name) for name in ("rootchord", "tipchord", "height"))
     if part.tag == "trapezoidfinset":
-        area = (root + tip) / 2 * height
-    elif part.tag == "ellipticalfinset":
-        area = math.pi / 4 * root * height
-    else:
-        points = [(float(p.get("x", 0)), float(p.get("y", 0))) for p in part.iterfind("finpoints/point")]
-        area = abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], *points[:1]], strict=True))) / 2
-    return area * number(part, "thickness")
+        return (root + tip) / 2 * height
+    if part.tag == "ellipticalfinset":
+        return math.pi / 4 * root * height
+    points = [(_finite(p.get("x", "0")), _finite(p.get("y", "0"))) for p in part.iterfind("finpoints/point")]
+    return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], *points[:1]], strict=True))) / 2
 
 
 def _parachute(part: "Element") -> float:

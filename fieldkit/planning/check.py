@@ -1,6 +1,7 @@
 """A check of a planned flight: its verdict, its value, the limit, and the source of the limit."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -16,6 +17,8 @@ MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "⊘", "unkn
 """A symbol for each verdict, printed next to its word."""
 SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
 """Verdicts from mildest to worst."""
+HIGHER_IF_LIGHT = ("ceiling", "field size")
+"""Checks that a lighter flight of the same rocket meets less easily."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,18 @@ class SafetyCheck:
 def worst(checks: Sequence[SafetyCheck]) -> SafetyCheck:
     """The worst of several checks; the first of equally bad ones."""
     return max(checks, key=lambda check: SEVERITY.index(check.verdict))
+
+
+def strictest(light: Sequence[SafetyCheck], heavy: Sequence[SafetyCheck]) -> list[SafetyCheck]:
+    """The worse of each check of the same rocket flown light and heavy: if equal, that of the light one on height and
+    landing, else of the heavy one. Checks that share a name are compared in their order."""
+    found: dict[tuple[str, int], list[SafetyCheck]] = {}
+    for lines in (light, heavy):
+        seen: Counter[str] = Counter()
+        for line in lines:
+            found.setdefault((line.name, seen[line.name]), []).append(line)
+            seen[line.name] += 1
+    return [worst(both if name in HIGHER_IF_LIGHT else both[::-1]) for (name, _), both in found.items()]
 
 
 def by_chance(chance: float) -> Verdict:

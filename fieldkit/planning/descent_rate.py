@@ -59,6 +59,10 @@ class Fall:
         count = (self.flights or self.typed) + more
         return float(np.hypot(self.spread, self.spread / np.sqrt(count) if count else DEFAULT_DESCENT_SD))
 
+    def on_area(self, area: float) -> "Fall":
+        """The descent with a fraction of the parachute's area, the main if there are two. [1]"""
+        return replace(self, log_mean=self.log_mean - 0.5 * float(np.log(area)))
+
     def speeds(
         self, rng: np.random.Generator, shape: tuple[int, int], mass: float, density: float, area: float = 1.0
     ) -> Float[Array, "draw flight"]:

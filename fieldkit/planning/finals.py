@@ -59,11 +59,6 @@ class TrialFlights:
     forecasts: tuple[Prediction, ...]
     fall: Fall
 
-    @property
-    def forecast(self) -> Prediction:
-        """The forecast at the heaviest mass, for checks."""
-        return self.forecasts[-1]
-
     def forecast_at(self, mass: float) -> Prediction:
         """The forecast at the simulated dry mass nearest to a mass. [kg]"""
         return min(self.forecasts, key=lambda one: abs((one.plan.dry_mass or 0.0) - mass))
@@ -128,3 +123,14 @@ def finals_targets(rule: Season) -> list[float]:
 def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[Together]:
     """The best mass and area for each target [m], in the window of the rules."""
     return [flown.best(rule.announced(target, None)) for target in targets]
+
+
+def end_flights(
+    rocket: Rocket, plan: Flight, found: Found, table: Sequence[Together]
+) -> list[tuple[Prediction, float]]:
+    """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
+    higher than the first, or leaves the rail slower than the last."""
+    ordered = sorted(table, key=lambda one: one.mass)
+    ends = ordered[0], ordered[-1]
+    planned = [(plan.with_changes(dry_mass=one.mass), found) for one in ends]
+    return list(zip(forecasts(rocket, planned, draws=DRAWS), (one.area for one in ends), strict=True))

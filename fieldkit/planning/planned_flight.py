@@ -6,9 +6,10 @@ from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
+from fieldkit.forecast.predict import DRAWS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
-from fieldkit.planning.check import SafetyCheck
+from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.landing import (
@@ -23,15 +24,14 @@ from fieldkit.planning.limits import Limits
 from fieldkit.planning.rules import RuleSet
 from fieldkit.planning.safety import safety_lines
 
-DRAWS = 400
-"""Flights simulated for a plan. [1]"""
-
 
 @dataclass(frozen=True, slots=True)
 class PlannedFlight:
     """A plan, its forecast, the basis of its descent, its landing, its safety lines, and rail settings from best to
-    worst; none if the wind is not known. `holds` is the result of `wind_that_holds` [m/s]; None with a wind, or without
-    the size of the field."""
+    worst; none if the wind is not known, or if the rocket would probably land without a parachute.
+
+    `holds` is the result of `wind_that_holds` [m/s]; None with a wind, or without the size of the field.
+    """
 
     said: Prediction
     fall: Fall
@@ -57,11 +57,15 @@ class PlannedFlight:
 def planned_flight(
     rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits, rules: Sequence[RuleSet] | None = None
 ) -> PlannedFlight:
-    """The complete forecast of a plan for a rocket at a site. Raises BadValue, ImpossibleFlight."""
+    """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
+    figures. Raises BadValue, ImpossibleFlight.
+    """
     (said,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
     fall = fall_of(rocket.history, said.plan, found)
-    rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
+    down = landing(said, fall)
+    opens = down.down.ballistic.mean() < UNSAFE_RISK
+    rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE) if opens else ()
     lines = safety_lines(said, site, fall, limits, rules)
     unknown = plan.wind is None and site.size is not None
     holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
-    return PlannedFlight(said, fall, landing(said, fall), tuple(lines), tuple(rail), holds)
+    return PlannedFlight(said, fall, down, tuple(lines), tuple(rail), holds)

@@ -25,7 +25,7 @@ from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
-from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, figure, length, speed, worst
+from fieldkit.planning.check import SAFE_RISK, SafetyCheck, Verdict, by_chance, figure, length, speed, worst
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.landing import landing
@@ -186,7 +186,8 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
     recovery = recovery_of(said.plan)
     if recovery.dual:
-        return _altimeter_ejection(said, limit)
+        opens = _altimeter_ejection(said, limit)
+        return opens if delay in (None, PLUGGED_DELAY) else worst([opens, _early_charge(said, limit)])
     if delay == PLUGGED_DELAY:
         text = "a plugged motor has no charge: an altimeter must deploy; the landing assumes that it does at apogee"
         return SafetyCheck(name, "caution", text, limit.source)
@@ -211,6 +212,16 @@ def _altimeter_ejection(said: Prediction, limit: Limit) -> SafetyCheck:
     text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"
     text += f"; {chance:.0%} chance of more than {speed(limit.value, 0)}"
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
+
+
+def _early_charge(said: Prediction, limit: Limit) -> SafetyCheck:
+    """The chance that a motor's charge opens a rocket with an altimeter before apogee, at more than the limit: at worst
+    caution, because most such motors can be flown without the charge. After apogee it is a backup."""
+    early = np.nan_to_num(said.eject) < 0
+    chance = float(np.mean(early & (np.nan_to_num(said.eject_speed) > limit.value)))
+    text = f"{chance:.0%} chance that the motor's charge fires before apogee at more than {speed(limit.value, 0)}"
+    verdict = by_chance(min(chance, SAFE_RISK))
+    return SafetyCheck("ejection speed", verdict, f"{text}: take a longer delay or leave out the charge", limit.source)
 
 
 def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:

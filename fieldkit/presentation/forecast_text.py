@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import PLUGGED_DELAY
 from fieldkit.quantities import ShownUnits, counted
@@ -31,11 +32,13 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
 
 
 def ejection_in_words(prediction: Prediction) -> str:
-    """When the charge fires, `0.5 s BEFORE apogee`, or why it does not."""
+    """When the charge fires, `0.5 s BEFORE apogee`, or why it does not. An altimeter opens two devices."""
     eject = prediction.median_eject
+    if recovery_of(prediction.plan).dual:
+        charge = "" if eject is None else f"; the motor's charge {_when(eject)}"
+        return f"by an altimeter at apogee{charge}"
     if eject is not None:
-        when = "after" if eject >= 0 else "BEFORE"
-        return f"{abs(eject):.1f} s {when} apogee"
+        return _when(eject)
     plan, found = prediction.plan, prediction.found
     delay = plan.delay if plan.delay is not None else found.delay
     if delay is None:
@@ -45,6 +48,11 @@ def ejection_in_words(prediction: Prediction) -> str:
     if not prediction.true_apogee.any():
         return "none: the rocket does not leave the pad"
     return "none: the rocket hits the ground first"
+
+
+def _when(eject: float) -> str:
+    """A time after apogee [s] in words."""
+    return f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee"
 
 
 def _rests_on(prediction: Prediction) -> str:

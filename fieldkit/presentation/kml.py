@@ -51,6 +51,7 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
     drawn = placed(pad, wind_from, np.stack([found.along, found.across], axis=-1)[:100])
     marks = "".join(f"<Point><coordinates>{_places(point[None])}</coordinates></Point>" for point in drawn)
     parts = [
+        f"<description>wind from {wind_from:g} degrees, {found.wind or 0.0:.1f} m/s at the pad</description>",
         _placemark("pad", f"<Point><coordinates>{pad[1]:.7f},{pad[0]:.7f}</coordinates></Point>"),
         _placemark("center of the landings", f"<Point><coordinates>{_places(centre)}</coordinates></Point>"),
         _placemark(

@@ -50,13 +50,17 @@ def landing_in_words(
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
         return
     yield f"  wind      {profile_in_words(wind_profile(plan), shown)}"
+    if not rail:
+        yield "  recommended rail: none: the rocket hits the ground before deployment"
+        return
     others = ", ".join(f"{_rail(one)}: {shown.length(one.away[1])}" for one in rail[1:4])
     yield f"  recommended rail: {rail_in_words(rail[0], shown)}; {others}"
 
 
 def rail_in_words(choice: RailChoice, shown: ShownUnits) -> str:
     """`7.5° into the wind, lands 87 m away`."""
-    return f"{_rail(choice)} the wind, lands {shown.length(choice.away[1])} away"
+    from_it = " from" if choice.direction == "away" else ""
+    return f"{_rail(choice)}{from_it} the wind, lands {shown.length(choice.away[1])} away"
 
 
 def _rail(choice: RailChoice) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.recovery import rail_direction
 from fieldkit.flight.start import Start, start_among
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import RAIL_LENGTH
@@ -16,10 +17,17 @@ from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits, measure, written
-from fieldkit.units import FOOT, parse
+from fieldkit.units import DEGREE, FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
 """Conditions of a flight, besides the air."""
+RAIL_WAYS = {
+    0: "into the wind",
+    180: "away from the wind",
+    90: "across the wind, to its right",
+    270: "across the wind, to its left",
+}
+"""Directions of a slanted rail, in degrees to the right of into the wind."""
 
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
@@ -30,10 +38,16 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str 
     usual = written(RAIL_LENGTH, "m", system, 1)
     rail = f"rail {rod or f'{usual} (default)'}"
     blows = f"wind {wind}" if wind else "wind not given"
-    yield f"  with      {blows}, {rail}, {f'at {angle}' if angle else 'vertical'}"
+    yield f"  with      {blows}, {rail}, {f'at {angle} {_way(plan)}' if plan.rail_angle else 'vertical'}"
     start = start_among(starts, plan)
     if start is not None and start.cd:
         yield f"  design    initial Cd {start.cd:.2f} from {start.source}"
+
+
+def _way(plan: Flight) -> str:
+    """The direction of a slanted rail: `into the wind`."""
+    degrees = round(rail_direction(plan) / DEGREE) % 360
+    return RAIL_WAYS.get(degrees, f"{degrees}° to the right of into the wind")
 
 
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:

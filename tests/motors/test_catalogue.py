@@ -102,6 +102,17 @@ def _label(motor: Motor) -> str:
     return f"{motor.maker} {motor.designation}"
 
 
+@pytest.mark.parametrize(
+    ("text", "older", "made"), [("G80T-4", "PML G80T", "AeroTech G80T"), ("E12-10", "", "Estes E12")]
+)
+def test_a_motor_no_longer_made_is_not_taken_silently_for_its_delay(text: str, older: str, made: str) -> None:
+    found = catalogue().resolve(text)
+    assert older in _label(found.motor)
+    assert not found.motor.available
+    assert "it could also be" in found.notes[0]
+    assert made in found.notes[0]
+
+
 @pytest.mark.parametrize(("text", "expected"), UNMISTAKABLE.items())
 def test_a_name_as_flyers_write_it_finds_its_motor(text: str, expected: tuple[str, float | None]) -> None:
     found = catalogue().find(text)

@@ -69,3 +69,58 @@ def test_a_filled_ellipsoid_tail_has_the_volume_of_half_an_ellipsoid() -> None:
     tail = f"""<transition>{PAPER}<length>0.1</length><thickness>filled</thickness><shape>ellipsoid</shape>
 <foreradius>0.03</foreradius><aftradius>0</aftradius></transition>"""
     assert _mass("", tail) == pytest.approx(700 * 2 / 3 * math.pi * 0.03**2 * 0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(("section", "share"), [("square", 1.0), ("rounded", 0.99), ("airfoil", 0.85)])
+def test_a_fin_weighs_with_its_tab_and_by_its_cross_section(section: str, share: float) -> None:
+    """Source: OpenRocket's `FinSet`, whose tabs go through the wall of the tube."""
+    more = f"<crosssection>{section}</crosssection><tabheight>0.012</tabheight><tablength>0.07</tablength>"
+    fins = FINS.format(counts=f"<fincount>4</fincount>{more}")
+    assert _mass(fins) == pytest.approx(700 * 4 * (share * 0.08 * 0.08 + 0.012 * 0.07) * 0.003)
+
+
+def test_a_fin_with_a_broken_point_is_no_crash() -> None:
+    points = '<point x="0.0" y="0.0"/><point x="abc" y="0.05"/><point x="nan" y="0.05"/><point x="0.1" y="0.0"/>'
+    fins = f"<freeformfinset>{PAPER}<thickness>0.003</thickness><finpoints>{points}</finpoints></freeformfinset>"
+    assert math.isfinite(_mass(fins))
+
+
+NOSE = f"""<nosecone>{PAPER}<length>0.1</length><thickness>filled</thickness><aftradius>0.03</aftradius>
+<shape>{{}}</shape>{{}}</nosecone>"""
+
+
+@pytest.mark.parametrize(("shape", "usual"), [("ogive", 1), ("power", 0.5), ("parabolic", 1), ("haack", 0)])
+def test_a_nose_without_a_shape_parameter_has_the_one_of_openrocket(shape: str, usual: float) -> None:
+    given = NOSE.format(shape, f"<shapeparameter>{usual}</shapeparameter>")
+    assert _mass("", NOSE.format(shape, "")) == pytest.approx(_mass("", given))
+
+
+@pytest.mark.parametrize(("shape", "most"), [("parabolic", 1), ("haack", 1 / 3), ("ogive", 1), ("power", 1)])
+def test_a_shape_parameter_out_of_range_is_the_nearest_possible_one(shape: str, most: float) -> None:
+    last, beyond = (NOSE.format(shape, f"<shapeparameter>{one}</shapeparameter>") for one in (most, 2 + most))
+    assert _mass("", beyond) == pytest.approx(_mass("", last))
+
+
+def test_an_ogive_becomes_a_cone_as_its_parameter_falls() -> None:
+    """A solid cone has a third of the volume of its cylinder; a tangent ogive is a solid of revolution of an arc.
+
+    Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
+    """
+    ogive = [_mass("", NOSE.format("ogive", f"<shapeparameter>{one}</shapeparameter>")) for one in (0, 0.01, 0.5, 1)]
+    cylinder = 700 * math.pi * 0.03**2 * 0.1
+    assert ogive[0] == pytest.approx(cylinder / 3, rel=1e-3)
+    assert ogive[1] == pytest.approx(ogive[0], rel=1e-2)
+    assert ogive[0] < ogive[2] < ogive[3]
+    arc = (0.03**2 + 0.1**2) / (2 * 0.03)
+    volume = math.pi * (0.1 * arc**2 - 0.1**3 / 3 - (arc - 0.03) * arc**2 * math.asin(0.1 / arc))
+    assert ogive[3] == pytest.approx(700 * volume, rel=1e-3)
+
+
+@pytest.mark.parametrize(("includes", "cd"), [("true", 0.52), ("false", None)])
+def test_a_cd_that_is_entered_counts_if_it_includes_the_parts_inside(includes: str, cd: float | None) -> None:
+    entered = f"<overridecd>0.52</overridecd><overridesubcomponentscd>{includes}</overridesubcomponentscd>"
+    stage = f"<stage>{entered}<subcomponents>{TUBE.format(inside='')}</subcomponents></stage>"
+    rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"
+    found = read_design(f'<openrocket version="1.9">{rocket}</openrocket>'.encode(), "a.ork")
+    assert found.cd == cd
+    assert found.cd_by == ("its override" if cd else "")

@@ -451,3 +451,33 @@ def test_the_card_of_finals_is_one_picture(tmp_path: Path, capsys: pytest.Captur
     assert main([*ledger, *plan, *weighed]) == 0
     assert [row["target_ft"] for row in json.loads(capsys.readouterr().out)["finals"]] == pytest.approx([775, 780, 785])
     assert (tmp_path / "card.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_checks_of_finals_are_those_of_flights_in_the_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rocket at the season's heaviest mass stays far below the ceiling; the flights of the table do not."""
+    plan = ["finals", "--rocket", "Fresh", "--season", "2027", "--motor", "F39T-6", "--diameter", "66mm", "--json"]
+    given = ["--dry-mass", "400g", "--waiver", "300m", "--wind", "3m/s", "--field-size", "1000ft"]
+    assert main(["--ledger", f"{tmp_path}/ledger.db", *plan, *given]) == 0
+    document = json.loads(capsys.readouterr().out)
+    checks = {one["check"]: one for one in document["safety"]}
+    highest = max(row["apogee_m"]["p95"] for row in document["finals"])
+    assert highest > 300
+    assert checks["ceiling"]["verdict"] == "unsafe"
+    assert float(re.findall(r"below (\d+) m", checks["ceiling"]["text"])[0]) == pytest.approx(highest, rel=0.05)
+    heaviest = max(row["lift_off_mass_g"] for row in document["finals"])
+    assert checks["contest mass"]["text"].startswith(f"{heaviest:.4g} g")
+
+
+def test_the_landing_of_a_contest_plan_has_the_area_of_its_parachute(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = ["contest", "--rocket", "Fresh", "--season", "2027", "--motor", "F39T-6", "--diameter", "66mm", "--json"]
+    given = ["--dry-mass", "400g", "--wind", "3m/s", "--field-size", "1000ft", "--rail-length", "1.5m"]
+    lands = {}
+    for area in ("50%", "100%", "200%"):
+        assert main(["--ledger", f"{tmp_path}/ledger.db", *plan, *given, "--parachute", area]) == 0
+        lines = json.loads(capsys.readouterr().out)["plan"]["safety"]
+        (field,) = (one["text"] for one in lines if one["check"] == "field size")
+        lands[area] = float(re.findall(r"lands (\d+) m", field)[0])
+    assert lands["50%"] < 0.85 * lands["100%"]
+    assert lands["200%"] > 1.15 * lands["100%"]

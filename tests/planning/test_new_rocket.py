@@ -1,6 +1,7 @@
 """A rocket that has never flown: a ruler and a scale suffice, a kit is a name, and what fits is safe and sensible."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -195,3 +196,18 @@ def test_a_plan_without_a_configuration_takes_none_from_another_rocket(tmp_path:
         plan = planned(ledger, ledger.flights())
         assert plan is not None
         assert (plan.rocket, plan.config, plan.wind) == ("Comet", "", 3.0)
+
+
+def test_every_motor_of_the_guide_is_named_so_that_its_name_means_that_motor(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Makers share names, such as C6; only one of them fits this rocket, and it is not the one that `C6` means."""
+    command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "65g"]
+    command += ["--diameter", "42mm", "--mount", "18mm", "--rail-length", "3ft"]
+    assert main([*command, "--json"]) == 0
+    fitting = {(one["maker"], one["motor"]) for one in json.loads(capsys.readouterr().out)["motors"] if one["fits"]}
+    assert main(command) == 0
+    rows = re.findall(r"^(\S.*?) \*? +\d+ +\d+-\d+ ", capsys.readouterr().out, re.MULTILINE)
+    read = (catalogue().resolve(name.strip(" *")).motor for name in rows)
+    assert {(motor.maker, motor.designation) for motor in read} == fitting
+    assert ("Quest", "C6") in fitting

@@ -314,3 +314,52 @@ def test_the_range_card_is_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert card.read_bytes().startswith(b"\x89PNG")
     assert main([*command, "--card", str(tmp_path / "card.txt")]) == 1
     assert ".png" in capsys.readouterr().err
+
+
+def test_the_range_card_has_the_conditions_of_its_forecast(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    card, body = tmp_path / "card.svg", ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm"]
+    slanted = ["--rail-length", "1.5m", "--rail-angle", "5", "--rail-direction", "away", "--site", "Moor"]
+    plan = ["landing", "--motor", "3 x F39T-6", "--wind", "3m/s", *slanted, *body]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *plan, "--card", str(card)]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    told = card.read_text(encoding="utf-8")
+    for said in ("rail 1.5 m", "away from the wind", "kg/m³ at the pad"):
+        assert said in words
+    for said in ("rail 1.5 m", "at 5 ° away", "kg/m³ at the pad"):
+        assert said in told
+    assert ", Moor" in told
+    assert "as if every motor" in told
+
+
+def test_two_devices_are_opened_by_an_altimeter_and_an_early_charge_is_a_caution(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A charge before apogee opens the rocket in fast flight, whatever its altimeter does; one after it is a backup."""
+    body = ["--rocket", "Fresh", "--dry-mass", "1.4kg", "--diameter", "66mm", "--main-altitude", "150m"]
+    verdicts = {}
+    for delay in ("", "-6", "-14"):
+        plan = ["landing", "--motor", f"AeroTech G80T{delay}", "--rail-length", "2m", *body, "--json"]
+        assert main(["--ledger", str(tmp_path / "ledger.db"), *plan]) == 0
+        checks = json.loads(capsys.readouterr().out)["safety"]
+        (verdicts[delay],) = (one for one in checks if one["check"] == "ejection speed")
+    assert [one["verdict"] for one in verdicts.values()] == ["ok", "caution", "ok"]
+    assert "fires before apogee" in verdicts["-6"]["text"]
+
+
+def test_a_map_says_which_wind_it_assumes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
+    kml = ["--kml", str(tmp_path / "a.kml"), "--pad", "47.5,8.7", "--force"]
+    plan = ["--ledger", str(tmp_path / "ledger.db"), "landing", *body, *kml]
+    assert main(plan) == 0
+    assert "assumes a wind from 270° (west)" in capsys.readouterr().err
+    assert main([*plan, "--wind-from", "90"]) == 0
+    assert "assumes" not in capsys.readouterr().err
+    assert "<description>wind from 90 degrees, 3.0 m/s" in (tmp_path / "a.kml").read_text()
+
+
+def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--wind", "3m/s"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-60", *body]) == 0
+    assert "recommended rail: none: the rocket hits the ground" in capsys.readouterr().out

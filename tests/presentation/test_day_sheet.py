@@ -88,3 +88,26 @@ def test_a_table_of_plans_may_have_clusters_and_a_bad_motor_is_named(
     table.write_text(f"{header}1,Trio,200,50,3 x ZZ9-5\n")
     assert main([*ledger, "daysheet", "--flights", str(table), "--out", str(out), "--force"]) == 1
     assert "row 2, motor" in capsys.readouterr().err
+
+
+def test_the_column_of_the_charge_says_what_opens_the_parachute(tmp_path: Path) -> None:
+    """An unknown delay is not an altimeter, a charge that never fires is no number, and two devices have an altimeter
+    whatever the delay of the motor."""
+    table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
+    header = "flight_id,rocket,dry_mass_g,diameter_mm,motor,delay_s,main_altitude_m\n"
+    charges = {
+        "Alpha,400,66,F39T,,": "unknown",
+        "Alpha,400,66,F39T,6,150": "altimeter",
+        "Alpha,1400,66,H128W-P,,": "altimeter",
+        "Alpha,400,66,F39T,60,": "none",
+        "Alpha,900,66,C6-3,3,": "none",
+        "Alpha,40,25,C6-0,0,": "none",
+    }
+    for plan, charge in charges.items():
+        table.write_text(f"{header}one,{plan}\n")
+        command = ["daysheet", "--flights", str(table), "--wind", "3", "--out", str(out), "--force"]
+        assert main(["--ledger", str(tmp_path / "a.db"), *command]) == 0
+        sheet = text_of(out.read_bytes())
+        assert f"<!-- {charge} -->" in sheet, plan
+        assert "nan" not in sheet.replace("nance", "")
+        assert ("recommended rail" in sheet) == (plan.split(",")[-2] != "60" and "C6-3" not in plan)

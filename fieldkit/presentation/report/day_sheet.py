@@ -12,8 +12,10 @@ from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
-from fieldkit.forecast.prediction import median
+from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.motors import PLUGGED_DELAY
 from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
@@ -162,7 +164,6 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
     said, plan = one.said, one.said.plan
     low, middle, high = three(said.apogee)
     mass = None if plan.dry_mass is None else plan.dry_mass + said.found.motor.loaded_mass
-    delay = plan.delay if plan.delay is not None else said.found.delay
     early, usual, late = three(one.down.duration)
     motor = plan.motor or said.found.motor.designation
     return (
@@ -172,12 +173,23 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
         "" if mass is None else shown.mass(mass),
         shown.speed(median(said.rail_speed) or 0.0),
         f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
-        "altimeter" if delay is None or not 0 < delay < 1e6 else f"{round(three(said.eject)[1], 1) + 0.0:+.1f} s",
+        _charge(said),
         f"{usual:.0f} s ({early:.0f}-{late:.0f})",
         "no wind" if one.down.wind is None else f"{shown.length(three(one.down.away)[1])} away",
         _verdicts(one.lines),
         "",
     )
+
+
+def _charge(said: Prediction) -> str:
+    """When the motor's charge fires after apogee, or what opens the parachute instead."""
+    delay = said.plan.delay if said.plan.delay is not None else said.found.delay
+    if recovery_of(said.plan).dual or delay == PLUGGED_DELAY:
+        return "altimeter"
+    if delay is None:
+        return "unknown"
+    eject = said.median_eject if delay else None
+    return "none" if eject is None else f"{round(eject, 1) + 0.0:+.1f} s"
 
 
 def _verdicts(lines: Sequence[SafetyCheck]) -> str:

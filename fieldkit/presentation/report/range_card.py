@@ -19,6 +19,11 @@ LINE = 108
 """Length of the lines of safety checks. [character]"""
 TITLE_LINE, TITLE_ROW = 60, 0.02
 """Length of the lines of the title [character], and their height as a fraction of the page's height. [1]"""
+FONT = 7.5
+"""Size of the text; safety checks that would not fit on the page are smaller. [pt]"""
+CHECKS_TOP, ROW, FOOT_OF_PAGE = 0.62, 0.0113, 0.02
+"""Highest place of the safety checks on the page below the map, height of a line of text, and bottom margin, as
+fractions of the page's height. [1]"""
 SHOWN_LANDINGS = 200
 """Number of points on the map. [1]"""
 
@@ -38,13 +43,15 @@ def _drawn(
     title = fill(printable(words[0]), TITLE_LINE)
     top = 0.935 - TITLE_ROW * title.count("\n")
     figure.text(0.06, 0.965, title, fontsize=14, fontweight="bold", va="top")
-    figure.text(
-        0.06, top, "\n".join(_wrapped(line, 60) for line in words[1:]), fontsize=7.5, va="top", family="monospace"
-    )
+    told = "\n".join(_wrapped(line, 60) for line in words[1:])
+    figure.text(0.06, top, told, fontsize=FONT, va="top", family="monospace")
+    below = min(CHECKS_TOP, top - ROW * (told.count("\n") + 2))
     worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
     safety = "\n".join(_wrapped(line.words(system), LINE) for line in worst_first)
-    figure.text(0.06, 0.62, "Safety lines", fontsize=11, fontweight="bold", va="top")
-    figure.text(0.06, 0.60, f"{safety}\n\n{ADVICE_NOTE}", fontsize=7.5, va="top", family="monospace")
+    figure.text(0.06, below, "Safety lines", fontsize=11, fontweight="bold", va="top")
+    safety = f"{safety}\n\n{ADVICE_NOTE}"
+    room = (below - 2 * ROW - FOOT_OF_PAGE) / (ROW * (safety.count("\n") + 1))
+    figure.text(0.06, below - 2 * ROW, safety, fontsize=FONT * min(room, 1.0), va="top", family="monospace")
     _map(figure, found, site, ShownUnits(system).length_unit)
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=130)

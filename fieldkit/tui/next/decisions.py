@@ -92,7 +92,7 @@ class Decision:
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
-        answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
+        answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length), area))
         return decision_plots.of_points(answer, ahead.points.ravel())
 
     def landing(self) -> Answer:
@@ -164,14 +164,15 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
-        """The conditions of a forecast and all its safety checks."""
+    def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = (), area: float = 1.0) -> tuple[str, ...]:
+        """The conditions of a forecast and all its safety checks, with a fraction of the parachute's area. [1]"""
         from fieldkit.planning.check import safety_text
         from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
-        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan, said.found), self.limits)
+        fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
+        lines = safety_lines(said, self.site, fall, self.limits)
         return (
             *conditions_in_words(said.plan, self.rocket.starts, self.system),
             "",
