@@ -89,6 +89,8 @@ WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
 SLOW = ("loop", "score", "study")
 WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study reference")
 """Commands that no flight of the ledger changes."""
+USAGE = 2
+"""Exit status of a command line that is not understood."""
 Told = Callable[..., tuple[int, str, str]]
 
 
@@ -144,8 +146,9 @@ def test_no_command_fails_unforeseen_without_a_flight_to_fit(
         told(rows=rows or season(1))
         if not rows:
             told("undo")
-        _, out, err = told(*words)
+        status, out, err = told(*words)
         assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
+        assert status != USAGE, (words, err)  # otherwise neither this test nor the fault bench tries anything
 
 
 def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(told: Told) -> None:
