@@ -35,8 +35,8 @@ DEFINITION_KEYS = (
 """What a definition of high power has to say."""
 CLASS_KEYS = ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")
 """What the classes of an air law have to say."""
-LISTS = ("kinds", "designations")
-"""Those of them that are lists of texts."""
+LISTS = ("kinds", "designations", "sparky")
+"""What a definition of high power says in a list."""
 KINDS = ("model", "high power", "any")
 """The kinds of rockets that a set is for."""
 
@@ -182,17 +182,6 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
     if kind not in KINDS:
         raise ValueError(f"for = {kind!r}, one of {', '.join(KINDS)}")
     text = _text(table, RuleText("", str(table["source"]), str(table["mark"]), table["valid_from"]))
-    definition, classes = dict(table.get("definition", {})), dict(table.get("classes", {}))
-    for found, needed in ((definition, DEFINITION_KEYS), (classes, CLASS_KEYS)):
-        if found and (missing := [name for name in needed if name not in found]):
-            raise KeyError(missing[0])
-    for name in (*DEFINITION_KEYS, *CLASS_KEYS):
-        for found in (definition, classes):
-            if name in found and name not in LISTS:
-                found[name] = number(found[name], name)
-    for name in (*LISTS, "sparky"):
-        if name in definition:
-            definition[name] = list(texts(definition[name], name))
     return RuleSet(
         key=key,
         title=printable(str(table["title"])),
@@ -202,9 +191,17 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
         valid_from=text.valid_from,
         rules=tuple(_rule(one, text, str(table["title"])) for one in table.get("rule", ())),
         text=text,
-        definition=definition,
-        classes=classes,
+        definition=_bounds(table.get("definition", {}), DEFINITION_KEYS),
+        classes=_bounds(table.get("classes", {}), CLASS_KEYS),
     )
+
+
+def _bounds(table: Mapping[str, Any], needed: Sequence[str]) -> dict[str, Any]:
+    """A table of bounds, which has all the keys that are needed, or none. Raises KeyError, ValueError."""
+    if table and (missing := [name for name in needed if name not in table]):
+        raise KeyError(missing[0])
+    numbers = {name: number(table[name], name) for name in needed if name in table and name not in LISTS}
+    return dict(table) | numbers | {name: list(texts(table[name], name)) for name in LISTS if name in table}
 
 
 def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:

@@ -11,7 +11,7 @@ LARGEST_NUMBER = 1e9
 
 def number(value: object, name: str, *, least: float = 0.0, unlimited: bool = False) -> float:
     """A number from `least` to `LARGEST_NUMBER`, also infinity if it may be `unlimited`. Raises ValueError with its
-    name."""
+    name. [as in the file]"""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{name} = {value!r}")
     if not (least <= value <= LARGEST_NUMBER or (unlimited and value == inf)):
@@ -27,7 +27,7 @@ def whole(value: object, name: str, least: int, most: int) -> int:
 
 
 def in_order(values: object, name: str) -> tuple[float, float]:
-    """Two numbers, the lower one first. Raises ValueError with their name."""
+    """Two numbers, the lower one first. Raises ValueError with their name. [as in the file]"""
     if not isinstance(values, Sequence) or isinstance(values, str) or len(values) != 2:
         raise ValueError(f"{name} = {values!r}")
     low, high = (number(one, name) for one in values)
