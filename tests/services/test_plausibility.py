@@ -176,6 +176,21 @@ def test_no_command_fails_unforeseen_at_the_ends_of_time(
             told(*words)
 
 
+def test_a_ratio_to_the_usual_is_written_in_digits(told: Told) -> None:
+    assert "apogee 199900 m is 792 times the usual 252.4 m" in told(rows=with_one(apogee_m=199_900))[2]
+
+
+def test_a_flight_that_no_motor_lifts_announces_no_next_one(told: Told) -> None:
+    """Its readouts may be right; a forecast for a mass typed wrong is 0 m from 0 to 0."""
+    told(rows=season(10))
+    typed = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--diameter", "66mm", "--apogee", "250m")
+    status, out, err = told("add", *typed, "--dry-mass", "32kg")
+    assert status == 0
+    assert "Next on" not in out
+    assert "excluded from every fit" in err
+    assert "Next on" in told("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
+
+
 def test_a_card_is_learned_without_impossible_flights_and_names_them(told: Told, tmp_path: Path) -> None:
     told(rows=with_one(dry_mass_g=32200))
     status, _, err = told("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
