@@ -343,7 +343,7 @@ def test_a_site_is_saved_beside_what_flights_say_of_it(tmp_path: Path) -> None:
         assert (plan.site, plan.site_elevation, plan.rail_length) == ("Meadow", 212.0, 1.8)
         for name, value in (("size", -1.0), ("ceiling", 1e6), ("elevation", 1e6), ("elevation", -1e6)):
             with pytest.raises(BadValue, match=f"Meadow.*{name}"):
-                keep_site(ledger, "Meadow", **{name: value})
+                keep_site(ledger, "Meadow", rules=None, **{name: value})
 
 
 @pytest.mark.parametrize(("days", "offered"), [(0, "3 m/s"), (1, "")])
