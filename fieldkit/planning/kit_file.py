@@ -65,7 +65,7 @@ def _wanted(tables: Mapping[str, Any], was: str, name: str, figures: Mapping[str
     if figures is None:
         return others
     own = next((table for one, table in tables.items() if one.casefold() == was.casefold()), {})
-    return {**others, name: {key: value for key, value in own.items() if key not in KIT_KEYS} | figures}
+    return {**others, name: {**{key: value for key, value in own.items() if key not in KIT_KEYS}, **figures}}
 
 
 def _heading(name: str) -> str:
