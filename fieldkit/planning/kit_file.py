@@ -64,7 +64,7 @@ def _wanted(tables: Mapping[str, Any], was: str, name: str, figures: Mapping[str
     others = {one: table for one, table in tables.items() if one.casefold() != was.casefold()}
     if figures is None:
         return others
-    own = next((table for one, table in tables.items() if one.casefold() == was.casefold()), {})
+    own: Mapping[str, Any] = next((table for one, table in tables.items() if one.casefold() == was.casefold()), {})
     return {**others, name: {**{key: value for key, value in own.items() if key not in KIT_KEYS}, **figures}}
 
 
