@@ -61,12 +61,12 @@ def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
 
 def read_own(file: Path) -> str:
     """The text of a small file such as the settings. Raises OSError, UnicodeDecodeError."""
-    return read(file, plain=True, most=LARGEST_OWN).decode()
+    return read(file, plain=True, most=LARGEST_OWN).decode("utf-8-sig")
 
 
 def read_toml(file: Path) -> dict[str, Any]:
     """The tables of a small TOML file. Raises OSError, and ValueError for any other content."""
-    return toml_of(read(file, plain=True, most=LARGEST_TOML).decode())
+    return toml_of(read(file, plain=True, most=LARGEST_TOML).decode("utf-8-sig"))
 
 
 def toml_of(text: str) -> dict[str, Any]:

@@ -46,6 +46,7 @@ NO_FORMULA = {
     "planning/contest_day.py": "parses what was announced",
     "planning/finals.py": "lists the targets of a season",
     "planning/motor_guide.py": "looks up what was flown",
+    "planning/toml_values.py": "reads numbers from files",
     "planning/quantiles.py": "names three numbers",
     "selection/candidates.py": "marks flights by their group",
     "selection/covariates.py": "looks up what was recorded",

@@ -1,9 +1,16 @@
 """Files of the user's own are read, or refused in a line that names the file, whatever they contain."""
 
+import copy
 import csv
+import datetime
+import itertools
+import json
+import math
 import time
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,6 +28,7 @@ from fieldkit.planning.limits import limits
 from fieldkit.planning.rules import rule_sets
 
 CHECK_SHAPES = False
+DATA = Path(__file__).parents[1] / "fieldkit" / "data"
 pytestmark = pytest.mark.fast
 
 TEXTS = {
@@ -110,3 +118,93 @@ def test_a_limit_that_is_no_number_is_refused(tmp_path: Path) -> None:
         file.write_text(f"[{next(iter(limits()))}]\nvalue = {value}\n")
         with pytest.raises(BadValue, match="expected value = a number"):
             limits(file)
+
+
+SHIPPED = {
+    "drills.toml": DATA / "drills.toml",
+    "2027.toml": DATA / "seasons" / "2027.toml",
+    **{name: DATA / "rules" / name for name in ("car.toml", "faa.toml", "nar_high_power.toml")},
+}
+READ = {"drills.toml": "AeroTech"}
+"""The table that is read for the motor of these tests, if it is only one."""
+WRONG_NUMBERS = (math.nan, -1, 1e300, True, "x", [], {})
+WRONG_VALUES = ("", "\x1b[31m", [[]], {"a": 1}, [1, "a"], datetime.date(1, 1, 1), [{}], 2**62, math.inf)
+Leaf = tuple[str | int, ...]
+folder_names = itertools.count()
+
+
+def shipped(name: str) -> dict[str, Any]:
+    """The tables of a shipped file, with the first few of its rules."""
+    tables = tomllib.loads(SHIPPED[name].read_text(encoding="utf-8"))
+    return tables | ({"rule": tables["rule"][:4]} if "rule" in tables else {})
+
+
+def leaves(tree: Any, path: Leaf = ()) -> Iterator[tuple[Leaf, Any]]:
+    """Every value of a TOML file with its path."""
+    for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+        yield (*path, key), value
+        if isinstance(value, dict | list):
+            yield from leaves(value, (*path, key))
+
+
+def with_value(tree: Any, path: Leaf, value: Any) -> dict[str, Any]:
+    """The tables of a TOML file with one value replaced."""
+    changed: dict[str, Any] = copy.deepcopy(tree)
+    *above, last = path
+    inside: Any = changed
+    for key in above:
+        inside = inside[key]
+    inside[last] = value
+    return changed
+
+
+def as_toml(value: Any) -> str:
+    """A value in TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {as_toml(one)}" for key, one in value.items()) + "}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(as_toml, value))}]"
+    return value.isoformat() if isinstance(value, datetime.date) else json.dumps(value).replace("NaN", "nan")
+
+
+def reads(name: str, tables: dict[str, Any], folder: Path) -> str:
+    """The message with which a file of these tables is refused, empty if it is read."""
+    file = folder / f"{next(folder_names)}" / name
+    file.parent.mkdir()
+    text = "\n".join(f"{json.dumps(key)} = {as_toml(value)}" for key, value in tables.items())
+    file.write_text(text.replace("Infinity", "inf"), encoding="utf-8")
+    try:
+        READERS[name if name in READERS else "K.toml"](file)
+    except BadValue as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_number_that_no_calculation_can_use_is_refused_by_its_file_and_name(name: str, tmp_path: Path) -> None:
+    tables = shipped(name)
+    numbers = [
+        path
+        for path, value in leaves(tables)
+        if isinstance(value, int | float) and not isinstance(value, bool) and READ.get(name, path[0]) == path[0]
+    ]
+    assert reads(name, tables, tmp_path) == ""
+    for path in numbers:
+        for value in WRONG_NUMBERS:
+            said = reads(name, with_value(tables, path, value), tmp_path)
+            assert said.startswith(f"{name}: found "), (path, value)
+            assert "\n" not in said
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_file_with_any_value_in_any_place_is_read_or_refused(name: str, tmp_path: Path) -> None:
+    tables = shipped(name)
+    for path, _ in leaves(tables):
+        for value in WRONG_VALUES:
+            assert "\n" not in reads(name, with_value(tables, path, value), tmp_path)
+
+
+def test_a_file_that_an_editor_of_windows_has_saved_is_read(tmp_path: Path) -> None:
+    """With the mark of byte order that Notepad puts before UTF-8."""
+    (tmp_path / "kits.toml").write_text("[Bertha]\ndry_mass_g = 80\n", encoding="utf-8-sig")
+    assert read_kits(tmp_path / "kits.toml")["bertha"].dry_mass == pytest.approx(0.080)

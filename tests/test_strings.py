@@ -15,7 +15,7 @@ CHECK_SHAPES = False
         ("fieldkit/cli/motors.py", "Total impulse range, in N s."),
         ("fieldkit/tui/screens/loop.py", "Accept"),
         ("models/effects/wear.py", "wear"),
-        ("fieldkit/services/sites.py", "{...}: found a {...} that is not above zero, expected a positive length"),
+        ("fieldkit/services/sites.py", "{...}: found a {...} of {...} m, expected a length above zero"),
     ],
 )
 def test_help_screens_and_refusals_are_listed(file: str, text: str) -> None:

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from functools import cache, partial
 from pathlib import Path
@@ -183,6 +184,18 @@ def _counts(one: Outcome) -> str:
     return ", ".join(f"{what}: {number}" for what, number in sorted(one.counts.items()))
 
 
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    """A folder in memory if possible, deleted at the end by this process and not by its forks."""
+    folder, own = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), os.getpid()
+    folder.chmod(0o755)  # the server runs as another user
+    try:
+        yield folder
+    finally:
+        if os.getpid() == own:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
 def main() -> int:
     """Run the bench and write the page; the exit status is nonzero if anything was lost."""
     parser = argparse.ArgumentParser(prog="python -m bench.faults", description=__doc__)
@@ -200,12 +213,11 @@ def main() -> int:
     ends = time.monotonic() + 60 * given.minutes
     if given.quick:
         given.kills, given.others, given.hours = 24, 8, 0.0
-    scratch, found = Path(mkdtemp(prefix="faults", dir=MEMORY if MEMORY.is_dir() else None)), []
-    scratch.chmod(0o755)  # the server runs as another user
-    keep: Path = given.keep or scratch / "kept"
-    if wrong := resumed(keep, {"kills": given.kills, "others": given.others, "hours": given.hours}):
-        parser.error(wrong)
-    with at_home(scratch / "home"):
+    found: list[Outcome] = []
+    with _scratch() as scratch, at_home(scratch / "home"):
+        keep: Path = given.keep or scratch / "kept"
+        if wrong := resumed(keep, {"kills": given.kills, "others": given.others, "hours": given.hours}):
+            parser.error(wrong)
         for name, part in parts(scratch, killed=given.kills, others=given.others, hours=given.hours):
             if not name.startswith(given.only):
                 continue
@@ -216,7 +228,6 @@ def main() -> int:
             sys.stderr.write(f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults\n")
             for fault in outcome.faults[:5]:
                 sys.stderr.write(f"  {fault}\n")
-    shutil.rmtree(scratch, ignore_errors=True)
     if time.monotonic() > ends:
         return 1
     if not given.quick and not given.only:

@@ -23,6 +23,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from fieldkit.errors import LedgerError
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
@@ -55,8 +56,8 @@ def predict(
     **given: str | None,
 ) -> None:
     """Forecast the apogee of the next flight from the rocket's clean flights so far."""
+    from fieldkit.errors import LedgerError
     from fieldkit.services.forecast_record import forecast_record
-    from fieldkit.services.forecasts import predict_plans
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -67,8 +68,7 @@ def predict(
         if quick:
             _print_quick(ledger, check, plans, json=json)
             return
-        with progress("fitting your other rockets") as on_progress:
-            predictions = predict_plans(ledger, check.catalogue, plans, model.value, on_progress=on_progress)
+        predictions, unsaved = _predicted(ledger, check.catalogue, plans, model)
         lines = safety_of(ledger, check.catalogue, predictions, given)
         down = way_down(ledger, check.catalogue, predictions) if json else []
         starts = ledger.starts(plans[0].rocket) if flights is None else []
@@ -86,10 +86,26 @@ def predict(
     else:
         _print_table(predictions)
         _print_safety_of_all(predictions, lines)
+    if unsaved is not None:
+        raise LedgerError(f"saving the forecast failed: {unsaved}") from unsaved
 
 
 takes_plan(predict, (*PLAN_TEXTS, "date_time"))
 app.command()(predict)
+
+
+def _predicted(
+    ledger: "Ledger", motors: "Catalogue", plans: "Sequence[Flight]", model: ModelVersion
+) -> "tuple[list[Prediction], LedgerError | None]":
+    """Saved forecasts; or unsaved ones and the reason, because a flyer with a full or read-only disk needs them too."""
+    from fieldkit.errors import LedgerError
+    from fieldkit.services.forecasts import predict_plans
+
+    with progress("fitting your other rockets") as on_progress:
+        try:
+            return predict_plans(ledger, motors, plans, model.value, on_progress=on_progress), None
+        except LedgerError as error:
+            return predict_plans(ledger, motors, plans, model.value, keep=False, on_progress=on_progress), error
 
 
 def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]", *, json: bool) -> None:

@@ -30,8 +30,8 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
         finally:
             for line in ledger.remarks[:REMARKS]:
                 remark(line)
-            if len(ledger.remarks) > REMARKS:
-                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are excluded from every fit")
+            if more := len(ledger.remarks[REMARKS:]):
+                complain(f"note: {more} more {'flight is' if more == 1 else 'flights are'} excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 

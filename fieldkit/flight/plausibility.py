@@ -283,8 +283,8 @@ def far_from_usual(
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
-            spoken, as_usual = _titled(BY_NAME[name], value, figure), figure(BY_NAME[name], middle)
-            yield f"{spoken} is {value / middle:.2g} times the usual {as_usual} of this rocket and motor"
+            times, usually = f"{float(f'{value / middle:.2g}'):g} times", figure(BY_NAME[name], middle)
+            yield f"{_titled(BY_NAME[name], value, figure)} is {times} the usual {usually} of this rocket and motor"
 
 
 def _unusual(column: Column, value: float, figure: Callable[[Column, float], str]) -> str:

@@ -130,9 +130,12 @@ def never_recreate(engine: Engine) -> None:
 
 
 def _refuse_remains(file: Path | None) -> None:
-    """Raise LedgerError if SQLite would start an empty database in a file that has lost its content."""
+    """Raise LedgerError for a folder or a device, and if SQLite would start an empty database in a file that has lost
+    its content."""
     if file is None or not file.parent.is_dir():
         return
+    if file.exists() and not file.is_file():
+        raise LedgerError(f"{file}: found a folder or a device, expected a file")
     size = file.stat().st_size if file.exists() else 0
     if 0 < size < MIN_DATABASE_SIZE:
         raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")

@@ -18,9 +18,12 @@ FILE_MODES = ("ro", "rw", "rwc")
 def location(where: str | Path | None) -> URL:
     """The URL of a ledger named by a path or URL, by FIELDKIT_LEDGER, or the one in the user's data folder.
 
-    Raises LedgerError for a URL that is neither SQLite's nor PostgreSQL's.
+    Raises LedgerError for an empty name, and for a URL that is neither SQLite's nor PostgreSQL's.
     """
-    where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
+    if where is None:
+        where = os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
+    if not str(where).strip():
+        raise LedgerError(f"found the ledger {str(where)!r}, expected a path or a URL such as sqlite:///FILE")
     if isinstance(where, Path) or "://" not in where:
         return _keeping(URL.create("sqlite", database=str(expanded(where))), str(where))
     try:

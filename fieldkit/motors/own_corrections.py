@@ -21,6 +21,8 @@ HEADER = "maker,designation,field,was,value,confidence,source,lot,date\n"
 FILE_NAME = "motor_corrections.csv"
 OWN_FIELDS = (*QUANTITIES, "delays")
 """Fields that a user can correct."""
+LONGEST_DELAY = 100.0
+"""A longer delay is a typing error: the longest for sale is about 20 s. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +46,7 @@ def read_own_corrections(folder: Path) -> list[OwnCorrection]:
     if not file.exists():
         return []
     try:
-        rows = list(csv.DictReader(files.read_own(file).removeprefix("\ufeff").splitlines()))
+        rows = list(csv.DictReader(files.read_own(file).splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise BadValue(f"{FILE_NAME}: found {error}, expected a table") from error
     return [_row(row, number) for number, row in enumerate(rows, start=2)]
@@ -84,9 +86,12 @@ def _figure(value: str, where: str) -> float:
 
 def _delays(value: str, where: str) -> tuple[float, ...]:
     try:
-        return tuple(PLUGGED_DELAY if part.strip() == "P" else float(part) for part in value.split(","))
+        seconds = tuple(PLUGGED_DELAY if part.strip() == "P" else float(part) for part in value.split(","))
     except ValueError:
-        raise BadValue(f"{where}, value: found {value[:20]!r}, expected delays such as 4,6,8 or P") from None
+        seconds = (float("nan"),)
+    if all(0 <= one <= LONGEST_DELAY or one == PLUGGED_DELAY for one in seconds):
+        return seconds
+    raise BadValue(f"{where}, value: found {value[:20]!r}, expected delays such as 4,6,8 or P")
 
 
 def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:

@@ -5,12 +5,12 @@ other files. Everything that is counted in a file has a limit: files in the arch
 and the length of one piece of markup or text.
 """
 
-import io
 import re
 import zipfile
 import zlib
 from typing import TYPE_CHECKING
 
+from fieldkit import zips
 from fieldkit.errors import DamagedLog
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
 
 MAX_UNPACKED_SIZE = 64 * 2**20
 """Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [byte]"""
-
-MOST_FILES = 1000
-"""Largest number of files in an archive; a design with pictures on its parts has a few dozen. [1]"""
 MOST_ELEMENTS = 500_000
 """Largest number of elements in a design; a stored simulation has one for each of its few thousand samples. [1]"""
 MAX_DEPTH = 200
@@ -30,7 +27,6 @@ MAX_TAG_LENGTH = 1 << 20
 ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
 """Encodings in which tags can be found without decoding."""
 
-_FILE_IN_ZIP = b"PK\x01\x02"
 _DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
 
 
@@ -114,10 +110,8 @@ def _unpacked(content: bytes, source: str) -> bytes:
 
 
 def _from_zip(content: bytes, source: str) -> bytes:
-    if content.count(_FILE_IN_ZIP) > MOST_FILES:
-        raise DamagedLog(f"found a zip of more than {MOST_FILES} files, expected an OpenRocket design", source=source)
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        with zips.opened(content) as archive:
             names = [name for name in archive.namelist() if name.lower().endswith(".ork")]
             if not names:
                 raise DamagedLog("found a zip without rocket.ork in it, expected an OpenRocket design", source=source)

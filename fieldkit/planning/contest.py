@@ -23,6 +23,8 @@ from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.rules import MARKS
+from fieldkit.planning.toml_values import found_in, in_order, number, whole
+from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -31,6 +33,10 @@ DRAWS = 1000
 """Number of rockets drawn, each of which flies all flights that may be declared. [1]"""
 FIRST_MONTH = 6
 """The month of the year before in which a season starts. [1]"""
+MOST_DECLARED = 100
+"""Largest number of flights that may be declared. [1]"""
+_TEXTS = ("eggs", "body", "launch", "finals", "mark", "source")
+"""Keys of a season that are text."""
 AREAS = (0.4, 2.5)
 """Range of the tried parachute areas, as a ratio to the current area. [1]"""
 
@@ -132,39 +138,42 @@ def season(year: int, own: Path | None = None) -> Season:
         raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
     try:
         rule = files.read_toml(file)
-        low, high = (float(end) for end in rule["window_s"])
-        most = rule.get("limits", {})
+        window, most = in_order(rule["window_s"], "window_s"), rule.get("limits", {})
+        declared = whole(rule["declared"], "declared", 1, MOST_DECLARED)
         return Season(
-            year=int(rule["season"]),
-            target=float(rule["target_ft"]) * FOOT,
-            window=(low, high),
-            per_metre=float(rule["points_per_ft"]) / FOOT,
-            per_second=float(rule["points_per_s"]),
-            best=int(rule["best"]),
-            declared=int(rule["declared"]),
+            year=whole(rule["season"], "season", 1, 9999),
+            target=number(rule["target_ft"], "target_ft", least=1.0) * FOOT,
+            window=window,
+            per_metre=number(rule["points_per_ft"], "points_per_ft") / FOOT,
+            per_second=number(rule["points_per_s"], "points_per_s"),
+            best=whole(rule["best"], "best", 1, declared),
+            declared=declared,
             checked=bool(rule["checked"]),
-            remarks=str(rule.get("remarks", "")),
-            mass=_scaled(most.get("lift_off_mass_g"), 1e-3),
-            impulse=_scaled(most.get("impulse_ns"), 1.0),
-            length=_scaled(most.get("length_mm_at_least"), 1e-3),
+            mass=_limit(most, "lift_off_mass_g", 1e-3),
+            impulse=_limit(most, "impulse_ns", 1.0),
+            length=_limit(most, "length_mm_at_least", 1e-3),
             finals_range=_finals(rule.get("finals_ft")),
             marks={str(name): str(mark) for name, mark in rule.get("marks", {}).items()},
-            **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
+            remarks=printable(str(rule.get("remarks", ""))),
+            **{key: printable(str(rule[key])) for key in _TEXTS if key in rule},
         )
     except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
-        raise BadValue(f"{file.name}: found {error}, expected every key of a season with a valid value") from error
+        found = found_in(error)
+        raise BadValue(f"{file.name}: found {found}, expected every key of a season with a valid value") from error
 
 
-def _finals(feet: Sequence[float] | None) -> tuple[float, float] | None:
+def _finals(feet: object) -> tuple[float, float] | None:
     """The lowest and the highest target in finals. [m]"""
     if feet is None:
         return None
-    low, high = (float(one) * FOOT for one in feet)
-    return low, high
+    low, high = in_order(feet, "finals_ft")
+    return low * FOOT, high * FOOT
 
 
-def _scaled(value: float | None, by: float) -> float | None:
-    return None if value is None else float(value) * by
+def _limit(limits: Mapping[str, object], name: str, scale: float) -> float | None:
+    """A limit of a season in SI, None if it sets none."""
+    value = limits.get(name)
+    return None if value is None else number(value, name) * scale
 
 
 def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:

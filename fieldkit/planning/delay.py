@@ -19,6 +19,8 @@ from fieldkit.motors import Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.planning.toml_values import found_in, number
+from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 
 RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
@@ -127,18 +129,24 @@ def _drills(file: Path, motor: Motor) -> dict[str, Drill]:
         found = {maker: _drill(maker, table, f"your own {file.name}", motor) for maker, table in tables.items()}
         return {maker: drill for maker, drill in found.items() if drill is not None}
     except (AttributeError, KeyError, TypeError, ValueError, OSError) as error:
-        raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
+        raise BadValue(f"{file.name}: found {found_in(error)}, expected [Maker] with takes_off_s = [2, 4]") from error
 
 
 def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Drill | None:
     sizes = table.get("sizes") or [{"up_to_mm": np.inf, "takes_off_s": table["takes_off_s"]}]
-    fitting = [size for size in sizes if motor.diameter * 1e3 <= float(size["up_to_mm"]) + 0.6]
+    fitting = [size for size in sizes if motor.diameter * 1e3 <= _up_to(size) + 0.6]
     if not fitting:
         return None
-    takes_off = tuple(float(off) for off in fitting[0]["takes_off_s"])
-    left = float(table.get("least_left_s", 0.0))
-    left = float(table.get("least_left_dms_s", left)) if _is_dms(motor) else left
-    return Drill(maker, takes_off, str(table.get("source", source)), bool(table.get("checked", False)), left)
+    takes_off = tuple(number(off, "takes_off_s") for off in fitting[0]["takes_off_s"])
+    left = number(table.get("least_left_s", 0.0), "least_left_s")
+    left = number(table.get("least_left_dms_s", left), "least_left_dms_s") if _is_dms(motor) else left
+    source = printable(str(table.get("source", source)))
+    return Drill(printable(maker), takes_off, source, bool(table.get("checked", False)), left)
+
+
+def _up_to(size: dict[str, Any]) -> float:
+    """The largest motor diameter of a tool's size. [mm]"""
+    return number(size["up_to_mm"], "up_to_mm", unlimited=True)
 
 
 def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0.0) -> dict[float, bool]:

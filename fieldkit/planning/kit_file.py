@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.files import read_own, replace, toml_of
@@ -25,39 +26,46 @@ def put_kit(file: Path, kit: Kit, was: str = "") -> None:
     for key, value in figures.items():
         if not 0 < value < LARGEST_FIGURE:
             raise BadValue(f"{kit.name}, {key}: found {value:g}, expected a number above zero")
-    lines = [f"{key} = {value!r}" for key, value in figures.items()]
-    _change(file, was, [_heading(kit.name), *lines], {**kits, kit.name.casefold(): kit})
+    _change(file, was, kit.name, figures)
 
 
 def drop_kit(file: Path, name: str) -> None:
     """Delete a kit. Raises BadValue if there is none of this name, or if the file cannot be edited line by line."""
-    kits = dict(read_kits(file))
-    if kits.pop(name.casefold(), None) is None:
+    if name.casefold() not in read_kits(file):
         raise BadValue(f"found no kit {name!r} in {file.name}")
-    _change(file, name, [], kits)
+    _change(file, name)
 
 
-def _change(file: Path, was: str, new: Sequence[str], wanted: Mapping[str, Kit]) -> None:
-    """Replace the heading and the figures of a kit; `wanted` are the kits that the file has to hold then."""
-    lines = read_own(file).splitlines() if file.exists() else []
-    start = next((row for row, line in enumerate(lines) if was and _names(line, was)), len(lines))
-    end = next((row for row in range(start + 1, len(lines)) if _heads(lines[row])), len(lines))
-    rest = [line for line in lines[start + 1 : end] if not _OWN_LINE.match(line)] if new else []
-    gap = [""] if new and start == len(lines) and lines and lines[-1].strip() else []
-    text = "\n".join([*lines[:start], *gap, *new, *rest, *lines[end:]]).strip("\n") + "\n"
+def _change(file: Path, was: str, name: str = "", figures: Mapping[str, float] | None = None) -> None:
+    """Replace the heading and the figures of the kit called `was`, or delete it if there are no figures."""
+    before = read_own(file) if file.exists() else ""
+    text = _edited(before.splitlines(), was, _heading(name), figures)
     try:
-        tables = toml_of(text)
+        after = toml_of(text)
     except ValueError:
-        tables = {}
-    if {name.casefold() for name in tables} != {one.casefold() for one in _without(wanted, was, new)}:
+        after = {"": "unreadable"}
+    if after != _wanted(toml_of(before), was, name, figures):
         raise BadValue(f"{file}: found kits that are not written as [name] with lines below, expected a change by hand")
     replace(file, text.encode())
 
 
-def _without(wanted: Mapping[str, Kit], was: str, new: Sequence[str]) -> set[str]:
-    """The names of the wanted kits, without the former name of a renamed one."""
-    renamed = bool(new) and was and new[0] != _heading(was) and not _names(new[0], was)
-    return {name for name in wanted if not (renamed and name == was.casefold())}
+def _edited(lines: Sequence[str], was: str, heading: str, figures: Mapping[str, float] | None) -> str:
+    """The text of a file in which the lines of a kit are replaced, or deleted if there are no figures."""
+    start = next((row for row, line in enumerate(lines) if was and _names(line, was)), len(lines))
+    end = next((row for row in range(start + 1, len(lines)) if _heads(lines[row])), len(lines))
+    new = [] if figures is None else [heading, *(f"{key} = {value!r}" for key, value in figures.items())]
+    rest = [line for line in lines[start + 1 : end] if not _OWN_LINE.match(line)] if new else []
+    gap = [""] if new and start == len(lines) and lines and lines[-1].strip() else []
+    return "\n".join([*lines[:start], *gap, *new, *rest, *lines[end:]]).strip("\n") + "\n"
+
+
+def _wanted(tables: Mapping[str, Any], was: str, name: str, figures: Mapping[str, float] | None) -> Mapping[str, Any]:
+    """What a file has to contain after a change: everything else in it stays."""
+    others = {one: table for one, table in tables.items() if one.casefold() != was.casefold()}
+    if figures is None:
+        return others
+    own: Mapping[str, Any] = next((table for one, table in tables.items() if one.casefold() == was.casefold()), {})
+    return {**others, name: {**{key: value for key, value in own.items() if key not in KIT_KEYS}, **figures}}
 
 
 def _heading(name: str) -> str:

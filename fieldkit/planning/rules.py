@@ -8,13 +8,14 @@ import datetime
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.files import read_toml
 from fieldkit.planning.rule_units import RULE_UNITS
+from fieldkit.planning.toml_values import found_in, number, texts, whole
 from fieldkit.safe_text import printable
 
 FOLDER = Path(__file__).parents[1] / "data" / "rules"
@@ -34,6 +35,8 @@ DEFINITION_KEYS = (
 """What a definition of high power has to say."""
 CLASS_KEYS = ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")
 """What the classes of an air law have to say."""
+LISTS = ("kinds", "designations", "sparky")
+"""What a definition of high power says in a list."""
 KINDS = ("model", "high power", "any")
 """The kinds of rockets that a set is for."""
 
@@ -170,7 +173,8 @@ def _read(file: Path, changed: int) -> RuleSet:
     try:
         return _rule_set(file.stem, table)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise BadValue(f"{file.name}: found {error!r}, expected title, authority, for, valid_from, [[rule]]") from error
+        found = found_in(error)
+        raise BadValue(f"{file.name}: found {found}, expected title, authority, for, valid_from, [[rule]]") from error
 
 
 def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
@@ -178,10 +182,6 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
     if kind not in KINDS:
         raise ValueError(f"for = {kind!r}, one of {', '.join(KINDS)}")
     text = _text(table, RuleText("", str(table["source"]), str(table["mark"]), table["valid_from"]))
-    definition, classes = dict(table.get("definition", {})), dict(table.get("classes", {}))
-    for found, needed in ((definition, DEFINITION_KEYS), (classes, CLASS_KEYS)):
-        if found and (missing := [name for name in needed if name not in found]):
-            raise KeyError(missing[0])
     return RuleSet(
         key=key,
         title=printable(str(table["title"])),
@@ -191,9 +191,17 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
         valid_from=text.valid_from,
         rules=tuple(_rule(one, text, str(table["title"])) for one in table.get("rule", ())),
         text=text,
-        definition=definition,
-        classes=classes,
+        definition=_bounds(table.get("definition", {}), DEFINITION_KEYS),
+        classes=_bounds(table.get("classes", {}), CLASS_KEYS),
     )
+
+
+def _bounds(table: Mapping[str, Any], needed: Sequence[str]) -> dict[str, Any]:
+    """A table of bounds, which has all the keys that are needed, or none. Raises KeyError, ValueError."""
+    if table and (missing := [name for name in needed if name not in table]):
+        raise KeyError(missing[0])
+    numbers = {name: number(table[name], name) for name in needed if name in table and name not in LISTS}
+    return dict(table) | numbers | {name: list(texts(table[name], name)) for name in LISTS if name in table}
 
 
 def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
@@ -220,27 +228,29 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
     single = [{"up_to": inf, **table}] if {"at_most", "at_least"} & set(table) else []
     rows = []
     for row in table.get("rows", single):
-        values = [row.get(name) for name in ("complex", "cleared")]
-        value = float(row["at_most"] if "at_most" in row else row["at_least"])
-        if not isfinite(value):
-            raise ValueError(f"{value} for {table['check']}")
-        more = [None if one is None else float(one) * scale for one in values]
+        more = [number(row[name], name) * scale if name in row else None for name in ("complex", "cleared")]
+        name = "at_most" if "at_most" in row else "at_least"
+        value = number(row[name], f"{table['check']}, {name}")
         stated = _stated(row, value, unit) if table.get("by") == "impulse" and unit in ("ft", "m") else ""
-        rows.append(RuleRow(float(row["up_to"]), value * scale, more[0], more[1], _text(row, text), stated))
+        up_to = number(row["up_to"], "up_to", unlimited=True)
+        rows.append(RuleRow(up_to, value * scale, more[0], more[1], _text(row, text), stated))
     only = {
-        "impulse": float(table.get("impulse_ns", inf)),
-        "mass": float(table.get("mass_g", inf)) * 1e-3,
-        "altitude": float(table.get("altitude_ft", inf)) * RULE_UNITS["ft"],
+        quantity: number(table.get(name, inf), name, unlimited=True) * unit
+        for quantity, name, unit in (
+            ("impulse", "impulse_ns", 1.0),
+            ("mass", "mass_g", 1e-3),
+            ("altitude", "altitude_ft", RULE_UNITS["ft"]),
+        )
     }
     return Rule(
         check=printable(str(table["check"])),
         most="at_most" in table,
         by=str(table.get("by", "")),
         rows=tuple(sorted(rows, key=lambda row: row.up_to)),
-        of_altitude=float(table.get("of_altitude", 0.0)),
-        classes=tuple(int(one) for one in table.get("classes", ())),
+        of_altitude=number(table.get("of_altitude", 0.0), "of_altitude"),
+        classes=tuple(whole(one, "classes", 1, 3) for one in table.get("classes", ())),
         only=only,
         text=text,
         of=printable(title),
-        propellants=tuple(map(str, table.get("propellants", ()))),
+        propellants=texts(table.get("propellants", ()), "propellants"),
     )

@@ -10,6 +10,7 @@ from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, is_cluster
 from fieldkit.services.forecasts import forecast_from_others, predict_plans
+from fieldkit.services.plausible_flights import plausible
 from fieldkit.services.saved_forecasts import of_flight
 
 SURPRISING = 0.001
@@ -68,9 +69,10 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
 
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
-    """A flight of the ledger compared with its forecast, None if none can be made."""
+    """A flight of the ledger compared with its forecast, None if none can be made, as for a setup that no motor
+    lifts."""
     before = _forecast(ledger, motors, flight)
-    if before is None:
+    if before is None or not plausible([flight], motors):
         return None
     (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], keep=False)
     kept = of_flight(ledger, motors, flight)

@@ -107,5 +107,5 @@ def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
 
 
 def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
-    """Save these motors as the shortlist of a rocket."""
-    ledger.keep_draft(SHORTLIST, lambda saved: saved | {rocket: sorted(labels)})
+    """Save these motors as the shortlist of a rocket, as a change that can be undone."""
+    ledger.change_draft(SHORTLIST, lambda saved: saved | {rocket: sorted(labels)}, "shortlist", f"of {rocket}")

@@ -4,11 +4,15 @@ from collections.abc import Callable
 from typing import Any
 
 from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME
+from fieldkit.flight.plausibility import check
 from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
 
 SITES = "sites"
 """Name under which the ledger saves them."""
+MAX_LENGTH = 1e6
+"""A size, ceiling or distance from here on is a typing error. [m]"""
 
 
 def sites(ledger: Ledger) -> list[Site]:
@@ -29,13 +33,18 @@ def site_of(ledger: Ledger, name: str) -> Site:
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
     """Save the given properties of a site, `SITE_LENGTHS` [m] and its rules, and leave the others unchanged. Raises
-    BadValue for a length that is not above zero.
+    BadValue for an elevation that no site has, or a length that is not above zero and below `MAX_LENGTH`.
     """
     changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
     changes |= {} if rules is None else {"rules": rules}
+    try:
+        if "elevation" in changes:
+            check(BY_NAME["site_elevation"], changes["elevation"])
+    except BadValue as error:
+        raise BadValue(f"{name}, elevation: {error}") from error
     for key in SITE_LENGTHS[1:]:
-        if key in changes and changes[key] <= 0:
-            raise BadValue(f"{name}: found a {key} that is not above zero, expected a positive length")
+        if key in changes and not 0 < changes[key] < MAX_LENGTH:
+            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected a length above zero")
     ledger.change_draft(SITES, lambda saved: saved | {name: saved.get(name, {}) | changes}, "site", name)
     return site_of(ledger, name)
 

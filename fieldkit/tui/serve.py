@@ -9,6 +9,7 @@ import hmac
 import ipaddress
 import json
 import logging
+import os
 import socket
 import sys
 from collections.abc import Awaitable, Callable, Sequence
@@ -25,7 +26,9 @@ from textual_serve.server import Server
 from fieldkit.safe_text import printable
 from fieldkit.tui import listening
 
-COOKIE = "fieldkit"
+LEDGER = "FIELDKIT_LEDGER"
+"""The environment variable that names the ledger to the apps: other users of a computer see command lines, and the URL
+of a ledger on a server may contain a password."""
 PHONE_LETTERS = "10"
 """Font size on a phone: 65 columns fit a width of 390 points. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -155,15 +158,17 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
     """textual-serve with an optional token, which rejects pages of other origins."""
 
     def __init__(self, host: str, port: int, token: str, ledger: str | None) -> None:
-        chosen = ["--ledger", ledger] if ledger else []
         super().__init__(
-            in_a_shell([sys.executable, "-m", "fieldkit.cli.main", *chosen, "tui"]),
+            in_a_shell([sys.executable, "-m", "fieldkit.cli.main", "tui"]),
             host,
             port,
             "fieldkit",
             f"http://{address(host)}:{port}",
         )
         self.token = token
+        self.ledger = ledger
+        self.cookie = f"fieldkit-{port}"
+        """The name of the cookie with the token: browsers share cookies between the ports of a computer."""
         self.open: set[web.WebSocketResponse] = set()
         """The sockets of pages connected to an app."""
 
@@ -176,6 +181,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
     def serve(self, debug: bool = False) -> None:
         """Serve until Ctrl-C. Raises OSError if it cannot listen."""
         self.initialize_logging()
+        if self.ledger:
+            os.environ[LEDGER] = self.ledger
         with suppress(KeyboardInterrupt):
             asyncio.run(self._serve())
 
@@ -257,7 +264,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         if isinstance(response, web.Response) and response.content_type == "text/html":
             response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)
         if self.token and not response.prepared:
-            response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
+            response.set_cookie(self.cookie, self.token, httponly=True, samesite="Strict")
         return response
 
     def _refuse_strangers(self, request: web.Request) -> None:
@@ -268,7 +275,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         origin = request.headers.get("Origin")
         if origin is not None and not self.is_ours(_netloc(origin)):
             raise web.HTTPForbidden(text="requested by another page")
-        shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
+        shown = request.query.get("token", "") or request.cookies.get(self.cookie, "")
         if self.token and not hmac.compare_digest(shown.encode(errors="replace"), self.token.encode()):
             raise web.HTTPForbidden(
                 text="the token is missing or wrong; open the whole link that fieldkit serve printed"

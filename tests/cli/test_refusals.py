@@ -11,6 +11,7 @@ import pytest
 import typer
 
 from fieldkit.cli.main import app, main
+from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
 
 ROOT = Path(__file__).parents[2]
@@ -31,6 +32,21 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     path = str(tmp_path / "ledger.db")
     assert main(["--ledger", path, "import", str(tmp_path / "flights.csv")]) == 0
     return path
+
+
+def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
+    ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On a full or read-only disk a flyer still needs it, and learns that it is not saved."""
+
+    def full(*_: object, **__: object) -> None:
+        raise LedgerError("ledger.db: the disk is full")
+
+    monkeypatch.setattr(Ledger, "keep_prediction", full)
+    assert main(["--ledger", ledger, "predict", "--motor", "F24-4W"]) == 1
+    said = capsys.readouterr()
+    assert "90% interval" in said.out
+    assert "saving the forecast failed: ledger.db: the disk is full" in said.err
 
 
 REFUSED = {

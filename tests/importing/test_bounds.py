@@ -9,12 +9,14 @@ import subprocess
 import sys
 import threading
 import time
+import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from fieldkit import zips
 from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.importing.read import read
@@ -109,13 +111,34 @@ def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pyte
         (archive, "MOST_ELEMENTS", 20, zipped(design()), "more than 20 elements"),
         (archive, "MAX_DEPTH", 5, zipped(design()), "nested more than 5 deep"),
         (archive, "MAX_TAG_LENGTH", 20, zipped(design()), "without the end of a tag"),
-        (archive, "MOST_FILES", 2, zipped(design(), names=3), "more than 2 files"),
+        (zips, "MAX_ENTRIES", 2, zipped(design(), names=3), "more than 2 files"),
         (designs, "MOST_PARTS", 1, zipped(design()), "parts along the body"),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, most)
             with pytest.raises(DamagedLog, match=said):
                 read_design(text, "x.ork")
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
+@pytest.mark.parametrize("part", ["rocket.ork", "mimetype", "xl/workbook.xml"])
+def test_a_few_bytes_of_an_archive_never_become_many(part: str, method: int) -> None:
+    """A hundred megabytes of zeros in a few hundred bytes of bzip2; `mimetype` is read to recognize a spreadsheet."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", method) as packed, packed.open(part, "w") as file:
+        for _ in range(100):
+            file.write(bytes(1 << 20))
+    with zipfile.ZipFile(out, "a") as packed:
+        packed.writestr("content.xml", "<a/>")
+    content = out.getvalue()
+    tracemalloc.start()
+    try:
+        with pytest.raises(FieldkitError):
+            read_design(content, "x.ork") if part.endswith(".ork") else read(content, "x.xlsx", lambda name: None)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < (200 << 20 if part.endswith(".ork") and method == zipfile.ZIP_DEFLATED else 30 << 20)
 
 
 def test_columns_of_a_simulation_beyond_those_counted_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -349,6 +349,24 @@ def test_a_url_that_no_ledger_can_have_is_refused(url: str, found: str) -> None:
         Ledger.open(url)
 
 
+@pytest.mark.parametrize("name", ["", "  "])
+def test_a_ledger_without_a_name_is_not_the_usual_one(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As from a variable of a script that is not set."""
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "usual.db"))
+    with pytest.raises(LedgerError, match="expected a path or a URL"):
+        Ledger.open(name)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="a device of Unix")
+def test_a_folder_or_a_device_is_no_ledger(tmp_path: Path) -> None:
+    for place in (tmp_path, "/dev/null"):
+        with pytest.raises(LedgerError, match="found a folder or a device, expected a file"):
+            Ledger.open(place)
+
+
 def test_a_server_that_does_not_answer_is_named_without_its_password() -> None:
     with pytest.raises(LedgerError, match=r"127\.0\.0\.1") as error:
         Ledger.open("postgresql://me:secret@127.0.0.1:1/db?connect_timeout=1")

@@ -82,7 +82,10 @@ def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_pat
     [
         ("AeroTech,F24W,mass,,1,sure,x,,", "row 2, field"),
         ("AeroTech,F24W,loaded_g,,heavy,sure,x,,", "row 2, value"),
-        ("AeroTech,F24W,delays,,soon,sure,x,,", "row 2, value"),
+        *(
+            (f'AeroTech,F24W,delays,,"{delays}",sure,x,,', "row 2, value")
+            for delays in ("soon", "nan,4", "-5", "1e300", "")
+        ),
         ("AeroTech,F24W,loaded_g,,1,sure,x,,", "more than its propellant"),
     ],
 )

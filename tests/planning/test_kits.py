@@ -1,6 +1,7 @@
 """The flyer's kits are saved, changed, and deleted without touching what else is in their file."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from fieldkit.errors import BadValue
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.planning.kit_file import drop_kit, put_kit
-from fieldkit.planning.kits import Kit, read_kits
+from fieldkit.planning.kits import KIT_KEYS, Kit, read_kits
 from fieldkit.services.pickers import names_of
 from fieldkit.services.planning import rocket_of
 
@@ -97,3 +98,33 @@ def test_a_rocket_named_after_a_kit_is_offered_and_takes_its_mount(file: Path, t
         assert [(one.text, one.about) for one in names.sources()["rocket"]("ber")] == [("Big Bertha", "kit")]
         assert not names.doubt("rocket", "Big Bertha")
         assert rocket_of(ledger, catalogue(), "Big Bertha").mount == pytest.approx(0.018)
+
+
+UNEVEN = {
+    "brackets in a text": '[a]\nnote = """\n[b]\ndry_mass_g = 9\n"""\ndry_mass_g = 3\n',
+    "brackets in a list": "[a]\nlist = [\n[1],\n[2]]\n",
+    "a table in a kit": "[a]\ndry_mass_g = 3\n[a.sub]\ndry_mass_g = 5\n",
+    "a key in quotes": '[a]\n"dry_mass_g" = 3\n',
+    "a kit in a line": "a = {dry_mass_g = 3}\n",
+}
+
+
+@pytest.mark.parametrize("what", UNEVEN)
+def test_a_file_that_cannot_be_changed_line_by_line_is_left_as_it_is(what: str, tmp_path: Path) -> None:
+    """Neither a broken file nor wrong figures may result, and nothing else in it may be lost."""
+    file = tmp_path / "kits.toml"
+    for change in (
+        lambda: drop_kit(file, "a"),
+        lambda: put_kit(file, Kit("a", 0.08, None, None), "a"),
+        lambda: put_kit(file, Kit("c", None, 0.05, None), "a"),
+    ):
+        file.write_text(UNEVEN[what], encoding="utf-8")
+        before = tomllib.loads(UNEVEN[what])["a"]
+        try:
+            change()
+        except BadValue:
+            assert file.read_text(encoding="utf-8") == UNEVEN[what]
+            continue
+        after = tomllib.loads(file.read_text(encoding="utf-8"))
+        kept = {key: value for key, value in before.items() if key not in KIT_KEYS}
+        assert after in ({}, {"a": {**kept, "dry_mass_g": 80.0}}, {"c": {**kept, "diameter_mm": 50.0}})

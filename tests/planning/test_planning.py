@@ -341,8 +341,9 @@ def test_a_site_is_saved_beside_what_flights_say_of_it(tmp_path: Path) -> None:
         assert site_of(ledger, "Meadow") == Site("Meadow", 212.0, 400.0, 900.0)
         plan = completed_plan(ledger, catalogue(), Flight(rocket="A"), Settings(rail_length=1.8))
         assert (plan.site, plan.site_elevation, plan.rail_length) == ("Meadow", 212.0, 1.8)
-        with pytest.raises(BadValue, match="size"):
-            keep_site(ledger, "Meadow", size=-1.0)
+        for name, value in (("size", -1.0), ("ceiling", 1e6), ("elevation", 1e6), ("elevation", -1e6)):
+            with pytest.raises(BadValue, match=f"Meadow.*{name}"):
+                keep_site(ledger, "Meadow", rules=None, **{name: value})
 
 
 @pytest.mark.parametrize(("days", "offered"), [(0, "3 m/s"), (1, "")])

@@ -320,7 +320,7 @@ def test_a_rule_of_words_alone_is_a_reminder_whatever_it_is_about(tmp_path: Path
 @pytest.mark.parametrize(
     ("text", "named"),
     [
-        ('[[rule]]\ncheck = "ground wind"\nat_most = nan\nunit = "mph"\n', "nan for ground wind"),
+        ('[[rule]]\ncheck = "ground wind"\nat_most = nan\nunit = "mph"\n', "ground wind, at_most = nan"),
         ("[definition]\nmass_g = 1500\n", "impulse_of_several_ns"),
         ("[classes]\nclass1_mass_g = 1500\n", "class1_propellant_g"),
     ],

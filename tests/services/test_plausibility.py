@@ -89,6 +89,8 @@ WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
 SLOW = ("loop", "score", "study")
 WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study reference")
 """Commands that no flight of the ledger changes."""
+USAGE = 2
+"""Exit status of a command line that is not understood."""
 Told = Callable[..., tuple[int, str, str]]
 
 
@@ -144,8 +146,9 @@ def test_no_command_fails_unforeseen_without_a_flight_to_fit(
         told(rows=rows or season(1))
         if not rows:
             told("undo")
-        _, out, err = told(*words)
+        status, out, err = told(*words)
         assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
+        assert status != USAGE, (words, err)  # otherwise neither this test nor the fault bench tries anything
 
 
 def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(told: Told) -> None:
@@ -171,6 +174,21 @@ def test_no_command_fails_unforeseen_at_the_ends_of_time(
         if session.named(words) not in WITHOUT_A_LEDGER:
             told(rows=rows)
             told(*words)
+
+
+def test_a_ratio_to_the_usual_is_written_in_digits(told: Told) -> None:
+    assert "apogee 199900 m is 790 times the usual 252.4 m" in told(rows=with_one(apogee_m=199_900))[2]
+
+
+def test_a_flight_that_no_motor_lifts_announces_no_next_one(told: Told) -> None:
+    """Its readouts may be right; a forecast for a mass typed wrong is 0 m from 0 to 0."""
+    told(rows=season(10))
+    typed = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--diameter", "66mm", "--apogee", "250m")
+    status, out, err = told("add", *typed, "--dry-mass", "32kg")
+    assert status == 0
+    assert "Next on" not in out
+    assert "excluded from every fit" in err
+    assert "Next on" in told("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
 
 
 def test_a_card_is_learned_without_impossible_flights_and_names_them(told: Told, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.planning.contest_day import Day
 from fieldkit.services.contest_day import DAYS, keep_day
-from fieldkit.services.planning import SHORTLIST, keep_shortlist
+from fieldkit.services.planning import SHORTLIST, keep_shortlist, shortlist
 from fieldkit.services.sites import SITES, keep_site, put_site, with_site
 
 pytestmark = pytest.mark.fast
@@ -51,3 +51,13 @@ def test_what_is_saved_beside_other_writers_is_kept(what: str, tmp_path: Path) -
         one.join()
     with Ledger.open(file) as ledger:
         assert sorted(ledger.draft(name) or {}) == [str(2000 + number) for number in range(WRITERS * EACH)]
+
+
+def test_a_shortlist_is_undone_like_any_other_change(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        keep_shortlist(ledger, "Astra", frozenset({"F24W"}))
+        keep_shortlist(ledger, "Astra", frozenset({"F24W", "F39T"}))
+        assert ledger.undo().what == "of Astra"
+        assert shortlist(ledger, "Astra") == {"F24W"}
+        ledger.redo()
+        assert shortlist(ledger, "Astra") == {"F24W", "F39T"}

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from datetime import date, datetime, time
 from typing import Any
 
+from fieldkit import zips
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.spreadsheet_bounds import check_bounds
 
@@ -25,12 +26,16 @@ def is_spreadsheet(log: bytes) -> bool:
     if not log.startswith(b"PK\x03\x04"):
         return False
     try:
-        with zipfile.ZipFile(io.BytesIO(log)) as archive:
+        with zips.opened(log) as archive:
             names = set(archive.namelist())
-            sheets = b"spreadsheet" in archive.read("mimetype")[:100] if "mimetype" in names else True
-            return bool(names & {*_CONTENTS}) and sheets
+            return bool(names & {*_CONTENTS}) and ("mimetype" not in names or _is_of_sheets(archive))
     except (zipfile.BadZipFile, OSError, ValueError, RuntimeError, NotImplementedError):
         return False
+
+
+def _is_of_sheets(archive: zipfile.ZipFile) -> bool:
+    with archive.open("mimetype") as kind:
+        return b"spreadsheet" in kind.read(100)
 
 
 def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
@@ -53,7 +58,7 @@ def _sheets(log: bytes) -> Iterator[bytes]:
     import pandas
 
     try:
-        with zipfile.ZipFile(io.BytesIO(log)) as archive:
+        with zips.opened(log) as archive:
             size = sum(one.file_size for one in archive.infolist())
             if size > MAX_UNPACKED:
                 raise DamagedLog(f"found {size >> 20} MB in a spreadsheet, expected at most {MAX_UNPACKED >> 20}")
