@@ -239,7 +239,10 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
     named = {
         field: name for item in readings for field, name in {**dict.fromkeys(item.stated, ""), **item.columns}.items()
     }
-    columns_read = (_stated_column(field, name) for field, name in named.items())
+    columns_read = [_stated_column(field, name) for field, name in named.items()]
+    used = {column.name for column in columns_read}
+    extra = dict.fromkeys(name for item in readings for name in item.extra if name not in used)
+    columns_read += [ColumnRead(name, "", "", "text") for name in extra]
     return Recognition(columns=tuple(columns_read), rows=len(readings), dropped=damaged)
 
 
