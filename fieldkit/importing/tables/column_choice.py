@@ -73,7 +73,21 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
             for place, head in enumerate(heads)
             if barometric(head) and not layout.says(place) and (columns is None or place in columns)
         ]
-    return _without_clocks_of_others(picks)
+    return _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
+
+
+def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] | None) -> list[Pick]:
+    """The clock and the pressure of a table that names neither: times such as `12:04:05.3`, and a unit such as hPa."""
+    named = {pick.channel for pick in picks}
+    free = [i for i in range(len(layout.headers)) if columns is None or i in columns]
+    free = [i for i in free if i not in {pick.place for pick in picks} and not layout.says(i)]
+    heads = {place: heading(layout.headers[place]) for place in free}
+    clocks = [i for i in free if _clock_unit("time", "", layout, i) == "clock"]
+    barometers = [i for i in free if heads[i].unit and unit_named("pressure", heads[i].unit)]
+    found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
+    if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
+        found.append(Pick("pressure", barometers[0], heads[barometers[0]].spelled, heads[barometers[0]].unit))
+    return found
 
 
 def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:

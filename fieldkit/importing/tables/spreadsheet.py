@@ -77,6 +77,11 @@ def _written(rows: Iterator[tuple[Any, ...]]) -> bytes:
     return out.getvalue().encode()
 
 
+def _precision(moment: datetime | time) -> str:
+    """The precision of a time: milliseconds if it has any, because a log may have several rows in a second."""
+    return "milliseconds" if moment.microsecond >= 1000 else "seconds"
+
+
 def _cell(value: object) -> str:
     """A cell as CSV text: numbers with a point and all digits, integers without decimals, dates in ISO 8601."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -85,7 +90,9 @@ def _cell(value: object) -> str:
         return str(int(value))
     if isinstance(value, datetime):
         midnight = value.time() == time()
-        return value.date().isoformat() if midnight else value.isoformat(timespec="seconds")
-    if isinstance(value, date | time):
+        return value.date().isoformat() if midnight else value.isoformat(timespec=_precision(value))
+    if isinstance(value, time):
+        return value.isoformat(timespec=_precision(value))
+    if isinstance(value, date):
         return value.isoformat()
     return "" if str(value) in ("NaT", "<NA>") else str(value)
