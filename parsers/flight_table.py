@@ -44,11 +44,11 @@ from fieldkit.importing.tables.flight_headings import (
 )
 from fieldkit.importing.tables.flight_rows import (
     TableRow,
+    are_mere_numbers,
     cells_of,
     is_blank,
     is_summary,
     last_row,
-    numbers_restart,
     units_in,
 )
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
@@ -124,7 +124,7 @@ def _headings(names: Sequence[str], header_row: int, table: Sequence[TableRow], 
         for role, own, name in zip(headings_of(told, header_row), told, names, strict=True)
     ]
     day_first = is_day_first(cells_of("date_time", headings, table))
-    if not named and numbers_restart(headings, table):
+    if not named and are_mere_numbers(headings, table):
         headings = [replace(one, field="") if one.field == "flight_id" else one for one in headings]
     return [
         replace(one, day_first=day_first, loose=not is_own_date(one.spelled)) if one.field == "date_time" else one

@@ -555,6 +555,13 @@ def test_flights_that_are_numbered_from_one_every_day_are_all_read() -> None:
     assert [one.extra["#"] for one in got.flights] == ["1", "1"]
 
 
+def test_a_mere_number_does_not_identify_a_flight_and_a_number_of_its_own_does() -> None:
+    one, other = (flight("Date,#,Motor,Apogee (ft)", f"2024-05-0{day},1,C6-5,81{day}") for day in (1, 2))
+    assert one.flight_id != other.flight_id
+    assert flight("Date,Flight number,Motor,Apogee (ft)", "2024-05-01,17,C6-5,812").flight_id == "17"
+    assert flight("Date,Flight,Motor,Apogee (ft)", "2024-05-01,A-3,C6-5,812").flight_id == "A-3"
+
+
 def test_an_apogee_without_a_unit_is_named_as_the_problem() -> None:
     assert complaint("Motor,Alt", "C6-5,812").startswith("Alt: found '812' without a unit")
 

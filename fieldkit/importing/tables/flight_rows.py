@@ -61,10 +61,13 @@ def cells_of(field: str, headings: Sequence[ColumnRole], table: Iterable[TableRo
             yield from (cell for heading, cell in zip(headings, cells, strict=False) if heading.field == field)
 
 
-def numbers_restart(headings: Sequence[ColumnRole], table: Sequence[TableRow]) -> bool:
-    """Whether flights are numbered under a name such as `#`, and two of one rocket have the same number."""
-    if any(plain(heading.spelled) == "flight_id" for heading in headings):
+def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) -> bool:
+    """Whether the names of flights only number them: integers under a name such as `#`, which start at 1 in every file,
+    or numbers that two flights of one rocket share. They do not identify a flight."""
+    heading = next((one for one in headings if one.field == "flight_id"), None)
+    if heading is None or plain(heading.spelled) == "flight_id":
         return False
     named = [list(cells_of(field, headings, [row])) for row in table for field in ("rocket", "flight_id")]
     pairs = [(*rocket, *number) for rocket, number in zip(named[::2], named[1::2], strict=True) if any(number)]
-    return len(set(pairs)) < len(pairs)
+    numbered = all(pair[-1].strip().isdecimal() for pair in pairs)
+    return (heading.loose and numbered) or len(set(pairs)) < len(pairs)

@@ -8,6 +8,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from datetime import date, datetime, time
 from typing import Any
 
@@ -33,23 +34,28 @@ def is_spreadsheet(log: bytes) -> bool:
         return False
 
 
-def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
-    """The first recognized sheet of a spreadsheet, otherwise the first that is not empty, as CSV in UTF-8.
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """A sheet as CSV in UTF-8, and the names of the other sheets that hold a recognized table."""
+
+    content: bytes
+    others: tuple[str, ...] = ()
+
+
+def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> Sheet:
+    """The first recognized sheet of a spreadsheet, otherwise the first that is not empty.
 
     Raises DamagedLog if it cannot be read or exceeds the limits.
     """
-    first = b""
-    for sheet in _sheets(log):
-        if recognized(sheet):
-            return sheet
-        first = first or sheet
-    if not first:
+    sheets = [(name, content, recognized(content)) for name, content in _sheets(log)]
+    if not sheets:
         raise DamagedLog("found an empty spreadsheet, expected a table in its first sheet")
-    return first
+    _, first, _ = next((sheet for sheet in sheets if sheet[2]), sheets[0])
+    return Sheet(first, tuple(name for name, content, known in sheets if known and content is not first))
 
 
-def _sheets(log: bytes) -> Iterator[bytes]:
-    """Each sheet that is not empty, as CSV."""
+def _sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
+    """Each sheet that is not empty, as its name and CSV."""
     import pandas
 
     try:
@@ -62,7 +68,7 @@ def _sheets(log: bytes) -> Iterator[bytes]:
             for name in book.sheet_names:
                 table: Any = pandas.read_excel(book, sheet_name=name, header=None, dtype=object, na_filter=False)
                 if table.size:
-                    yield _written(table.itertuples(index=False, name=None))
+                    yield str(name), _written(table.itertuples(index=False, name=None))
     except DamagedLog:
         raise
     except Exception as error:  # the spreadsheet reader's errors have no common class
