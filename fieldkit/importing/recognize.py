@@ -10,7 +10,7 @@ from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, 
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
-from fieldkit.importing.tables.spreadsheet import Sheet, as_csv, is_spreadsheet
+from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import shown
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
@@ -191,10 +191,10 @@ def table_of(log: bytes, source: str) -> bytes:
     return _sheet_of(log, source).content
 
 
-def _sheet_of(log: bytes, source: str) -> Sheet:
+def _sheet_of(log: bytes, source: str) -> SheetTable:
     """A log unchanged, or the sheet of a spreadsheet that is read. Raises DamagedLog."""
     if not is_spreadsheet(log):
-        return Sheet(log)
+        return SheetTable(log)
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))
     except DamagedLog as error:

@@ -179,6 +179,10 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         rival = next(one for one in kept if one.channel == pick.channel)
         if _agree(rival, values[pick.channel], pick, column) or pick.channel not in REQUIRED_CHANNELS:
             continue
+        if preferred := _barometric_one(rival, pick):
+            kept[kept.index(rival)] = preferred
+            values[pick.channel] = column if preferred is pick else values[pick.channel]
+            continue
         from_zero = [_starts_at_zero(one) for one in (values[pick.channel], column)]
         beside = pick.channel == "altitude" and _differ_in_zero(rival, values[pick.channel], pick, column)
         if not beside or rival.chosen or all(from_zero) or not any(from_zero):
@@ -191,6 +195,13 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected some")
     return kept, values
+
+
+def _barometric_one(one: Pick, other: Pick) -> Pick | None:
+    """The one of two heights that is named after a barometer, if the flyer did not choose the other; None if neither or
+    both are."""
+    named = [pick for pick in (one, other) if barometric(heading(pick.name))]
+    return named[0] if len(named) == 1 and one.channel == "altitude" and not (one.chosen or other.chosen) else None
 
 
 def _starts_at_zero(height: Float[Array, "row"]) -> bool:

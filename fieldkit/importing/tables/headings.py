@@ -180,6 +180,9 @@ def channel(head: Heading) -> str:
     letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
     if letter and head.unit and unit_named(quantity, head.unit):
         return letter
+    letter, quantity = _LETTERS.get(next(iter(head.words), ""), ("", ""))
+    if letter and unit_named(quantity, "".join(head.words[1:])):
+        return letter
     if words & _HEIGHT and {"above", "ground"} <= words:
         words -= {"ground"}
     if (words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS) or head.words in _SECONDS:

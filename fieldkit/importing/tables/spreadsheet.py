@@ -35,14 +35,14 @@ def is_spreadsheet(log: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class SheetTable:
     """A sheet as CSV in UTF-8, and the names of the other sheets that hold a recognized table."""
 
     content: bytes
     others: tuple[str, ...] = ()
 
 
-def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> Sheet:
+def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> SheetTable:
     """The first recognized sheet of a spreadsheet, otherwise the first that is not empty.
 
     Raises DamagedLog if it cannot be read or exceeds the limits.
@@ -51,7 +51,7 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> Sheet:
     if not sheets:
         raise DamagedLog("found an empty spreadsheet, expected a table in its first sheet")
     _, first, _ = next((sheet for sheet in sheets if sheet[2]), sheets[0])
-    return Sheet(first, tuple(name for name, content, known in sheets if known and content is not first))
+    return SheetTable(first, tuple(name for name, content, known in sheets if known and content is not first))
 
 
 def _sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
