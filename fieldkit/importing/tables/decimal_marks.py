@@ -11,6 +11,8 @@ from fieldkit.importing.tables.text import shown
 
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
 """Cells of a column of numbers without a value."""
+CUSTOMARY_UNITS = frozenset({"ft", "feet", "'", "in", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f"})
+"""Units of flyers who write a decimal point."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
@@ -45,7 +47,7 @@ def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
     """Raise BadValue for a cell with an ambiguous number or unit; `unit` is that of its header, or ""."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
-        one, other = _readings_of(cell)
+        one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
         raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected an unambiguous number")
     if len(cell) > 40:
         raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
@@ -56,11 +58,13 @@ def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
 def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
     """The value of a cell; `unit` is that of its header, or "". Raises BadValue. [SI]
 
-    `5,612` is a number above a thousand if no flight has an apogee of 5.612 ft, whatever the mark of the table.
+    In a customary unit a comma before three digits separates thousands, unless the table has decimal commas: those who
+    write decimal commas measure in meters.
     """
     thousands = _THOUSANDS.match(cell)
-    if thousands and thousands[1] != mark and len(usual := _usual_of(cell, column, unit)) == 1:
-        cell, mark = usual[0], "."
+    named = cell.strip().lstrip("+-0123456789.,").strip().lower() or unit
+    if thousands and thousands[1] == "," != mark and named in CUSTOMARY_UNITS:
+        cell = cell.replace(",", "")
     check_number(cell, column, unit, mark)
     try:
         return units.parse(cell, column.quantity, unit)
@@ -77,20 +81,3 @@ def mass_in(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collect
             unit = plain(heading.spelled).rpartition("_")[2]
             return number_of(cell.strip(), BY_NAME["dry_mass"], unit, mark)
     return None
-
-
-def _readings_of(cell: str) -> tuple[str, str]:
-    """A number with a mark before three digits, above a thousand and with decimals."""
-    return cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
-
-
-def _usual_of(cell: str, column: Column, unit: str) -> list[str]:
-    """Those of the two numbers that an ambiguous cell may be which are in the usual range of their column."""
-    usual = []
-    for text in _readings_of(cell):
-        try:
-            value = units.parse(text, column.quantity, unit)
-        except BadValue:
-            continue
-        usual += [text] if column.low <= value <= column.high else []
-    return usual
