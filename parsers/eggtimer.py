@@ -21,6 +21,7 @@ from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_in
 from fieldkit.importing.tables.pad_state import marks
 from fieldkit.importing.tables.text import lines, narrow
+from fieldkit.importing.tables.unit_inference import settle_felt, settle_time_heights
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
@@ -115,8 +116,8 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
         Channel("altitude", _height(head.names) or 0, needed=True, header="Alt"),
         *flags,
     ]
-    if speed is not None:
-        channels.append(Channel("speed", speed))
+    channels += [] if speed is None else [Channel("speed", speed)]
+    channels += [Channel("felt", head.names.index("accel"))] if "accel" in head.names else []
     widths = {len(head.names), len(head.names) + 1}
     after = head.row - above
     table = read_columns(body, channels, after=after, separator=head.separator, widths=widths)
@@ -137,11 +138,18 @@ def _spelled_unit(head: Header) -> str:
 def _unit(table: LogTable, head: Header) -> str:
     """The unit of the heights of a table. Raises DamagedLog if it cannot be determined."""
     settled = "ft" if set(head.names) >= CLASSIC else _spelled_unit(head)
-    settled = settled or unit_of_fall(table.values["time"], table.values["altitude"])
+    settled = settled or unit_of_fall(table.values["time"], table.values["altitude"]) or _unit_of_climb(table)
     if not settled:
         found = "found altitudes whose unit cannot be determined, expected a header such as Alt_ft or Alt_m"
         raise DamagedLog(found, row=head.row, column="Alt")
     return settled
+
+
+def _unit_of_climb(table: LogTable) -> str:
+    """The unit in which the climb ends with a deceleration of one g and lasts as long as it can; "" if uncertain."""
+    samples = {name: table.values[name] for name in ("time", "altitude")}
+    found = settle_time_heights(samples, {"time": "s"}).get("altitude")
+    return found.unit if found else ""
 
 
 def _seconds(time: Float[Array, "row"]) -> Float[Array, "row"]:
@@ -156,10 +164,17 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
         time=time,
         altitude=table.values["altitude"] * length.factor,
         speed=None if velocity is None else velocity * length.factor,
+        felt=_felt(table.get("felt")),
     )
     events = marks(time, {event: np.abs(table.values[event]) for event in EVENTS.values() if event in table.values})
     stated = _stated(part.summary, length)
     return Reading(stated, part.summary, series=series, events=events, device="Eggtimer")
+
+
+def _felt(printed: Float[Array, "row"] | None) -> Float[Array, "row"] | None:
+    """The acceleration of a Proton, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
+    one = None if printed is None else settle_felt(printed)
+    return None if printed is None or one is None else printed * UNITS["acceleration"][one.unit].factor
 
 
 def _why(table: LogTable, head: Header) -> str:

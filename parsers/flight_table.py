@@ -12,37 +12,51 @@ arithmetic in a program, and is rejected. Tags are separated by `;`, `|` or `,`.
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from datetime import datetime
 
-from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, Column, read_date, read_tags
+from fieldkit.flight import BY_NAME, READOUTS, read_date, read_tags
 from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
-from fieldkit.importing.tables.decimal_marks import THOUSANDS, decimal_mark, precision
+from fieldkit.importing.tables.decimal_marks import (
+    NOT_RECORDED,
+    check_number,
+    decimal_mark,
+    mass_in,
+    number_of,
+    precision,
+)
+from fieldkit.importing.tables.flight_dates import add_time_of_day, date_of, is_day_first, is_own_date
 from fieldkit.importing.tables.flight_headings import (
     OWN_COLUMNS,
     ColumnRole,
     beside_a_motor,
     headings_of,
-    is_mass,
-    iso_date,
     mass_column,
     mass_names,
-    plain,
     renamed,
     role_of,
     shape,
     synonyms,
     table_names,
 )
+from fieldkit.importing.tables.flight_rows import (
+    TableRow,
+    are_mere_numbers,
+    cells_of,
+    is_blank,
+    is_summary,
+    last_row,
+    units_in,
+)
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell
 
 SEPARATORS = (",", ";", "\t")
-NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+READOUT_NAMES = frozenset(column.name for column in READOUTS)
 
 
 def recognises(head: bytes) -> bool:
@@ -86,22 +100,36 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
         header_row, names = header_row - 1, list(bare)
     if choice is not None:
         names = renamed(names, choice, header_row)
-    told = beside_a_motor(names) if choice is None else names
-    headings = [
-        role if own == name else replace(role, spelled=name.strip(), loose=True)
-        for role, own, name in zip(headings_of(told, header_row), told, names, strict=True)
-    ]
-    table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
+    table = [(row, cells) for row, cells in rows(text, separator) if row > header_row and not is_blank(cells)]
+    if table and not isinstance(table[0][1], DamagedLog) and (with_units := units_in(names, table[0][1])):
+        names, table = with_units, table[1:]
+    headings = _headings(names, header_row, table, named=choice is not None)
     if table and not text.endswith(("\n", "\r")):
-        table[-1] = _last(*table[-1], len(headings))
+        table[-1] = last_row(*table[-1], len(headings))
     mark = decimal_mark(_numbers(headings, table), separator)
-    found: list[Found] = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
+    found: list[Found] = [_row(row, cells, headings, mark, separator) for row, cells in table]
     found = found or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found
     line = ", ".join(f"{name} = {shown(column)}" for name, column in choice.channels.items())
     kept = ColumnChoice(choice.channels, table_names(log[:HEAD]))
     return [Mapped(f"columns as chosen: {line}", header_row or None, kept, chosen=not choice.headers), *found]
+
+
+def _headings(names: Sequence[str], header_row: int, table: Sequence[TableRow], *, named: bool) -> list[ColumnRole]:
+    """The columns of a table, whose names are fieldkit's own if they were `named` by the flyer. Raises DamagedLog."""
+    told = names if named else beside_a_motor(names)
+    headings = [
+        role if own == name else replace(role, spelled=name.strip(), loose=True)
+        for role, own, name in zip(headings_of(told, header_row), told, names, strict=True)
+    ]
+    day_first = is_day_first(cells_of("date_time", headings, table))
+    if not named and are_mere_numbers(headings, table):
+        headings = [replace(one, field="") if one.field == "flight_id" else one for one in headings]
+    return [
+        replace(one, day_first=day_first, loose=not is_own_date(one.spelled)) if one.field == "date_time" else one
+        for one in headings
+    ]
 
 
 def _widest(text: str) -> str:
@@ -127,18 +155,7 @@ def _is_ours(spelled: str) -> bool:
     return heading.field in OWN_COLUMNS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
 
 
-def _blank(cells: list[str] | DamagedLog) -> bool:
-    return not isinstance(cells, DamagedLog) and not any(cell.strip() for cell in cells)
-
-
-def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, list[str] | DamagedLog]:
-    """The last row of a file that ends within a line: an error if cells are missing."""
-    if isinstance(cells, DamagedLog) or len(cells) >= width:
-        return row, cells
-    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
-
-
-def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
+def _numbers(headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> Iterator[str]:
     """All cells of the columns with numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
@@ -147,6 +164,13 @@ def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str
 
 def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
+
+
+def _row(row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str) -> Found:
+    """The flight of one row, the error in the row, or a note if it sums up the others."""
+    if not isinstance(cells, DamagedLog) and is_summary(cells, headings):
+        return Note("sums up the others, left out", row)
+    return _reading(row, cells, headings, mark, separator)
 
 
 def _reading(
@@ -162,6 +186,7 @@ def _reading(
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
     known: dict[ReadoutColumn, object] = {}
+    unread: list[DamagedLog] = []
     for heading, cell in zip(headings, cells, strict=False):
         try:
             if heading.repeats:
@@ -175,10 +200,14 @@ def _reading(
             elif cell.strip():
                 extra[heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
-            if heading.loose:  # matched by a name that may mean something else
-                extra[heading.spelled] = from_cell(cell)
-                continue
-            return DamagedLog(str(error), row=row, column=heading.spelled or None)
+            problem = DamagedLog(str(error), row=row, column=heading.spelled or None)
+            if not heading.loose:
+                return problem
+            extra[heading.spelled] = from_cell(cell)  # matched by a name that may mean something else
+            unread += [problem] if heading.field in READOUT_NAMES else []
+    if unread and not any(stated.get(name) is not None for name in READOUT_NAMES):
+        return unread[0]
+    add_time_of_day(stated, extra)
     known = {place: value for place, value in known.items() if value is not None}
     for heading in headings:
         if heading.beside in known and stated.get(heading.beside.readout) is None:
@@ -188,7 +217,7 @@ def _reading(
         stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
     columns = {heading.field: heading.spelled for heading in reversed(headings) if heading.field}
     try:
-        liftoff, motor = (_mass(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
+        liftoff, motor = (mass_in(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
     except BadValue as error:
         return DamagedLog(str(error), row=row)
     columns |= {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
@@ -212,23 +241,13 @@ def _repeat(
             raise BadValue(f"found {shown(cell)}, expected the value in the column {shown(heading.repeats)}")
 
 
-def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
-    """A mass that is not a field of a flight, from the column named with one of these words and a unit. Raises
-    BadValue. [kg]"""
-    for heading, cell in zip(headings, cells, strict=False):
-        if is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
-            unit = plain(heading.spelled).rpartition("_")[2]
-            return _number(cell.strip(), ColumnRole(heading.spelled, "dry_mass", unit), mark)
-    return None
-
-
 def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
     """The standard deviation or source of a readout in a cell. Raises BadValue. [SI]"""
     cell = cell.strip()
     if cell.lower() in NOT_RECORDED:
         return None
     if place.part == "sd":
-        _check_number(cell, BY_NAME[place.readout], heading, mark)
+        check_number(cell, BY_NAME[place.readout], heading.unit, mark)
     return place.read(from_cell(cell))
 
 
@@ -238,6 +257,15 @@ def _known_header(cell: str, heading: ColumnRole) -> str:
     return from_cell(cell)
 
 
+def _date(cell: str, heading: ColumnRole) -> datetime | None:
+    """A date: in ISO 8601 under fieldkit's own name, otherwise in any unambiguous spelling. Raises BadValue."""
+    if not cell or is_own_date(heading.spelled):
+        return read_date(cell)
+    if (moment := date_of(cell, heading.day_first)) is None:
+        raise BadValue(f"found {shown(cell)}, expected a date such as 2026-05-01 or 2026-05-01T10:30")
+    return moment
+
+
 def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     """The value of a cell: SI, a date, tags or text. Raises BadValue. [SI]"""
     if heading.field not in BY_NAME:
@@ -245,34 +273,16 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":
-        return read_date(iso_date(cell.strip()) if heading.loose else cell.strip())
+        return _date(cell.strip(), heading)
     if heading.field == "tags":
         return read_tags(cell)
     if heading.field in BY_NAME:
-        return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
+        return (
+            None
+            if cell.strip().lower() in NOT_RECORDED
+            else number_of(cell.strip(), BY_NAME[heading.field], heading.unit, mark)
+        )
     return cell.strip()
-
-
-def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:
-    """Raise BadValue for a cell with an ambiguous number or unit."""
-    thousands = THOUSANDS.match(cell)
-    if thousands and thousands[1] != mark:
-        one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
-        raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected an unambiguous number")
-    if len(cell) > 40:
-        raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
-    if not heading.unit and cell[-1].isdigit():
-        raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
-
-
-def _number(cell: str, heading: ColumnRole, mark: str) -> float:
-    column = BY_NAME[heading.field]
-    _check_number(cell, column, heading, mark)
-    try:
-        return units.parse(cell, column.quantity, heading.unit)
-    except BadValue:
-        known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
-        raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
 
 
 PARSER = Parser(

@@ -166,7 +166,7 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
         extra["log_started_utc"] = begin.isoformat(timespec="seconds").replace("+00:00", "Z")
         time = time - start
     table = LogTable({**values, "time": time}, table.rows, found=table.found)
-    table = table.pick(np.isfinite(time))
+    table = _oldest_first(table.pick(np.isfinite(time)))
     if not len(table):
         raise DamagedLog("found no time in any row, expected numbers")
     parts, found = table.flights()
@@ -180,6 +180,13 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]
     return [*readings, *found]
+
+
+def _oldest_first(table: LogTable) -> LogTable:
+    """The table with its rows reversed if its clock runs backward throughout: some lists have the latest row first."""
+    steps = np.diff(table.values["time"])
+    backward = len(steps) >= MIN_FLIGHT_ROWS and float((steps < 0).mean()) > 0.95
+    return table.pick(np.arange(len(table))[::-1]) if backward else table
 
 
 def _with_total(table: LogTable) -> LogTable:

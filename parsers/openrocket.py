@@ -55,7 +55,8 @@ def recognises(head: bytes) -> bool:
     header = _header(text)
     if header is None:
         return False
-    if header.mark or _EVENT.search(text) or _POINTS.search(text):
+    heights = any(channel_of(heading(name)) == "altitude" for name in header.names)
+    if (header.mark and heights) or _EVENT.search(text) or _POINTS.search(text):
         return True
     return any(" ".join(heading(name).words) in _SIMULATED_CHANNELS for name in header.names)
 

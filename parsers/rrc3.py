@@ -17,6 +17,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
+from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
@@ -27,6 +28,8 @@ NEEDED = {"time", "altitude", "pressure", "velocity", "events"}
 """Columns without which a table is not from this program; others may be missing, or additional."""
 WORDS = ("temperature", "events")
 """Columns read as words, because without a temperature the event takes its place."""
+CHANNELS_WITHOUT_UNITS = {"time": ("time", "s"), "pressure": ("pressure", "mbar"), "voltages": ("voltage", "V")}
+"""Columns with the same unit in every export, with their channel."""
 MOST_WORDS = 300
 """Number of different words that are searched for events. [1]"""
 AIR = (100.0, 115_000.0)
@@ -58,6 +61,7 @@ def read(log: bytes) -> list[Found]:
         separator=head.separator,
         words={name: places[name] for name in WORDS if name in places},
     ).flights()
+    note_columns([column_read(name.capitalize(), *CHANNELS_WITHOUT_UNITS.get(name, ("", ""))) for name in places])
     readings = [_reading(part, found) for part in parts]
     if not any(readings):
         raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")
@@ -129,6 +133,14 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
     for length, degrees in (("m", "c"), ("ft", "f")):
         unit = UNITS["length"][length]
         if abs(ratio * unit.factor - 1) < HEIGHT_RATIO_TOLERANCE:
+            known = {
+                "altitude": ("altitude", length),
+                "velocity": ("speed", f"{length}/s"),
+                "temperature": ("temperature", degrees),
+            }
+            names = CHANNELS_WITHOUT_UNITS | known
+            present = [name for name in NAMES if name in table.values or name in table.words]
+            note_columns([column_read(name.capitalize(), *names.get(name, ("", ""))) for name in present])
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
                 f"has no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
             )

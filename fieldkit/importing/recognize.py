@@ -10,7 +10,8 @@ from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, 
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
-from fieldkit.importing.tables.spreadsheet import as_csv, is_spreadsheet
+from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
+from fieldkit.importing.tables.text import shown
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
@@ -114,9 +115,21 @@ def _hint(log: bytes) -> str:
         return "; it is an archive; unpack it first"
     start = log[:HEAD]
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
-        samples = "a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
-        return f"; {samples}, one of flights with --map 'motor=its column' --map 'apogee=its column [m]'"
+        time, height, motor = ("#1", "#2", "#3") if _is_without_names(start) else ("its column",) * 3
+        samples = f"a table of samples is read with --map 'time={time}' --map 'altitude={height} [m]'"
+        flights = f"one of flights with --map 'motor={motor}' --map 'apogee={height} [m]'"
+        return f"; {samples}, {flights}" + ", by the numbers of its columns" * (time == "#1")
     return ""
+
+
+def _is_without_names(head: bytes) -> bool:
+    """Whether a file is a table of numbers without a line of names."""
+    from fieldkit.importing.tables.layout import layout_of
+
+    try:
+        return not layout_of(head).named
+    except DamagedLog:
+        return False
 
 
 def _claims(parser: Parser, head: bytes) -> bool:
@@ -141,7 +154,8 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     If none finds a flight, the result is that of the highest-scoring parser. Raises UnknownFormat, or that parser's
     DamagedLog.
     """
-    log = table_of(log, source)
+    sheet = _sheet_of(log, source)
+    log, others = sheet.content, sheet.others
     names = _candidates(log, format, source, choices)
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
@@ -153,18 +167,34 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
                 break  # whatever another parser finds in this was never flown
             continue
         if len(names) == 1 or holds_flight(opened.found):
-            return _instead(opened, names[: len(tried)], tried)
+            return _beside(_instead(opened, names[: len(tried)], tried), others)
         tried.append(opened)
     first = tried[0]
     if isinstance(first, DamagedLog):
         raise shown_damage(first, source) from first
-    return first
+    return _beside(first, others)
+
+
+def _beside(opened: ParsedLog, others: Sequence[str]) -> ParsedLog:
+    """The opened log with a note about other sheets of its spreadsheet that hold tables."""
+    if not others:
+        return opened
+    names = ", ".join(map(shown, others[:MOST_LACKING]))
+    note = Note(
+        f"only one sheet is read; {names} also {'holds' if len(others) == 1 else 'hold'} a table: save it as CSV"
+    )
+    return replace(opened, found=[*opened.found, note])
 
 
 def table_of(log: bytes, source: str) -> bytes:
     """A log unchanged, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
+    return _sheet_of(log, source).content
+
+
+def _sheet_of(log: bytes, source: str) -> SheetTable:
+    """A log unchanged, or the sheet of a spreadsheet that is read. Raises DamagedLog."""
     if not is_spreadsheet(log):
-        return log
+        return SheetTable(log)
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))
     except DamagedLog as error:
@@ -239,7 +269,10 @@ def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recogni
     named = {
         field: name for item in readings for field, name in {**dict.fromkeys(item.stated, ""), **item.columns}.items()
     }
-    columns_read = (_stated_column(field, name) for field, name in named.items())
+    columns_read = [_stated_column(field, name) for field, name in named.items()]
+    used = {column.name for column in columns_read}
+    extra = dict.fromkeys(name for item in readings for name in item.extra if name not in used)
+    columns_read += [ColumnRead(name, "", "", "text") for name in extra]
     return Recognition(columns=tuple(columns_read), rows=len(readings), dropped=damaged)
 
 

@@ -149,6 +149,8 @@ def lines(one: FileView, system: str = "SI") -> Iterator[str]:
 
 
 def _column(one: "ColumnRead") -> str:
+    if one.source == "text":
+        return f"{one.name} -> not used, stored as text"
     meant = one.channel.replace("_", " ") or "not used as a channel"
     unit = f" [{spelled(one.unit)}]" if one.unit else ""
     return f"{one.name}{unit} -> {meant}, {one.source}"

@@ -177,3 +177,11 @@ def test_the_whole_flight_is_in_the_json_as_it_is_drawn(run: Run) -> None:
     assert status == 0
     for what in ("height", "speed", "accel", "events", "from lift-off"):
         assert what in out
+
+
+def test_inspect_lists_the_columns_of_a_table_that_are_only_stored(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "launches.csv"
+    table.write_text("Date,Motor,Mass (g),Apogee (ft)\n2024-05-01,C6-5,61,812\n")
+    (found,) = inspected(run, table)
+    assert {"name": "Mass (g)", "channel": None, "unit": None, "source": "text"} in found["columns"]
+    assert "Mass (g) -> not used, stored as text" in run("inspect", table)[1]

@@ -17,7 +17,7 @@ from tests.samples import SAMPLES, any_motor, owner
 from tools.samples.one_parachute import flight
 
 MADE = flight()
-SIMULATED = [sample for sample in SAMPLES if owner(sample) in ("openrocket", "rocksim", "rasaero")]
+SIMULATED = [sample for sample in SAMPLES if owner(sample) in ("openrocket", "rocksim", "rasaero", "rocketpy")]
 
 
 def readings(log: bytes) -> list[Reading]:

@@ -135,6 +135,20 @@ def test_a_number_that_may_be_a_thousand_or_one_is_refused(table: str) -> None:
     assert "which may be 1148 or 1.148" in got.rejected[0].error
 
 
+@pytest.mark.parametrize(
+    ("table", "apogee"),
+    [
+        ('rocket,apogee_ft\nSwift,"5,612"\n', 1710.5376),
+        ('rocket,Max Alt (ft),wind_mps\nSwift,"5,612",2.5\n', 1710.5376),
+        ('rocket,apogee_m\nSwift,"5,612 ft"\n', 1710.5376),
+        ("rocket;apogee_ft;wind_mps\nSwift;1,148;2,5\n", 1.148 * 0.3048),
+    ],
+)
+def test_a_comma_separates_thousands_of_feet_unless_the_table_has_decimal_commas(table: str, apogee: float) -> None:
+    (only,) = intake(table).flights
+    assert only.apogee == pytest.approx(apogee)
+
+
 def test_unknown_columns_stay_with_the_flight_as_they_are_spelt() -> None:
     got = flight("rocket,apogee_m,Lot No.,wind_direction,apogee_gps_m", "Swift,100, A7 ,NW,101")
     assert got.extra == {"Lot No.": " A7 ", "wind_direction": "NW", "apogee_gps_m": "101"}
@@ -461,6 +475,95 @@ def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
 def test_a_date_of_a_list_has_its_time_with_one_digit_or_two(written: str) -> None:
     got = flight("Date,Motor,Altitude (ft)", f"{written},F24-4W,923")
     assert got.date_time == datetime(2024, 7, 13, 9, 30)
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "field", "si"),
+    [
+        ("Engine,Max Alt (ft)", "C6-5,812", "apogee", 247.4976),
+        ("Motor,Apogee AGL [ft]", "C6-5,812", "apogee", 247.4976),
+        ("Motor,Actual altitude (ft)", "C6-5,812", "apogee", 247.4976),
+        ("Motor,Simulated apogee (m),Measured apogee (m)", "C6-5,250,240", "apogee", 240),
+        ("Motor,Max. Vel (mph)", "C6-5,100", "top_speed", 44.704),
+        ("Motor,Alt (ft),Max G", "C6-5,812,12", "peak_accel", 117.6798),
+        ("Motor;Gipfelhöhe (m);Windgeschwindigkeit (km/h)", "C6-5;240;36", "wind", 10),
+        ("Rakete;Motor;Höhe (m)", "Alpha;C6-5;240,5", "apogee", 240.5),
+    ],
+)
+def test_abbreviations_and_words_without_meaning_do_not_hide_a_column(
+    header: str, row: str, field: str, si: float
+) -> None:
+    assert flight(header, row).number(field) == pytest.approx(si)
+
+
+@pytest.mark.parametrize("header", ["Lift-off mass (g)", "Liftoff weight (g)", "Loaded Weight (g)", "mass_on_pad_g"])
+def test_a_lift_off_mass_is_found_however_it_is_spelled(header: str) -> None:
+    assert 0.03 < (flight(f"Motor,{header},Apogee (ft)", "C6-5,60.5,812").dry_mass or 0) < 0.04
+
+
+@pytest.mark.parametrize("brackets", ["{}", "({})", "[{}]"])
+def test_a_row_of_units_below_the_header_gives_them(brackets: str) -> None:
+    ft, mph, g = (brackets.format(unit) for unit in ("ft", "mph", "g"))
+    got = intake(
+        f"Club launch\n\nDate,Motor,Mass w/o motor,Apogee,Max speed\n,,{g},{ft},{mph}\n2023-06-01,C6-5,34,812,201\n"
+    )
+    assert not got.rejected
+    (only,) = got.flights
+    assert (only.apogee, only.top_speed, only.dry_mass) == pytest.approx((247.4976, 89.855, 0.034), rel=1e-4)
+
+
+def test_a_row_that_sums_up_the_others_is_no_flight() -> None:
+    got = intake("Date,Motor,Apogee (ft)\n2023-06-01,C6-5,812\n2023-06-02,C6-5,790\n\nAverage:,,801\n")
+    assert [one.apogee for one in got.flights] == pytest.approx([247.4976, 240.792])
+    assert not got.rejected
+    assert "sums up the others" in got.notes[0]
+    assert flight("Rocket,Motor,Apogee (ft)", "Max,C6-5,812").rocket == "Max"
+
+
+@pytest.mark.parametrize(
+    ("cells", "dates"),
+    [
+        (("13/6/2023", "5/7/2023"), ("2023-06-13", "2023-07-05")),
+        (("6/13/2023", "5/7/2023"), ("2023-06-13", "2023-05-07")),
+        (("6/13/23", "5/7/23 2:05 PM"), ("2023-06-13", "2023-05-07T14:05")),
+        (("Jun 13, 2023", "7 May 2023"), ("2023-06-13", "2023-05-07")),
+        (("13-Jun-23", "Sunday, May 7, 2023"), ("2023-06-13", "2023-05-07")),
+    ],
+)
+def test_the_dates_of_a_column_are_in_the_order_that_one_of_them_proves(
+    cells: tuple[str, ...], dates: tuple[str, ...]
+) -> None:
+    rows = "".join(f'"{cell}",C6-5,{800 + number}\n' for number, cell in enumerate(cells))
+    got = intake(f"Launch date,Motor,Apogee (ft)\n{rows}")
+    assert [one.date_time for one in got.flights] == [datetime.fromisoformat(text) for text in dates]
+
+
+def test_a_column_of_dates_in_both_orders_stays_as_it_is() -> None:
+    got = intake("Date,Motor,Apogee (ft)\n13/6/2023,C6-5,800\n6/13/2023,C6-5,810\n5/7/2023,C6-5,820\n")
+    assert [one.date_time is None for one in got.flights] == [False, False, True]
+
+
+def test_a_time_of_day_in_its_own_column_completes_the_date() -> None:
+    one = flight("Date,Time,Motor,Apogee (ft)", "2024-05-01,2:05 PM,C6-5,812")
+    assert one.date_time == datetime(2024, 5, 1, 14, 5)
+    assert not one.extra
+
+
+def test_flights_that_are_numbered_from_one_every_day_are_all_read() -> None:
+    got = intake("Date,#,Motor,Apogee (ft)\n2024-05-01,1,C6-5,812\n2024-05-02,1,C6-5,790\n")
+    assert not got.rejected
+    assert [one.extra["#"] for one in got.flights] == ["1", "1"]
+
+
+def test_a_mere_number_does_not_identify_a_flight_and_a_number_of_its_own_does() -> None:
+    one, other = (flight("Date,#,Motor,Apogee (ft)", f"2024-05-0{day},1,C6-5,81{day}") for day in (1, 2))
+    assert one.flight_id != other.flight_id
+    assert flight("Date,Flight number,Motor,Apogee (ft)", "2024-05-01,17,C6-5,812").flight_id == "17"
+    assert flight("Date,Flight,Motor,Apogee (ft)", "2024-05-01,A-3,C6-5,812").flight_id == "A-3"
+
+
+def test_an_apogee_without_a_unit_is_named_as_the_problem() -> None:
+    assert complaint("Motor,Alt", "C6-5,812").startswith("Alt: found '812' without a unit")
 
 
 @pytest.mark.parametrize("title", ["Spring launch\n", "Spring launch,,,\n\nexported on Sunday\n"])

@@ -295,7 +295,7 @@ def test_a_height_that_starts_elsewhere_is_not_above_the_pad() -> None:
 
 def test_a_table_without_names_is_mapped_by_number() -> None:
     log = table("x", "{t:.2f},{h:.2f}").split(b"\n", 1)[1]
-    with pytest.raises(UnknownFormat, match=r"--map 'time=its column'"):
+    with pytest.raises(UnknownFormat, match=r"--map 'time=#1' --map 'altitude=#2"):
         read(log, "bare.csv", any_motor)
     (series,), _ = found(log, read_choice(["time=#1 [s]", "altitude=#2 [m]"]))
     assert len(series.time) == 600

@@ -5,10 +5,11 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import Found, Note, Reading
-from fieldkit.importing.recognize import parsers
+from fieldkit.importing.recognize import open_log, parsers
 from fieldkit.physics.standard_atmosphere import height_pressure
 from fieldkit.units import FOOT
 from tests.parsers.real_logs import damage, reading, real
+from tools.samples.one_parachute import flight
 
 JUNO = "rrc3__juno3_cots_altimeter.csv"
 HEADER = "Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages"
@@ -138,3 +139,35 @@ def test_a_damaged_row_of_a_second_table_is_named_by_its_row_in_the_file() -> No
     items = parsers()["eggtimer"].read(first + b"\n".join(second))
     (damaged,) = (item for item in items if isinstance(item, DamagedLog))
     assert damaged.row == first.count(b"\n") + 4
+
+
+def proton(height: np.ndarray, unit: float, time: np.ndarray, felt: np.ndarray) -> bytes:
+    """What a Proton prints: whole units of height, and the acceleration in g."""
+    rows = [
+        f"{t:.2f},{h / unit:.0f},{h / unit:.0f},0,0,{a:.2f},0,0,0,0" for t, h, a in zip(time, height, felt, strict=True)
+    ]
+    return "\n".join(["T,Alt,FAlt,Veloc,FVeloc,Accel,LDA,LowV,Apogee,N-O", *rows, ""]).encode()
+
+
+@pytest.mark.parametrize("unit", [1.0, FOOT])
+def test_a_noisy_climb_distinguishes_feet_from_meters_and_an_accelerometer_is_used(unit: float) -> None:
+    made = flight()
+    time = np.arange(-2, made.time[-1], 0.05)
+    height = made.at(time, made.height) + np.random.default_rng(7).normal(0, 0.3, len(time))
+    log = proton(height, unit, time + 2, made.at(time, made.felt) / 9.80665)
+    got, _ = found("eggtimer", log)
+    (series,) = got.clocks
+    assert series.altitude is not None
+    assert series.altitude.max() == pytest.approx(made.apogee, abs=2)
+    assert series.felt is not None
+    assert series.felt[0] == pytest.approx(9.8, abs=0.1)
+
+
+def test_an_rrc3_names_the_units_that_its_pressures_prove() -> None:
+    columns = open_log(rrc3(FOOT), "log.csv", None).recognition.columns
+    assert [(one.name, one.unit) for one in columns][:4] == [
+        ("Time", "s"),
+        ("Altitude", "ft"),
+        ("Pressure", "mbar"),
+        ("Velocity", "ft/s"),
+    ]

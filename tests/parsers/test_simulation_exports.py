@@ -9,7 +9,7 @@ from fieldkit.importing.read import read, read_plans
 from fieldkit.importing.recognize import claims, parsers
 from tests.samples import SAMPLES, any_motor, owner
 
-SIMULATED = [sample for sample in SAMPLES if owner(sample) in ("openrocket", "rocksim", "rasaero")]
+SIMULATED = [sample for sample in SAMPLES if owner(sample) in ("openrocket", "rocksim", "rasaero", "rocketpy")]
 OPENROCKET = next(s for s in SIMULATED if s.name == "openrocket__as_it_comes.csv").read_bytes()
 
 

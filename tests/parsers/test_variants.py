@@ -14,7 +14,7 @@ import pytest
 
 from fieldkit.importing import Reading
 from fieldkit.importing.recognize import claims, parsers, recognise
-from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.units import FOOT
 from tests.samples import SAMPLES, owner
 from tools.samples.one_parachute import flight
@@ -182,6 +182,18 @@ TABLES: Sequence[tuple[str, Sequence[Sequence[str]], str]] = [
     ("seconds,alt_ft", [SINCE, FEET], "altitude"),
     ("Время (с),Высота (м)", [SINCE, METRES], "altitude"),
     ("Time (s),Altitude AGL (m),Altitude ASL", [SINCE, METRES, cells(HEIGHT + 300, ".3f")], "altitude"),
+    ("t (s),X (hPa)", [SINCE, cells(PASCAL / 100, ".4f")], "pressure"),
+    ("time,Pressure (hPa)", [[clock.replace(".", ":") for clock in CLOCK], cells(PASCAL / 100, ".4f")], "pressure"),
+    ("Time,Altitude (ft)", [[f"{clock} PM" for clock in CLOCK], FEET], "altitude"),
+    ("datetime,altitude_ft", [[f"2024-05-04T{clock}-05:00" for clock in CLOCK], FEET], "altitude"),
+    ("t,p_kPa", [SINCE, cells(PASCAL / 1000, ".4f")], "pressure"),
+    ("time_s,alt_m", [SINCE[::-1], METRES[::-1]], "altitude"),
+    ("Time (s),Altitude (ft),Baro Alt (ft)", [SINCE, cells(HEIGHT * 4, ".1f"), FEET], "altitude"),
+    ("UTC,Lat,Alt (m)", [CLOCK, STILL, METRES], "altitude"),
+    ("Time (s),Accel Altitude (ft),Accel Velocity (ft/s),Baro Velocity (ft/s),Baro (ft)",
+        [SINCE, cells(HEIGHT * 4, ".1f"), STILL, cells(SPEED / FOOT, ".1f"), FEET], "altitude"),
+    ('Flight,12\n"Top Speed","98 mph"\n\n"Time (s)","Altitude (ft)"', [SINCE, FEET], "altitude"),
+    ("Time,Alt\n# logging started", [SINCE, METRES], "altitude"),
     ("roll_deg_sec,time_s,alt_m", [STILL, SINCE, METRES], "altitude"),
     ("state,timestamp,scaledAccelX,scaledAccelY,scaledAccelZ,estPressureAlt,estLinearAccelX",
         [["S"] * len(TIME), UNIX, other_rows(GRAVITIES, False), other_rows(STILL, False), other_rows(STILL, False),
@@ -200,6 +212,8 @@ def test_a_table_that_no_parser_knows_has_its_heights_in_meters(
     assert claims(log) == ["mapped_table"]
     (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
     heights = next(values for clock in reading.clocks if (values := getattr(clock, channel)) is not None)
+    if channel == "pressure":
+        heights = pressure_height(heights)
     assert np.nanmax(heights) - np.nanmin(heights) == pytest.approx(MADE.apogee, abs=0.5)
     assert np.ptp(reading.clocks[0].time) == pytest.approx(np.ptp(TIME), abs=0.1)
 

@@ -79,6 +79,16 @@ def rasaero() -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+def rocketpy() -> bytes:
+    """RocketPy's export of a height above the sea, a vertical speed and the attitude."""
+    f = flight(0.01, 80.0)
+    lines = ["# Time (s),Z (m),Vz (m/s),E0,E3"]
+    lines += [
+        f"{f['t'][i]:.6f},{f['h'][i] + 310:.6f},{f['v'][i]:.6f},1.000000,0.000000" for i in range(0, len(f["t"]), 8)
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
 def table(header: Iterable[str], row: Callable[[float, float, float, float], str], step: float, wait: float) -> bytes:
     """A team's table: `wait` seconds on the pad, then the flight, with noise of 0.1 m."""
     random = np.random.default_rng(7)
@@ -108,6 +118,7 @@ def tables() -> dict[str, bytes]:
         ),
         "rocksim__a_small_flight.csv": rocksim(),
         "rasaero__a_small_flight.csv": rasaero(),
+        "rocketpy__heights_above_the_sea.csv": rocketpy(),
         "mapped_table__milliseconds_and_no_unit_of_height.csv": table(
             ["Team Alpha,firmware 3", "time_ms,alt,press,state"],
             lambda t, h, felt, p: f"{t * 1000:.0f},{h / FOOT:.1f},{p / 100:.2f},{'PAD' if t < 5 else 'FLY'}",

@@ -39,7 +39,13 @@ class Channel:
 
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
 """A number whose thousands a spreadsheet has separated: `1,234.5`."""
-_CLOCK = re.compile(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", re.ASCII)
+_CLOCK = re.compile(
+    r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3}))? ?([AaPp][Mm])?"
+    r" ?(?:Z|UTC|GMT|[+-]\d\d:?\d\d)?",
+    re.ASCII,
+)
+_MAX_CLOCK_LENGTH = 80
+"""Largest length of a time with its date. [character]"""
 
 
 def number_in(cell: str, channel: Channel) -> float | None:
@@ -64,12 +70,14 @@ def is_grouped(number: str) -> bool:
 
 
 def _seconds(cell: str) -> float | None:
-    """The seconds of `1:02:03.5` or `02:03.5`, with or without a date before it; None for anything else. [s]"""
-    match = _CLOCK.fullmatch(cell)
+    """The seconds of `1:02:03.5`, `02:03.5`, `1:02:03:500` or `1:02:03 PM`, with or without a date before it or an
+    offset from UTC after it; None for anything else. [s]"""
+    match = _CLOCK.fullmatch(cell) if len(cell) <= _MAX_CLOCK_LENGTH else None
     if not match:
         return None
-    hours, minutes, seconds = match.groups()
-    return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+    hours, minutes, seconds, fraction, thousandths, half = match.groups()
+    whole = int(hours or 0) if half is None else int(hours or 0) % 12 + 12 * (half.lower() == "pm")
+    return 3600.0 * whole + 60.0 * int(minutes) + float(f"{seconds}.{fraction or thousandths or 0}")
 
 
 def converter(channel: Channel) -> Callable[[str], float]:

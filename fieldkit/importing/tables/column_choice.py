@@ -73,7 +73,21 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
             for place, head in enumerate(heads)
             if barometric(head) and not layout.says(place) and (columns is None or place in columns)
         ]
-    return _without_clocks_of_others(picks)
+    return _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
+
+
+def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] | None) -> list[Pick]:
+    """The clock and the pressure of a table that names neither: times such as `12:04:05.3`, and a unit such as hPa."""
+    named = {pick.channel for pick in picks}
+    free = [i for i in range(len(layout.headers)) if columns is None or i in columns]
+    free = [i for i in free if i not in {pick.place for pick in picks} and not layout.says(i)]
+    heads = {place: heading(layout.headers[place]) for place in free}
+    clocks = [i for i in free if _clock_unit("time", "", layout, i) == "clock"]
+    barometers = [i for i in free if heads[i].unit and unit_named("pressure", heads[i].unit)]
+    found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
+    if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
+        found.append(Pick("pressure", barometers[0], heads[barometers[0]].spelled, heads[barometers[0]].unit))
+    return found
 
 
 def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:
@@ -165,6 +179,10 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         rival = next(one for one in kept if one.channel == pick.channel)
         if _agree(rival, values[pick.channel], pick, column) or pick.channel not in REQUIRED_CHANNELS:
             continue
+        if preferred := _barometric_one(rival, pick):
+            kept[kept.index(rival)] = preferred
+            values[pick.channel] = column if preferred is pick else values[pick.channel]
+            continue
         from_zero = [_starts_at_zero(one) for one in (values[pick.channel], column)]
         beside = pick.channel == "altitude" and _differ_in_zero(rival, values[pick.channel], pick, column)
         if not beside or rival.chosen or all(from_zero) or not any(from_zero):
@@ -177,6 +195,13 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected some")
     return kept, values
+
+
+def _barometric_one(one: Pick, other: Pick) -> Pick | None:
+    """The one of two heights that is named after a barometer, if the flyer did not choose the other; None if neither or
+    both are."""
+    named = [pick for pick in (one, other) if barometric(heading(pick.name))]
+    return named[0] if len(named) == 1 and one.channel == "altitude" and not (one.chosen or other.chosen) else None
 
 
 def _starts_at_zero(height: Float[Array, "row"]) -> bool:

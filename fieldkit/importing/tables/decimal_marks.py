@@ -1,13 +1,20 @@
-"""Decimal marks and written precision of the numbers in a flight table."""
+"""Numbers in a flight table: their decimal marks, units and written precision."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 
 from fieldkit import units
-from fieldkit.flight import Column
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, Column
+from fieldkit.importing.tables.flight_headings import ColumnRole, is_mass, plain
+from fieldkit.importing.tables.text import shown
 
+NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+"""Cells of a column of numbers without a value."""
+CUSTOMARY_UNITS = frozenset({"ft", "feet", "'", "in", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f"})
+"""Units of flyers who write a decimal point."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
-THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
 
 
@@ -20,7 +27,7 @@ def decimal_mark(numbers: Iterable[str], separator: str) -> str:
     """
     cells = list(numbers)
     used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}
-    certain = {m[1] for cell in cells if (m := _FRACTION.match(cell)) and not THOUSANDS.match(cell)}
+    certain = {m[1] for cell in cells if (m := _FRACTION.match(cell)) and not _THOUSANDS.match(cell)}
     if len(certain) == 1:
         return certain.pop()
     if used == {","}:
@@ -34,3 +41,43 @@ def precision(cell: str, column: Column, unit: str) -> float:
     named = unit or cell.strip().lstrip("+-0123456789.,").strip()
     scale = units.unit(column.quantity, named or column.unit)
     return abs(scale.difference_to_si(10.0 ** -len((digits and digits[1]) or "")))
+
+
+def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
+    """Raise BadValue for a cell with an ambiguous number or unit; `unit` is that of its header, or ""."""
+    thousands = _THOUSANDS.match(cell)
+    if thousands and thousands[1] != mark:
+        one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
+        raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected an unambiguous number")
+    if len(cell) > 40:
+        raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
+    if not unit and cell[-1].isdigit():
+        raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
+
+
+def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
+    """The value of a cell; `unit` is that of its header, or "". Raises BadValue. [SI]
+
+    In a customary unit a comma before three digits separates thousands, unless the table has decimal commas: those who
+    write decimal commas measure in meters.
+    """
+    thousands = _THOUSANDS.match(cell)
+    named = cell.strip().lstrip("+-0123456789.,").strip().lower() or unit
+    if thousands and thousands[1] == "," != mark and named in CUSTOMARY_UNITS:
+        cell = cell.replace(",", "")
+    check_number(cell, column, unit, mark)
+    try:
+        return units.parse(cell, column.quantity, unit)
+    except BadValue:
+        known = f"{unit}, or with a unit of {column.quantity}" if unit else column.unit
+        raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
+
+
+def mass_in(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
+    """A mass that is not a field of a flight, from the column named with one of these words and a unit. Raises
+    BadValue. [kg]"""
+    for heading, cell in zip(headings, cells, strict=False):
+        if is_mass(heading, words) and cell.strip().lower() not in NOT_RECORDED:
+            unit = plain(heading.spelled).rpartition("_")[2]
+            return number_of(cell.strip(), BY_NAME["dry_mass"], unit, mark)
+    return None

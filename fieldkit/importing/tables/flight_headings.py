@@ -5,7 +5,7 @@ A table without headers has the columns `#1`, `#2`, and is recognized by their c
 
 import re
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -31,7 +31,7 @@ class ColumnRole:
     """The content of one column: a field of `Flight`, a value `beside` a readout (its sd or source), or neither.
 
     `unit` is empty if the cells include theirs; `loose` if the name may mean something else as well; `repeats` is the
-    earlier column with the same meaning, if any.
+    earlier column with the same meaning, if any. `day_first` is the order of its dates, or None if unknown.
     """
 
     spelled: str
@@ -40,6 +40,7 @@ class ColumnRole:
     beside: ReadoutColumn | None = None
     loose: bool = False
     repeats: str = ""
+    day_first: bool | None = None
 
     @property
     def key(self) -> str:
@@ -78,7 +79,7 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
         if place < 0:
             columns = ", ".join(shown(one) for one in names[:30])
             raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
-        unit = unit or _stated_unit(names[place])
+        unit = unit or stated_unit(names[place])
         told[place] = f"{name}_{unit}" if unit else name
     return told
 
@@ -90,7 +91,7 @@ def _places(names: Sequence[str], wanted: str) -> list[int]:
     return [place for place, name in enumerate(names) if plain(name) == plain(wanted)]
 
 
-def _stated_unit(name: str) -> str:
+def stated_unit(name: str) -> str:
     """The unit at the end of a header, or none."""
     ending = plain(name).rpartition("_")[2]
     return ending if any(ending in known for known in units.UNITS.values()) and "_" in plain(name) else ""
@@ -101,21 +102,40 @@ def plain(spelled: str) -> str:
     return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
 
 
+def usual_name(words: str) -> str:
+    """A `plain` header with abbreviations spelled out, and without words that do not change its meaning.
+
+    `actual_alt_agl_ft` becomes `altitude_ft`.
+    """
+    known = _known_names()
+    parts = [part.strip(".") for part in re.split(r"[_\-:#]+", words)]
+    kept = [known["words"].get(part, part) for part in parts if part and part not in known["ignored"]]
+    return "_".join(kept) or words
+
+
+@cache
+def _usual_names(part: str) -> Mapping[str, str]:
+    """Other names of columns, also with their abbreviations spelled out."""
+    names = _known_names()[part]
+    return {**{usual_name(other): name for other, name in names.items()}, **names}
+
+
 @cache
 def _known_names() -> Mapping[str, Mapping[str, str]]:
-    """Other names of columns and fieldkit's own: valid anywhere, valid in a table with motors, and names of masses."""
+    """Other names of columns and fieldkit's own: valid anywhere, valid in a table with motors, and names of masses;
+    other words of a name, and words without a meaning of their own."""
     known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
     return {part: {other: name for name, others in names.items() for other in others} for part, names in known.items()}
 
 
 def synonyms() -> Mapping[str, str]:
     """Other names of columns, and fieldkit's own."""
-    return _known_names()["anywhere"]
+    return _usual_names("anywhere")
 
 
 def mass_names(name: str) -> frozenset[str]:
     """Names of a mass that is not a field of a flight: the lift-off mass, or the motor mass."""
-    return frozenset({name, *(other for other, own in _known_names()["masses"].items() if own == name)})
+    return frozenset({name, *(other for other, own in _usual_names("masses").items() if own == name)})
 
 
 def beside_a_motor(names: Sequence[str]) -> list[str]:
@@ -129,23 +149,30 @@ def beside_a_motor(names: Sequence[str]) -> list[str]:
     taken = {role_of(name, strict=False, taken=()).field for name in names}
     told = []
     for name in names:
-        words = plain(name)
-        for other, own in _known_names()["beside_a_motor"].items():
-            if (words == other or words.startswith(f"{other}_")) and own not in taken:
-                role = role_of(own + words.removeprefix(other), strict=False)
-                if role.field == own:
-                    taken.add(own)
-                    name = own + words.removeprefix(other)
-                    break
-        told.append(name)
+        role, own = next(_roles_beside_a_motor(plain(name), taken), (None, name))
+        taken |= {role.field} if role else set()
+        told.append(own)
     return told
+
+
+def _roles_beside_a_motor(words: str, taken: Collection[str]) -> Iterator[tuple[ColumnRole, str]]:
+    """What a column may be in a table that names motors, with fieldkit's own name for it."""
+    for spelled in dict.fromkeys((words, usual_name(words))):
+        for other, own in _usual_names("beside_a_motor").items():
+            if spelled == other or spelled.startswith(f"{other}_"):
+                name = own + spelled.removeprefix(other)
+                role = role_of(name, strict=False)
+                if role.field and role.field not in taken and own.startswith(role.field):
+                    yield role, name
 
 
 def _ours(words: str, taken: Collection[str]) -> str:
     """A header with fieldkit's own name, followed by its unit: `wind_speed_mps` becomes `wind_mps`."""
-    for other, name in synonyms().items():
-        if (words == other or words.startswith(f"{other}_")) and name not in taken:
-            return name + words.removeprefix(other)
+    for spelled in dict.fromkeys((words, usual_name(words))):
+        names = synonyms() if spelled == words else {**synonyms(), **{name: name for name in BY_NAME}}
+        for other, name in names.items():
+            if (spelled == other or spelled.startswith(f"{other}_")) and name not in taken:
+                return name + spelled.removeprefix(other)
     return words
 
 
@@ -216,17 +243,4 @@ def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
 def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
     """Whether a column that is not a field of a flight is a mass with one of these names, with its unit."""
     name, _, unit = plain(heading.spelled).rpartition("_")
-    return not heading.field and name in words and unit in units.UNITS["mass"]
-
-
-def iso_date(text: str) -> str:
-    """A date as ISO 8601 if day and month are unambiguous; otherwise unchanged."""
-    match = re.fullmatch(r"(\d{1,2})([./])(\d{1,2})\2(\d{4})(?:[ T](\d{1,2})(:\d\d(?::\d\d)?))?", text)
-    if not match:
-        return text
-    day, month = int(match[1]), int(match[3])
-    if match[2] == "/" and day <= 12:
-        if month <= 12 and day != month:
-            return text
-        day, month = month, day
-    return f"{match[4]}-{month:02}-{day:02}" + (f"T{match[5]:0>2}{match[6]}" if match[5] else "")
+    return not heading.field and bool({name, usual_name(name)} & {*words}) and unit in units.UNITS["mass"]

@@ -180,12 +180,17 @@ def channel(head: Heading) -> str:
     letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
     if letter and head.unit and unit_named(quantity, head.unit):
         return letter
+    letter, quantity = _LETTERS.get(next(iter(head.words), ""), ("", ""))
+    if letter and unit_named(quantity, "".join(head.words[1:])):
+        return letter
     if words & _HEIGHT and {"above", "ground"} <= words:
         words -= {"ground"}
     if (words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS) or head.words in _SECONDS:
         return "time"
     if head.unit and unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
+    if words & _ACCEL and words & (_HEIGHT | _SPEED) and not words & _NOT_A_SAMPLE:  # integrated, not felt
+        return "inertial_altitude" if words & _HEIGHT else "inertial_speed"
     axis = next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), "")
     if words & _ACCEL and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
         if words & _WORKED_OUT or "linear" in words or "lin" in words:
@@ -206,8 +211,10 @@ def channel(head: Heading) -> str:
         return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
     if words & _WORKED_OUT:
         return ""
-    if words & _PRESSURE:
-        return "pressure"
+    if words & _PRESSURE and not words & _SPEED:
+        return "altitude" if head.unit and unit_named("length", head.unit) else "pressure"
+    if words & _SPEED and head.unit and unit_named("pressure", head.unit):
+        return ""  # dynamic pressure
     if words & _SPEED:
         if words & {"x", "y", "velx", "vely"}:
             return ""

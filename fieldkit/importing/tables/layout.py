@@ -11,10 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encodings
+from fieldkit.units import UNITS
 
 LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
+_MOST_ABOVE = 4
+"""Number of lines above a table among which its names must be: a logger may write messages below them. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
 _WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*[A-Za-z°%]{1,4}\s*")
@@ -100,11 +104,13 @@ def _numbers(cells: Sequence[str], separator: str | None) -> bool:
 
 def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
     width = len(split(lines[start], separator))
-    above = [row for row in range(start - 1, -1, -1) if lines[row].strip()][:2]
+    above = [row for row in range(start - 1, -1, -1) if lines[row].strip()][:_MOST_ABOVE]
     names = [_names(lines[row], separator, width) for row in above]
-    headers = names[0] if names else None
-    if headers and len(names) == 2 and names[1] and all(_UNITS.fullmatch(cell) for cell in headers):
-        pairs = zip(names[1], headers, strict=True)
+    whole = (i for i, found in enumerate(names) if found and (not i or not found[-1].startswith("#")))
+    place = next(whole, 0)
+    headers, higher = [*names, None, None][place : place + 2]
+    if headers and higher and _are_units(headers, higher):
+        pairs = zip(higher, headers, strict=True)
         headers = [f"{name} ({unit.strip('[](){}')})" if unit else name for name, unit in pairs]
     rows = [split(line, separator) for line in lines[start:]]
     decimal = decimal_mark([cell for cells in rows for cell in cells])
@@ -112,6 +118,15 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
     if headers is None:
         return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
     return Layout(tuple(headers), start, separator, decimal, True, first)
+
+
+def _are_units(cells: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether a line below a line of names contains their units, rather than names below a line of a preamble."""
+    if not all(_UNITS.fullmatch(cell) for cell in cells):
+        return False
+    lower, upper = (sum(bool(channel(heading(cell))) for cell in line) for line in (cells, names))
+    known = any(unit_named(quantity, cell.strip("[](){}")) for cell in cells for quantity in UNITS if cell)
+    return upper >= lower and (upper > 0 or known)
 
 
 def _names(line: str, separator: str | None, width: int) -> list[str] | None:

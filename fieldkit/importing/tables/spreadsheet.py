@@ -8,6 +8,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from datetime import date, datetime, time
 from typing import Any
 
@@ -38,23 +39,28 @@ def _is_of_sheets(archive: zipfile.ZipFile) -> bool:
         return b"spreadsheet" in kind.read(100)
 
 
-def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
-    """The first recognized sheet of a spreadsheet, otherwise the first that is not empty, as CSV in UTF-8.
+@dataclass(frozen=True, slots=True)
+class SheetTable:
+    """A sheet as CSV in UTF-8, and the names of the other sheets that hold a recognized table."""
+
+    content: bytes
+    others: tuple[str, ...] = ()
+
+
+def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> SheetTable:
+    """The first recognized sheet of a spreadsheet, otherwise the first that is not empty.
 
     Raises DamagedLog if it cannot be read or exceeds the limits.
     """
-    first = b""
-    for sheet in _sheets(log):
-        if recognized(sheet):
-            return sheet
-        first = first or sheet
-    if not first:
+    sheets = [(name, content, recognized(content)) for name, content in _sheets(log)]
+    if not sheets:
         raise DamagedLog("found an empty spreadsheet, expected a table in its first sheet")
-    return first
+    _, first, _ = next((sheet for sheet in sheets if sheet[2]), sheets[0])
+    return SheetTable(first, tuple(name for name, content, known in sheets if known and content is not first))
 
 
-def _sheets(log: bytes) -> Iterator[bytes]:
-    """Each sheet that is not empty, as CSV."""
+def _sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
+    """Each sheet that is not empty, as its name and CSV."""
     import pandas
 
     try:
@@ -67,7 +73,7 @@ def _sheets(log: bytes) -> Iterator[bytes]:
             for name in book.sheet_names:
                 table: Any = pandas.read_excel(book, sheet_name=name, header=None, dtype=object, na_filter=False)
                 if table.size:
-                    yield _written(table.itertuples(index=False, name=None))
+                    yield str(name), _written(table.itertuples(index=False, name=None))
     except DamagedLog:
         raise
     except Exception as error:  # the spreadsheet reader's errors have no common class
@@ -82,6 +88,11 @@ def _written(rows: Iterator[tuple[Any, ...]]) -> bytes:
     return out.getvalue().encode()
 
 
+def _precision(moment: datetime | time) -> str:
+    """The precision of a time: milliseconds if it has any, because a log may have several rows in a second."""
+    return "milliseconds" if moment.microsecond >= 1000 else "seconds"
+
+
 def _cell(value: object) -> str:
     """A cell as CSV text: numbers with a point and all digits, integers without decimals, dates in ISO 8601."""
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -90,7 +101,9 @@ def _cell(value: object) -> str:
         return str(int(value))
     if isinstance(value, datetime):
         midnight = value.time() == time()
-        return value.date().isoformat() if midnight else value.isoformat(timespec="seconds")
-    if isinstance(value, date | time):
+        return value.date().isoformat() if midnight else value.isoformat(timespec=_precision(value))
+    if isinstance(value, time):
+        return value.isoformat(timespec=_precision(value))
+    if isinstance(value, date):
         return value.isoformat()
     return "" if str(value) in ("NaT", "<NA>") else str(value)

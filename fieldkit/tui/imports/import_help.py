@@ -4,7 +4,8 @@ from fieldkit.tui.help import Help
 
 IMPORT_HELP = Help(
     "Choose a log or a flight table. The file under the cursor is read but not stored: you see its format, how "
-    "many flights it would add, each rejected row with the reason, and the flights. Press Enter to import it. "
+    "many flights it would add, each rejected row with the reason, and the flights. Press Enter to import it; if it "
+    "names no rocket or no motor, a form asks for them. "
     "Duplicates change nothing, so a file may be imported twice. Press the space bar to mark files that belong "
     "together, such as the logs of several altimeters in one flight.",
     (

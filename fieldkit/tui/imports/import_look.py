@@ -163,8 +163,16 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:
+        lacking = ", ".join(
+            f"no {name}" for name in ("rocket", "motor") if _lack(look.flights, name) and name not in given
+        )
+        parts.append(f"\n! {lacking} in the file: Enter asks for what it lacks" if lacking else "")
         parts.append(("\nEnter to import", "b"))
     return Content.assemble(*parts)
+
+
+def _lack(flights: tuple[Flight, ...], name: str) -> bool:
+    return any(not getattr(flight, name) for flight in flights)
 
 
 def what_it_holds(look: Look, system: str) -> Hanging:

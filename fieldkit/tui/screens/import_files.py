@@ -76,6 +76,7 @@ class ImportScreen(PageScreen):
         self._folder = working_folder()
         self._reading = ReadOptions()
         self._look: Look | None = None
+        self._answered: dict[str, str] = {}  # what was last entered on storing a file
 
     def body(self) -> Iterable[Widget]:
         """The folder, the files, and the preview."""
@@ -159,8 +160,7 @@ class ImportScreen(PageScreen):
             self.show_notice("Still reading the file; Enter again stores it")
 
     async def _store(self, path: Path, look: Look) -> None:
-        """Store a file; if it names no rocket or motor and there is an open forecast, ask first whether it belongs to
-        that flight."""
+        """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast filled in."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 
         if self._reading.given or not is_open(look.flights):
@@ -172,10 +172,11 @@ class ImportScreen(PageScreen):
     def _ask_setup(self, path: Path, known: dict[str, str]) -> None:
         from fieldkit.tui.imports.given_form import ask_given
 
-        if known:
-            ask_given(self, known, lambda given: self._store_with(path, replace(self._reading, given=given)))
-        else:
-            self._store_with(path, self._reading)
+        def answered(given: dict[str, str]) -> None:
+            self._answered = given
+            self._store_with(path, replace(self._reading, given=given))
+
+        ask_given(self, known or self._answered, answered)
 
     def _store_with(self, path: Path, reading: ReadOptions) -> None:
         self.change(partial(store, self.resources, path, reading), self._stored)

@@ -2,9 +2,10 @@
 
 import io
 import zipfile
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog, UnknownFormat
@@ -60,6 +61,21 @@ def test_a_table_of_samples_is_read_as_its_csv(kind: str) -> None:
     for one, other in zip(sheet.clocks, table.clocks, strict=True):
         assert one.altitude == pytest.approx(other.altitude)
         assert one.time == pytest.approx(other.time)
+
+
+def test_a_clock_of_dates_keeps_its_milliseconds() -> None:
+    start = datetime(2025, 5, 3, 10, 15)
+    rows: list[list[object]] = [["Timestamp", "Altitude (ft)"]]
+    rows += [[start + timedelta(milliseconds=100 * n), float(max(0, n - 20))] for n in range(100)]
+    (log,) = read_recordings(book(".xlsx", log=rows), "log.xlsx")
+    assert np.diff(log.clocks[0].time) == pytest.approx(np.full(99, 0.1), abs=2e-3)
+
+
+def test_a_second_sheet_with_a_table_is_named() -> None:
+    second = [[*row[:-1], float(n)] for n, row in enumerate(FLIGHTS[1:], start=200)]
+    found = read(book(".xlsx", spring=FLIGHTS, notes=[["none"]], fall=[FLIGHTS[0], *second]), "table.xlsx", any_motor)
+    assert [flight.flight_id for flight in found.flights] == ["1", "3"]
+    assert any("only one sheet is read; 'fall' also holds a table" in note for note in found.notes)
 
 
 def test_an_archive_is_no_spreadsheet() -> None:

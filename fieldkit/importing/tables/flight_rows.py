@@ -1,0 +1,73 @@
+"""Rows of a table of flights that are not flights: a row of units below the header, and totals and means at the end."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from fieldkit import units
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
+
+TableRow = tuple[int, list[str] | DamagedLog]
+"""A row of a table with its number: its cells, or why they cannot be read."""
+_NO_UNIT = frozenset({"", "-", "–", "—", "text", "name", "date", "time", "yyyy-mm-dd", "hh:mm", "n/a"})
+"""Cells of a row of units above a column that has none."""
+_SUMMARIES = frozenset(
+    [
+        *("total", "totals", "sum", "average", "averages", "avg", "mean", "median", "max", "maximum", "min", "minimum"),
+        *("count", "std", "stdev", "summe", "gesamt", "mittelwert", "durchschnitt", "moyenne", "media"),
+    ]
+)
+"""First words of a row that sums up the others."""
+
+
+def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
+    """Column names with the units of the row below them, or None if that row does not consist of units."""
+    bare = [cell.strip().strip("()[]").strip() for cell in cells]
+    known = [any(cell.lower() in unit for unit in units.UNITS.values()) and bool(cell) for cell in bare]
+    if not any(known) or len(bare) > len(names):
+        return None
+    if not all(one or cell.lower() in _NO_UNIT for one, cell in zip(known, bare, strict=True)):
+        return None
+    bare += [""] * (len(names) - len(bare))
+    known += [False] * (len(names) - len(known))
+    return [
+        f"{name} ({unit})" if one and not stated_unit(name) else name
+        for name, unit, one in zip(names, bare, known, strict=True)
+    ]
+
+
+def is_summary(cells: Sequence[str], headings: Sequence[ColumnRole]) -> bool:
+    """Whether a row without a motor, in a table with motors, begins with a word such as `Total` or `Mean`."""
+    motors = [cell.strip() for heading, cell in zip(headings, cells, strict=False) if heading.field == "motor"]
+    first = next((cell.strip().lower() for cell in cells if cell.strip()), "").split()
+    return bool(motors and first) and not any(motors) and first[0].rstrip(":.") in _SUMMARIES
+
+
+def is_blank(cells: list[str] | DamagedLog) -> bool:
+    """Whether all cells of a row are empty."""
+    return not isinstance(cells, DamagedLog) and not any(cell.strip() for cell in cells)
+
+
+def last_row(row: int, cells: list[str] | DamagedLog, width: int) -> TableRow:
+    """The last row of a file that ends within a line: an error if cells are missing."""
+    if isinstance(cells, DamagedLog) or len(cells) >= width:
+        return row, cells
+    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
+
+
+def cells_of(field: str, headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> Iterator[str]:
+    """All cells of the columns of a field."""
+    for _, cells in table:
+        if not isinstance(cells, DamagedLog):
+            yield from (cell for heading, cell in zip(headings, cells, strict=False) if heading.field == field)
+
+
+def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) -> bool:
+    """Whether the names of flights only number them: integers under a name such as `#`, which start at 1 in every file,
+    or numbers that two flights of one rocket share. They do not identify a flight."""
+    heading = next((one for one in headings if one.field == "flight_id"), None)
+    if heading is None or plain(heading.spelled) == "flight_id":
+        return False
+    named = [list(cells_of(field, headings, [row])) for row in table for field in ("rocket", "flight_id")]
+    pairs = [(*rocket, *number) for rocket, number in zip(named[::2], named[1::2], strict=True) if any(number)]
+    numbered = all(pair[-1].strip().isdecimal() for pair in pairs)
+    return (heading.loose and numbered) or len(set(pairs)) < len(pairs)
