@@ -160,7 +160,7 @@ class PageScreen(AskingScreen):
 
     def changed_for_others(self) -> None:
         """Note a change of the ledger that only other pages have to show."""
-        self.field_app.revision += 1
+        self.field_app.count_change()
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

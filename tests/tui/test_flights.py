@@ -310,7 +310,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "5")
         assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)
-        await press(pilot, "l", "A", "escape", "4")
+        await press(pilot, "S", "A", "escape", "4")
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
