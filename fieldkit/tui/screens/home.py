@@ -24,6 +24,7 @@ from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
     from fieldkit.services.launch_day import ListedFlight, Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
     from fieldkit.tui.widgets.groups import Group
@@ -175,7 +176,7 @@ class HomeScreen(PageScreen):
         else:
             self.ask(partial(rocket_of, self.resources.ledger, flight), self._have_rocket, "rocket")
 
-    def _have_rocket(self, rocket: "tuple[Group, float | None] | None") -> None:
+    def _have_rocket(self, rocket: "tuple[Group, Start | None] | None") -> None:
         self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     @on(Table.Chosen)
