@@ -83,7 +83,10 @@ class PageScreen(AskingScreen):
         return self._seen != (-1, -1)
 
     def compose(self) -> ComposeResult:
-        """The bars, and the body between them."""
+        """The bars, and the body between them, styled once: for the colors and the size of the terminal."""
+        self._theme = self.app.theme
+        for size, breakpoints in zip(self.app.size, (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS), strict=True):
+            self.add_class([name for least, name in breakpoints if size >= least][-1])
         yield TopBar([(name, page.number, page.title) for name, page in pages().items()], self.NAME)
         with Container(id="body"):
             yield from self.body()
