@@ -85,8 +85,9 @@ class PageScreen(AskingScreen):
     def compose(self) -> ComposeResult:
         """The bars, and the body between them, styled once: for the colors and the size of the terminal."""
         self._theme = self.app.theme
-        for size, breakpoints in zip(self.app.size, (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS), strict=True):
-            self.add_class([name for least, name in breakpoints if size >= least][-1])
+        breakpoints = (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS)
+        for size, names in zip(self.app.size, breakpoints, strict=True):
+            self.add_class([name for least, name in names if size >= least][-1])
         yield TopBar([(name, page.number, page.title) for name, page in pages().items()], self.NAME)
         with Container(id="body"):
             yield from self.body()

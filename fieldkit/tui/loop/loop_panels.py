@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "After l: each flight's residual, flown minus forecast, against the column chosen with v.",
-    "marks": "After l: the residual that an effect would cause in each readout, beside the one observed.",
+    "against": "After S: each flight's residual, flown minus forecast, against the column chosen with v.",
+    "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
 

@@ -46,7 +46,7 @@ class HomeScreen(PageScreen):
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆", "The 90% interval and the median of the forecast; ◆ is the flown apogee."),
+            ("├─●─┤ ◆ ◎", "The 90% interval and the median of the forecast; ◆ is the flown apogee, ◎ the target."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
@@ -158,7 +158,7 @@ class HomeScreen(PageScreen):
         """The rows of the table."""
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
-        cells = flight_row(flights, self.resources.settings.units, width)
+        cells = flight_row(flights, self.resources.settings, width)
         table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
 
     def on_resize(self, _event: events.Resize) -> None:
