@@ -11,7 +11,7 @@ from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:
-    from fieldkit.services.launch_day import ListedFlight
+    from fieldkit.services.listed_flights import ListedFlight
     from fieldkit.tui.resources import Resources
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10

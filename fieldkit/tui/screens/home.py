@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from functools import cached_property, partial
+from threading import Event
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
@@ -25,11 +26,14 @@ from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
-    from fieldkit.services.launch_day import ListedFlight, Overview
+    from fieldkit.services.launch_day import Overview
+    from fieldkit.services.listed_flights import ListedFlight
     from fieldkit.tui.flights.flight_screen import FlightScreen
     from fieldkit.tui.widgets.groups import Group
 
-    FirstRows = tuple[list[Flight], list[ListedFlight]]
+
+MAX_PAINT = 1.0
+"""Longest wait for the first rows to be painted. [s]"""
 
 
 class HomeScreen(PageScreen):
@@ -72,6 +76,7 @@ class HomeScreen(PageScreen):
         self._view: Overview | None = None
         self._profiles: dict[str, tuple[Flight, str]] = {}
         self._have_read = False
+        self._painted = Event()
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
@@ -99,22 +104,27 @@ class HomeScreen(PageScreen):
         """The same in other units."""
         self._show()
 
-    def _read_first(self) -> "FirstRows":
-        from fieldkit.services.launch_day import latest_flights
+    def _read_first(self) -> "list[ListedFlight]":
+        from fieldkit.services.listed_flights import listed_at_once
 
-        flights = self.resources.ledger.flights()
-        return flights, latest_flights(self.resources.ledger, flights)
+        return listed_at_once(self.resources.where)
 
-    def _have_first(self, found: "FirstRows") -> None:
-        flights, latest = found
+    def _have_first(self, latest: "list[ListedFlight]") -> None:
         if latest:
             self._list(latest)
-        self.ask(partial(self._read, flights), self._have, "overview", engine=LEDGER_ENGINE)
+        self.call_after_refresh(self._painted.set)
+        self.ask(self._read_when_painted, self._have, "overview", engine=())
 
-    def _read(self, flights: "list[Flight] | None" = None) -> "Overview | None":
+    def _read_when_painted(self) -> "Overview | None":
+        """Read the launch day after the first rows are painted, which importing the engine would delay."""
+        self._painted.wait(MAX_PAINT)
+        self.resources.import_engine(LEDGER_ENGINE)
+        return self._read()
+
+    def _read(self) -> "Overview | None":
         from fieldkit.services.launch_day import overview
 
-        return overview(self.resources.ledger, self.resources.motors, flights)
+        return overview(self.resources.ledger, self.resources.motors)
 
     def _have(self, view: "Overview | None") -> None:
         self._view, self._have_read = view, True
