@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import Flight
 from fieldkit.quantities import number
-from fieldkit.tui.next.intervals import Bounds, Scale, heading
+from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def _date(form: str) -> Callable[[Row, str], str]:
     return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
 
 
-def columns(width: int, scale: Scale) -> list[Shown]:
+def columns(width: int, scale: HeightScale) -> list[Shown]:
     """Ten columns at any width: narrow screens shorten the date, the rocket and the tags; with room for them, the
     forecast and the flown apogee on a scale."""
     wide, tight = width >= 134, width < 76
@@ -102,7 +102,7 @@ def columns(width: int, scale: Scale) -> list[Shown]:
     return [*shown, _drawn(width - sum(c.width + 1 for c in shown) - 2, scale)] if width >= WITH_FORECASTS else shown
 
 
-def _drawn(left: int, scale: Scale) -> Shown:
+def _drawn(left: int, scale: HeightScale) -> Shown:
     """Forecasts and flown apogees on a scale, in two fifths of the width that is left. [cell]"""
     room = left * 2 // 5
     return Shown(
@@ -126,9 +126,9 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     return rows
 
 
-def scale_of(rows: Iterable[Row], target: float | None) -> Scale:
+def scale_of(rows: Iterable[Row], target: float | None) -> HeightScale:
     """The scale of all forecasts and flown apogees. [m]"""
-    return Scale.of(((row.forecast, row.flight.apogee) for row in rows), target)
+    return HeightScale.of(((row.forecast, row.flight.apogee) for row in rows), target)
 
 
 def haystack(row: Row) -> str:

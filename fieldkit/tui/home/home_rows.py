@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number
 from fieldkit.settings import Settings
-from fieldkit.tui.next.intervals import Bounds, Scale, heading
+from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
@@ -36,7 +36,7 @@ def flight_row(
     from fieldkit.presentation.home_text import build_of
 
     system = settings.units
-    scale = Scale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
+    scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
 
     def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
         flight, said = one.flight, one.forecast

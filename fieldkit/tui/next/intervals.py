@@ -103,7 +103,7 @@ def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float,
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
+class HeightScale:
     """The common scale of a column of forecasts and flown apogees, with the target if there is one. [m]"""
 
     low: float
@@ -111,7 +111,7 @@ class Scale:
     target: float | None = None
 
     @classmethod
-    def of(cls, shown: Iterable[tuple[Bounds | None, float | None]], target: float | None) -> "Scale":
+    def of(cls, shown: Iterable[tuple[Bounds | None, float | None]], target: float | None) -> "HeightScale":
         """A scale that holds all of these, each an interval and a flown apogee, and the target."""
         ends = [end for bounds, flown in shown for end in (*(bounds or ()), flown) if end is not None]
         ends += [target] if target and ends else []

@@ -20,7 +20,7 @@ from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.help import NO_FLIGHTS
-from fieldkit.tui.next.intervals import Scale
+from fieldkit.tui.next.intervals import HeightScale
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
@@ -73,7 +73,7 @@ class FlightsScreen(PageScreen):
         self._asked: set[str] = set()
         self._inference: FlightInference | None = None
         self._sort, self._down = 1, True
-        self._scale = Scale(0.0, 1.0)
+        self._scale = HeightScale(0.0, 1.0)
         self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
