@@ -106,7 +106,7 @@ def _drawn(left: int, scale: HeightScale) -> Shown:
     """Forecasts and flown apogees on a scale, in two fifths of the width that is left. [cell]"""
     room = left * 2 // 5
     return Shown(
-        heading(room - 1),  # and the arrow of a sorted column
+        heading(room - 1, scale.target),  # and the arrow of a sorted column
         room,
         lambda r, _: scale.line(r.forecast, r.flight.apogee, room),
         lambda r: r.forecast[1] if r.forecast is not None else -1.0,

@@ -21,12 +21,12 @@ NORMAL_TABLE, WIDE_TABLE = 70, 96
 APOGEE = BY_NAME["apogee"]
 
 
-def flight_heads(width: int) -> list[Head]:
+def flight_heads(width: int, target: float | None) -> list[Head]:
     """The columns that fit in a width."""
     heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
     heads += [Head("apogee", 7, True), Head("miss", 6, True)]
     heads += [Head("profile", PROFILE_CELLS)] if width >= NORMAL_TABLE else []
-    return [*heads, Head(heading(_bar_width(width)), _bar_width(width))] if width >= WIDE_TABLE else heads
+    return [*heads, Head(heading(_bar_width(width), target), _bar_width(width))] if width >= WIDE_TABLE else heads
 
 
 def flight_row(

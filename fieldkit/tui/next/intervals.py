@@ -130,10 +130,11 @@ class HeightScale:
         return "".join(line)
 
 
-def heading(width: int) -> str:
-    """The heading of a column of forecasts and flown apogees in a width. [cell]"""
-    long = f"forecast, flown {FLOWN}, target {TARGET}"
-    return long if len(long) <= width else f"forecast, {FLOWN} {TARGET}"
+def heading(width: int, target: float | None) -> str:
+    """The heading of a column of forecasts and flown apogees in a width [cell], with a target if there is one."""
+    aim, sign = (f", target {TARGET}", f" {TARGET}") if target else ("", "")
+    long = f"forecast, flown {FLOWN}{aim}"
+    return long if len(long) <= width else f"forecast {FLOWN}{sign}"
 
 
 def _cell(value: float, start: float, end: float, width: int) -> int:

@@ -50,7 +50,7 @@ class HomeScreen(PageScreen):
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆ ◎", "The 90% interval and the median of the forecast; ◆ is the flown apogee, ◎ the target."),
+            ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
@@ -168,8 +168,9 @@ class HomeScreen(PageScreen):
         """The rows of the table."""
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
-        cells = flight_row(flights, self.resources.settings, width)
-        table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
+        settings = self.resources.settings
+        heads, cells = flight_heads(width, settings.target), flight_row(flights, settings, width)
+        table.show(heads, list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
 
     def on_resize(self, _event: events.Resize) -> None:
         """Show the rocket if the new height has room for it."""
