@@ -27,7 +27,6 @@ def ork(
 ) -> None:
     """Start a rocket from its OpenRocket design (mass without motor, diameter, length, Cd) until it has flown."""
     from fieldkit.errors import BadValue
-    from fieldkit.flight.start import Start
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
@@ -35,7 +34,7 @@ def ork(
     name = rocket or design.name
     if not name:
         raise BadValue(f"{file.name}: found no name of the rocket, expected --rocket NAME")
-    start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, file.name)
+    start = design.start(name, config, file.name)
     saved = False
     if not look:
         with open_ledger(context) as ledger:
@@ -63,6 +62,8 @@ def _lines(start: "Start", design: "Design") -> list[str]:
     if start.length is not None:
         lines.append(f"  length    {written(start.length, 'mm', system())}")
     lines.append(f"  Cd        {start.cd:.2f}, by {design.cd_by}" if start.cd else "  Cd        not in the file")
+    if start.margin is not None:
+        lines.append(f"  stability {start.margin:.1f} calibers with its motor, off the launch rod")
     motors = dict.fromkeys(
         " ".join(filter(None, (f"{one.count} ×" if one.count > 1 else "", one.maker, one.designation)))
         for one in design.motors

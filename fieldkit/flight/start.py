@@ -13,7 +13,10 @@ INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What is known about a rocket's configuration before it has flown, and the source file; None if unknown. SI."""
+    """What is known about a rocket's configuration before it has flown, and the source file; None if unknown. SI.
+
+    `cg` and `cp` are the centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose.
+    """
 
     rocket: str
     config: str
@@ -22,6 +25,15 @@ class Start:
     length: float | None = None
     cd: float | None = None
     source: str = ""
+    cg: float | None = None
+    cp: float | None = None
+
+    @property
+    def margin(self) -> float | None:
+        """Static stability margin: the center of pressure behind the center of gravity, in diameters. [1]"""
+        if self.cg is None or self.cp is None or not self.diameter:
+            return None
+        return (self.cp - self.cg) / self.diameter
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:

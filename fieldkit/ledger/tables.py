@@ -124,6 +124,8 @@ configurations = Table(
     Column("length", Double),
     Column("cd", Double),
     Column("source", Text, nullable=False),  # the file it came from
+    Column("cg", Double),
+    Column("cp", Double),
     _checksum(),
 )
 

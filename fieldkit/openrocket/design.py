@@ -1,10 +1,11 @@
 """A design as a starting configuration: mass without motor, largest diameter, length, and Cd if available."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
+from fieldkit.flight.start import Start
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
@@ -54,6 +55,16 @@ class Design:
     motors: tuple[DesignMotor, ...]
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
+
+    def start(self, rocket: str, config: str, source: str) -> Start:
+        """The design as the starting configuration of a rocket, from a file."""
+        one = next((one for one in self.simulations if one.fresh and self._holds(one)), None)
+        known = Start(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
+        return known if one is None else replace(known, cg=one.cg, cp=one.cp)
+
+    def _holds(self, one: Simulation) -> bool:
+        """Whether the centers of gravity and of pressure of a simulation are known and within the rocket."""
+        return self.length is not None and all(x is not None and 0 < x < self.length for x in (one.cg, one.cp))
 
 
 def read_design(content: bytes, source: str) -> Design:

@@ -31,6 +31,8 @@ USED_COLUMNS = (
     "air density",
     "total velocity",
     "vertical velocity",
+    "cg location",
+    "cp location",
 )
 """Columns of a stored simulation that are read."""
 MOST_COLUMNS = 500
@@ -47,6 +49,7 @@ Columns = dict[str, Float[Array, "row"]]
 class Simulation:
     """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and its flight.
 
+    `cg` and `cp` are its centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose [m].
     `fresh` means that it belongs to the current design, `default` that it used the default configuration. None means
     not stored.
     """
@@ -60,6 +63,8 @@ class Simulation:
     apogee: float | None
     top_speed: float | None
     consistent: bool
+    cg: float | None = None
+    cp: float | None = None
 
 
 def simulations(root: "Element") -> list[Simulation]:
@@ -95,6 +100,7 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
         _moment(data.get("maxaltitude", "")),
         _moment(data.get("maxvelocity", "")),
         cd is None or _consistent(values, coast, cd, reference),
+        *_centers(values, branch),
     )
 
 
@@ -143,6 +149,16 @@ def _dry_mass(values: Columns) -> float | None:
     weight, motor = values.get("mass"), values.get("motor mass")
     dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
     return dry if math.isfinite(dry) and dry > 0 else None
+
+
+def _centers(values: Columns, branch: "Element") -> tuple[float, float] | tuple[None, None]:
+    """The centers of gravity and of pressure in the first row off the launch rod in which both are known. [m]"""
+    time, cg, cp = (values.get(name) for name in ("time", "cg location", "cp location"))
+    if time is None or cg is None or cp is None:
+        return None, None
+    off = min(_moments(branch, "launchrod"), default=0.0)
+    rows = np.flatnonzero((time >= off) & np.isfinite(cg) & np.isfinite(cp))
+    return (float(cg[rows[0]]), float(cp[rows[0]])) if rows.size else (None, None)
 
 
 def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:

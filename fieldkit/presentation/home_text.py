@@ -8,7 +8,8 @@ from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.services.day_weather import WEATHER
 
 if TYPE_CHECKING:
-    from fieldkit.services.launch_day import ListedFlight, Overview
+    from fieldkit.services.launch_day import Overview
+    from fieldkit.services.listed_flights import ListedFlight
     from fieldkit.services.saved_forecasts import SavedForecast
 
 APOGEE = BY_NAME["apogee"]

@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import answer_text, read_answer
-from fieldkit.ledger import Ledger
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
 
 WEATHER_DRAFT = "weather of the day"
 """Name under which the ledger saves it."""
@@ -15,7 +18,7 @@ TYPED_AT = "at"
 """Key of the time at which the weather was entered, ISO 8601, local time."""
 
 
-def typed_weather(ledger: Ledger, now: datetime | None = None) -> tuple[dict[str, str], datetime | None]:
+def typed_weather(ledger: "Ledger", now: datetime | None = None) -> tuple[dict[str, str], datetime | None]:
     """Today's weather as entered, and when; empty if none was entered today."""
     kept = ledger.draft(WEATHER_DRAFT) or {}
     typed = datetime.fromisoformat(kept[TYPED_AT]) if TYPED_AT in kept else None
@@ -29,7 +32,7 @@ def weather_of(texts: Mapping[str, str]) -> Flight:
     return Flight().with_changes(**{name: read_answer(name, text) for name, text in texts.items()})
 
 
-def save_weather(ledger: Ledger, conditions: Flight) -> bool:
+def save_weather(ledger: "Ledger", conditions: Flight) -> bool:
     """Save today's weather, for every plan and flight of the day; False if it is unchanged.
 
     Undo restores the earlier weather.

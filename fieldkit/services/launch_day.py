@@ -9,6 +9,7 @@ from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.importing.manual_entry import answer_text, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.services.day_weather import WEATHER, WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
+from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
 
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
@@ -18,16 +19,6 @@ if TYPE_CHECKING:
 
 PLAN_DRAFT = "plan"
 """Name under which the ledger saves the plan of the next flight."""
-MAX_LISTED_FLIGHTS = 50
-
-
-@dataclass(frozen=True, slots=True)
-class ListedFlight:
-    """A flight of the ledger with its id, and its saved forecast, if any."""
-
-    id: str
-    flight: Flight
-    forecast: "SavedForecast | None"
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +86,12 @@ def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlig
     return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(latest), latest, strict=True)][::-1]
 
 
-def overview(ledger: Ledger, motors: "Catalogue", flights: Sequence[Flight] | None = None) -> Overview | None:
-    """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger, its
-    `flights` too unless given."""
+def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
+    """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger."""
     from fieldkit.services.manual_entry import PLAN
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
-    flights = ledger.flights() if flights is None else flights
+    flights = ledger.flights()
     plan = planned(ledger, flights)
     if plan is None:
         return None

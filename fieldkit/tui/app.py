@@ -3,6 +3,7 @@
 import asyncio
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
@@ -28,6 +29,9 @@ from fieldkit.tui.themes import THEMES
 
 PAUSE = 0.05
 """Pause between opening two pages off screen, so that keys are handled. [s]"""
+
+LOOK_INTERVAL = 3.0
+"""Interval of checking for changes by other programs: terminals side by side report no change of focus. [s]"""
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """Maximum number of restarts after errors [1] within a time [s]."""
@@ -89,6 +93,7 @@ class FieldkitApp(Surviving):
             self.show_notice(self._back.crash.line(), error=True)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(CHECK_INTERVAL, partial(self._leave_if_gone, held))
+        self.set_interval(LOOK_INTERVAL, self.look_round)
 
     def _leave_if_gone(self, held: int) -> None:
         """Quit if the terminal was closed: everything typed is already saved."""
@@ -161,19 +166,29 @@ class FieldkitApp(Surviving):
 
     def changed(self) -> None:
         """The ledger has changed: reload the pages."""
+        self.count_change()
+        self._refresh_page()
+
+    def count_change(self) -> None:
+        """The app itself has changed the ledger."""
         self.revision += 1
         self._length = None
-        self._refresh_page()
         self.look_round()
 
     def look_round(self) -> None:
         """Reload pages if another program has changed the ledger: a second app, a command."""
         if isinstance(self.screen, PageScreen):
-            self.screen.ask(lambda: self.resources.ledger.length(), self._seen_round, "others")
+            self.screen.ask(self._journal_length, self._seen_round, "others")
 
-    def _seen_round(self, length: int) -> None:
+    def _journal_length(self) -> int | None:
+        """The number of changes so far; None if the ledger cannot be read now, which the pages report."""
+        with suppress(FieldkitError):
+            return self.resources.ledger.length()
+        return None
+
+    def _seen_round(self, length: int | None) -> None:
         before, self._length = self._length, length
-        if before not in (None, length):
+        if None not in (before, length) and before != length:
             self.revision += 1
             self._refresh_page()
 

@@ -22,6 +22,9 @@ class Host(Protocol):
     def changed(self) -> None:
         """The ledger has changed: pages must be reloaded."""
 
+    def count_change(self) -> None:
+        """The ledger has changed, and the current page already shows it."""
+
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Show a notice."""
 

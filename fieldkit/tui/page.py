@@ -83,7 +83,11 @@ class PageScreen(AskingScreen):
         return self._seen != (-1, -1)
 
     def compose(self) -> ComposeResult:
-        """The bars, and the body between them."""
+        """The bars, and the body between them, styled once: for the colors and the size of the terminal."""
+        self._theme = self.app.theme
+        breakpoints = (self.HORIZONTAL_BREAKPOINTS, self.VERTICAL_BREAKPOINTS)
+        for size, names in zip(self.app.size, breakpoints, strict=True):
+            self.add_class([name for least, name in names if size >= least][-1])
         yield TopBar([(name, page.number, page.title) for name, page in pages().items()], self.NAME)
         with Container(id="body"):
             yield from self.body()
@@ -160,7 +164,7 @@ class PageScreen(AskingScreen):
 
     def changed_for_others(self) -> None:
         """Note a change of the ledger that only other pages have to show."""
-        self.field_app.revision += 1
+        self.field_app.count_change()
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
 
 
-FIRST_ROWS_ENGINE = ("fieldkit.ledger", "fieldkit.services.launch_day", "fieldkit.presentation.home_text")
+FIRST_ROWS_ENGINE = ("fieldkit.services.listed_flights", "fieldkit.presentation.home_text")
 """Modules for reading the first rows, before their forecasts."""
 LEDGER_ENGINE = (
-    "fieldkit.ledger",
+    "fieldkit.ledger.ledger",
     "fieldkit.motors",
     "fieldkit.services.saved_forecasts",
     "fieldkit.services.launch_day",
@@ -60,6 +60,11 @@ class Resources:
         with self._lock:
             for name in engine:
                 import_module(name)
+
+    @property
+    def where(self) -> str | Path | None:
+        """The path or URL of the ledger, as given; None for the user's own."""
+        return self._where
 
     @property
     def name(self) -> str:

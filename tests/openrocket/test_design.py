@@ -170,6 +170,25 @@ def test_figures_beyond_belief_are_left_out() -> None:
     assert any(note.startswith("diameter: found 66") for note in found.notes)
 
 
+BALANCED = """<simulations><simulation status="{status}"><name>Sim 1</name><flightdata maxaltitude="240">
+<databranch name="Stage" types="Time,Total velocity,CG location,CP location,Mass">
+<event time="0.2" type="launchrod"/><datapoint>0,0,0.45,NaN,0.5</datapoint>
+<datapoint>0.1,3,0.45,0.40,0.5</datapoint><datapoint>0.2,9,0.449,NaN,0.5</datapoint>
+<datapoint>0.3,14,0.448,{cp},0.5</datapoint><datapoint>1,40,0.44,0.58,0.5</datapoint>
+</databranch></flightdata></simulation></simulations>"""
+
+
+def test_the_centers_of_gravity_and_pressure_are_those_off_the_launch_rod() -> None:
+    def start(status: str, cp: float) -> Start:
+        found = read_design(design(rest=BALANCED.format(status=status, cp=cp)).encode(), "skylark.ork")
+        return found.start("Skylark", "A", "skylark.ork")
+
+    assert (start("uptodate", 0.58).cg, start("uptodate", 0.58).cp) == (0.448, 0.58)
+    assert start("uptodate", 0.58).margin == pytest.approx((0.58 - 0.448) / 0.066)
+    assert start("uptodate", 1.2).margin is None, "beyond the rocket, whose length is 0.8 m"
+    assert start("outdated", 0.58).margin is None, "of another design"
+
+
 def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> None:
     start = Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork")
     plan = Flight(rocket="Skylark", config="A", motor="F24-4W")

@@ -13,7 +13,7 @@ from textual.events import Key
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.memory import give_back
 
-LETTERS = "123456789abcdefghijklmnoprstuvwxyzNTUW/?.-=;"
+LETTERS = "123456789abcdefghijklmnoprstuvwxyzCNSTUW/?.-=;"
 NAMED = (
     "up",
     "down",

@@ -12,6 +12,7 @@ from fieldkit.flight import READOUTS
 from fieldkit.ledger import Ledger, models
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
+from fieldkit.tui.add.add_sheet import SaveButton
 from fieldkit.tui.screens.add import AddScreen
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
@@ -304,3 +305,22 @@ async def test_a_unit_typed_in_one_field_leaves_numbers_typed_before_as_they_wer
     with Ledger.open(file) as ledger:
         flight = ledger.flight("13")
     assert (flight.apogee, flight.eject_altitude) == (281.0, pytest.approx(274.32))
+
+
+@pytest.mark.parametrize("rocket", ["Astra", "Zephyr"])
+async def test_an_unknown_mass_and_diameter_are_asked_for_before_the_flight_is_saved(file: Path, rocket: str) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        if rocket == "Zephyr":
+            screen.field("rocket").line.focus()
+            await press(pilot, "ctrl+u", *typed("Zephyr"), "enter", "_")
+        screen.field("duration").line.focus()
+        await press(pilot, *typed("45"), "enter")
+        if rocket == "Zephyr":
+            assert pilot.app.focused is screen.field("dry_mass").line
+            await press(pilot, *typed("100g"), "enter", *typed("25mm"), "enter")
+        assert isinstance(pilot.app.focused, SaveButton)
+        seen = words(pilot)
+        assert seen.index("Dry mass") < seen.index("Save this flight")

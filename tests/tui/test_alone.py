@@ -42,7 +42,7 @@ async def test_a_look_is_given_up_for_the_next_and_when_the_app_is_left(
     async with opened(tmp_path / "ledger.db") as pilot:
         await press(pilot, "5")
         for count in (1, 2, 3):
-            await pilot.press("l")
+            await pilot.press("S")
             while len(begun) < count:
                 await pilot.pause(0.01)
         assert most == [1]

@@ -9,6 +9,7 @@ from rich.cells import cell_len
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.site import Site
+from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.tui.flights import logged
@@ -116,6 +117,19 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         assert "281.3 m Astra F24-4W" in words(pilot)
         await press(pilot, "right", "right")  # past the kits
         assert "Enter switches to the next; so does N" in words(pilot)
+
+
+async def test_a_rocket_with_a_design_shows_its_centers_and_its_stability(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.keep_start(Start("Astra", "B", 0.448, 0.066, 0.9, 0.7, "astra.ork", cg=0.52, cp=0.66))
+        ledger.keep_start(Start("Astra", "A", 0.322, 0.066, 0.9, 0.7, "astra.ork", cg=0.60, cp=0.65))
+    async with opened(file, (160, 50), page="setup") as pilot:
+        await press(pilot, "right")
+        assert "stability 2.1 calibers off the rod, as simulated" in words(pilot)
+        assert "CP ▲ ▲ CG" in words(pilot)
+        assert "⊘" not in words(pilot)
+        await press(pilot, "down")
+        assert "stability 0.8 calibers off the rod, as simulated ⊘ below 1" in words(pilot)
 
 
 async def test_a_filter_that_nothing_holds_reports_it(file: Path) -> None:

@@ -12,6 +12,7 @@ from textual.widgets import Input
 from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
+from fieldkit.settings import change_settings
 from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
@@ -41,6 +42,24 @@ async def test_flights_are_listed_newest_first_with_what_each_says(file: Path) -
         assert line.split()[1:7] == ["2026-04-18", "Astra", "B", "F39", "198.1", line.split()[6]]
         assert 0.4 < float(line.split()[6]) < 1.6
         assert "+4.1" in line
+
+
+async def test_forecast_flown_and_target_are_drawn_from_100_columns(file: Path) -> None:
+    change_settings({"target": 243.84}, file.with_name("settings.json"))
+    for page in ("flights", "home"):
+        async with opened(file, (100, 30), page=page) as pilot:
+            lines = shown(pilot).splitlines()
+            assert next(line for line in lines if line.startswith(("▸12", " ▸12"))).count("├─") == 1
+            assert sum("◎" in line and "◆" in line for line in lines) > 8
+            await press(pilot, *["s"] * 9)
+            assert ("ast ◆ ◎▲" in shown(pilot)) == (page == "flights"), "sorted by forecasts"
+            await pilot.resize_terminal(80, 24)
+            while pilot.app.screen.query_one(Table).size.width > 80:
+                await pilot.pause()
+            await press(pilot, "_")
+            assert "├─" not in "".join(
+                line for line in shown(pilot).splitlines() if "Astra" in line and "198.1" in line
+            )
 
 
 async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path) -> None:
@@ -298,8 +317,8 @@ async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_l
         assert "Cd of Astra B, flight by flight" in shown(pilot)
         assert "altitude [m]" not in shown(pilot)
         await press(pilot, "down", "down")
-        lines = shown(pilot).splitlines()
-        assert sum(line.count("●") for line in lines) == 4
+        beside = pilot.app.screen.query_one(Table).size.width
+        assert sum(line[beside:].count("●") for line in shown(pilot).splitlines()) == 4
 
 
 async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
@@ -310,7 +329,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "5")
         assert "describe a rocket or load the demo rocket" in words(pilot)
         assert "error" not in words(pilot)
-        await press(pilot, "l", "A", "escape", "4")
+        await press(pilot, "S", "A", "escape", "4")
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)

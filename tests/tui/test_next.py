@@ -357,7 +357,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
         async with opened(file) as pilot:
             await press(pilot, "5", "A")
             assert "Nothing to accept yet" in words(pilot)
-            await press(pilot, "escape", "l")
+            await press(pilot, "escape", "S")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
             for line in ("Effect on the next flight", in_next_flight(found.next_flight), "How sure", how_sure(found)):
                 assert line in words(pilot)
@@ -405,7 +405,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
     async with opened(tmp_path / "ledger.db") as pilot:
         await press(pilot, "5", "D")
         assert "Nothing to decline yet" in words(pilot)
-        await press(pilot, "l")
+        await press(pilot, "S")
         assert "expected at least 4 to close the loop" in words(pilot)
         assert "looking:" not in words(pilot)
         await press(pilot, "ctrl+c")

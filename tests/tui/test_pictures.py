@@ -37,7 +37,7 @@ SCENES: dict[str, tuple[str, ...]] = {
     "plan": ("4", "_", "p", "down", "down", *typed("4oog"), "down"),
     "decide": ("4", "_", "slash", *typed("f24"), "enter", "_", "d"),
     "compare": ("4", "_", "g", *typed("240m"), "enter", "_", "c"),
-    "loop": ("5", "_", "l", "_", "c"),
+    "loop": ("5", "_", "S", "_", "c"),
     "setup": ("6", "right", "_", "left", "slash", *typed("f24"), "enter"),
     "build": ("6", "right", "enter", "down"),
     "sites": ("6", "right", "right"),

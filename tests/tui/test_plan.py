@@ -79,7 +79,7 @@ async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(fi
 
 async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "p")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *typed("640ft"), "enter", *typed("40-37"), "enter", "ctrl+s")  # to the slip
         assert "expected seconds" in words(pilot)
         await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
@@ -92,7 +92,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "contest length: ok" in seen
         assert "wind not given; drifts" in seen  # what it asks for beside
         assert "ceiling: ok" in seen
-        await press(pilot, "p", "ctrl+u", "ctrl+s")
+        await press(pilot, "e", "ctrl+u", "ctrl+s")
         assert "target 800 ft" in said(pilot)  # the season's own again
         await press(pilot, "u", "_")
         assert "target 640 ft" in said(pilot)
@@ -102,7 +102,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
 
 async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "p")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *["down"] * 7, *typed("50g"))
         await press(pilot, "ctrl+s")
         assert "alone weighs 61 g" in words(pilot)
@@ -214,3 +214,18 @@ async def test_a_mass_typed_for_one_configuration_is_not_that_of_another(file: P
         await press(pilot, "p", "down", "ctrl+u", *typed("A"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert planned_mass(ledger) is None
+
+
+async def test_a_flight_added_by_another_program_counts_in_an_open_decision(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fieldkit.tui.app.LOOK_INTERVAL", 0.05)
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        before = said(pilot)
+        with Ledger.open(file) as ledger:
+            flown = ledger.flight("12")
+            ledger.add([flown.with_changes(flight_id="13", apogee=flown.apogee and flown.apogee + 30)])
+        await pilot.pause(0.2)
+        await press(pilot, "_")
+        assert said(pilot) != before, "terminals side by side report no focus"

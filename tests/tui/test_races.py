@@ -88,7 +88,7 @@ async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_p
         with patch.object(close_loop, "look", look):
             await press(pilot, "_", *["b"] * ("Bee" in told(pilot, "#what")))
             assert "Astra" in told(pilot, "#what")
-            await pilot.app._press_keys(["l"])
+            await pilot.app._press_keys(["S"])
             await asyncio.to_thread(began.wait, 10)
             if interrupted_by == "another rocket":
                 await pilot.app._press_keys(["b"])
@@ -101,7 +101,7 @@ async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_p
             go.set()
             await calm(pilot)
         said = told(pilot, "#verdict")
-        assert "l to search" in said
+        assert "S to search" in said
         assert ("have changed" in said) == (interrupted_by == "a removed flight")
         assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
 
@@ -119,7 +119,7 @@ async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path)
 async def test_keys_after_a_key_that_opens_a_form_are_typed_into_it(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "d")
-        await hurry(pilot, "p", *"785", "f", "t", "ctrl+s")
+        await hurry(pilot, "e", *"785", "f", "t", "ctrl+s")
         from fieldkit.services.contest_day import day_of
 
         with Ledger.open(file) as ledger:

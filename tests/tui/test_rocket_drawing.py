@@ -2,7 +2,7 @@
 
 import pytest
 
-from fieldkit.tui.widgets.rocket_drawing import caption, drawing
+from fieldkit.tui.widgets.rocket_drawing import caption, centers, drawing
 
 pytestmark = pytest.mark.fast
 
@@ -32,3 +32,10 @@ def test_what_is_sketched_is_reported() -> None:
     assert "a sketch" in caption(None)
     assert caption(0.9) == ""
     assert drawing(None, 0.066, 60) == drawing(12 * 0.066, 0.066, 60)
+
+
+def test_the_center_of_pressure_of_a_stable_rocket_is_marked_behind_that_of_gravity() -> None:
+    marks = centers(0.5, 0.75, 57)
+    assert marks == " " * 11 + "CP ▲" + " " * 13 + "▲ CG"
+    assert centers(0.75, 0.5, 57).split() == ["CG", "▲", "▲", "CP"]
+    assert centers(0.5, 0.5, 57).count("▲") == 1

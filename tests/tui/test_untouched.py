@@ -44,9 +44,9 @@ async def test_the_contest_day_and_its_field_keep_their_exact_lengths(file: Path
         put_site(ledger, site)
         site = site_of(ledger, "North field")
     async with opened(file, page="next_flight") as pilot:
-        await press(pilot, "d", "p", "ctrl+s", "_")
+        await press(pilot, "d", "e", "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert (day_of(ledger, 2027), site_of(ledger, "North field")) == (day, site)
-        await press(pilot, "p", "enter", "enter", *typed("60"), "ctrl+s", "_")
+        await press(pilot, "e", "enter", "enter", *typed("60"), "ctrl+s", "_")
     with Ledger.open(file) as ledger:
         assert day_of(ledger, 2027) == Day(target=CONTEST_TARGET, cut=60.0)

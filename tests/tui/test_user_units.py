@@ -27,7 +27,7 @@ PAGES: dict[str, list[str]] = {
     "ballast": ["4", "g", *typed("800ft"), "enter", "_", "d", "right", "_"],
     "contest": ["4", "d", "right", "right", "_"],
     "landing": ["4", "d", *["right"] * 3, "_"],
-    "loop": ["5", "l", "_"],
+    "loop": ["5", "S", "_"],
     "setup": ["6", "_"],
 }
 """Keys to each page."""

@@ -39,7 +39,9 @@ def _asked() -> Iterable[Question]:
 
 BY_NAME = {question.name: question for question in _asked()}
 READ = tuple(column.name for column in READOUTS)
-MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
+BODY = ("dry_mass", "diameter")
+"""Needed for Cd and the next forecast; asked before saving if the ledger does not know them."""
+MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ, *BODY))
 TODAY = "today"
 
 

@@ -1,4 +1,5 @@
-"""The lines of the Add page: set-up above, the current field large, the ten readouts and the button, the rest below."""
+"""The lines of the Add page: set-up above, the current field large, the ten readouts, mass and diameter, the button,
+the rest below."""
 
 from collections.abc import Iterable, Mapping
 
@@ -8,7 +9,7 @@ from textual.widgets import Button, Input
 
 from fieldkit.importing.manual_entry import Question, read_answer
 from fieldkit.quantities import measure
-from fieldkit.tui.add.add_form import BY_NAME, MORE_FIELDS, READ, SETUP
+from fieldkit.tui.add.add_form import BODY, BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
@@ -62,7 +63,7 @@ class Sheet:
             yield EstimateLine()
         with VerticalScroll(id="fields", can_focus=False):
             with Vertical(id="readouts"):
-                for name in READ:
+                for name in (*READ, *BODY):
                     yield Field(BY_NAME[name])
                 yield SaveButton(self.touched)
             with Vertical(id="more"):
@@ -120,6 +121,10 @@ class Sheet:
         unread = [name for name in READ if not self.field(name).line.value]
         return self.field((named or unread or READ)[0]).line
 
+    def after_readouts(self) -> Widget:
+        """Where Enter leads after the last readout: to a mass or diameter that is not known, else to the button."""
+        return next((self.field(name).line for name in BODY if not self.field(name).line.value), self.button)
+
     def take_in_hand(self, widget: Widget | None) -> Field | None:
         """Highlight the field that a line belongs to, and no other."""
         left, self._held = self._held, field_of(widget)
@@ -141,7 +146,7 @@ def field_of(widget: Widget | None) -> Field | None:
 
 
 class SaveButton(Button):
-    """The button behind the ten readouts."""
+    """The button behind the ten readouts, the mass and the diameter."""
 
     def __init__(self, touched: set[str]) -> None:
         super().__init__("Save this flight", id="save", compact=True)

@@ -1,12 +1,13 @@
 """The rows of the Flights page: a flight with its results, the columns, and the text that a filter searches."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import Flight
 from fieldkit.quantities import number
+from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
@@ -14,11 +15,15 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 
+WITH_FORECASTS = 98
+"""Least width of a table with forecasts drawn: that of a screen of 100 columns. [cell]"""
+
+
 @dataclass(slots=True, eq=False)
 class Row:
     """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later.
 
-    `stale` means that inputs of the forecast had changed when the flight was added.
+    `stale` means that inputs of the `forecast` had changed when the flight was added.
     """
 
     id: str
@@ -26,6 +31,7 @@ class Row:
     flight: Flight
     miss: float | None = None
     stale: bool = False
+    forecast: Bounds | None = None
     drag: float | None = None
     thrust: float | None = None
 
@@ -56,16 +62,18 @@ def _date(form: str) -> Callable[[Row, str], str]:
     return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
 
 
-def columns(width: int) -> list[Shown]:
-    """All ten columns at any width: narrow screens shorten the date, the rocket and the tags."""
-    wide, tight = width >= 108, width < 76
+def columns(width: int, scale: HeightScale) -> list[Shown]:
+    """Ten columns at any width: narrow screens shorten the date, the rocket and the tags; with room for them, the
+    forecast and the flown apogee on a scale."""
+    wide, tight = width >= 134, width < 76
+    timed = width >= 108
     motor = 14 if wide else 6 if tight else 8
-    return [
+    shown = [
         Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
         Shown(
             "date",
-            16 if wide else 5 if tight else 10,
-            _date("%Y-%m-%d %H:%M" if wide else "%m-%d" if tight else "%Y-%m-%d"),
+            16 if timed else 5 if tight else 10,
+            _date("%Y-%m-%d %H:%M" if timed else "%m-%d" if tight else "%Y-%m-%d"),
             lambda r: (r.flight.date_time or datetime.min, r.place),
         ),
         Shown(
@@ -91,6 +99,18 @@ def columns(width: int) -> list[Shown]:
         Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
     ]
+    return [*shown, _drawn(width - sum(c.width + 1 for c in shown) - 2, scale)] if width >= WITH_FORECASTS else shown
+
+
+def _drawn(left: int, scale: HeightScale) -> Shown:
+    """Forecasts and flown apogees on a scale, in two fifths of the width that is left. [cell]"""
+    room = left * 2 // 5
+    return Shown(
+        heading(room - 1, scale.target),  # and the arrow of a sorted column
+        room,
+        lambda r, _: scale.line(r.forecast, r.flight.apogee, room),
+        lambda r: r.forecast[1] if r.forecast is not None else -1.0,
+    )
 
 
 def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
@@ -102,8 +122,13 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         one = said.get((flight.rocket, flight.flight_id))
-        rows.append(Row(id, place, flight, one.miss, one.stale) if one else Row(id, place, flight))
+        rows.append(Row(id, place, flight, one.miss, one.stale, one.interval) if one else Row(id, place, flight))
     return rows
+
+
+def scale_of(rows: Iterable[Row], target: float | None) -> HeightScale:
+    """The scale of all forecasts and flown apogees. [m]"""
+    return HeightScale.of(((row.forecast, row.flight.apogee) for row in rows), target)
 
 
 def haystack(row: Row) -> str:

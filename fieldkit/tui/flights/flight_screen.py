@@ -27,6 +27,7 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
     from fieldkit.tui.flights.log_view import LogLook
     from fieldkit.tui.resources import Resources
     from fieldkit.tui.widgets.groups import Group
@@ -202,7 +203,7 @@ class FlightScreen(PageScreen):
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
 
-    def _have_rocket(self, rocket: "tuple[Group, float | None] | None") -> None:
+    def _have_rocket(self, rocket: "tuple[Group, Start | None] | None") -> None:
         self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     def _have_said(self, said: "Hills | str") -> None:

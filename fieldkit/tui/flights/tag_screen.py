@@ -36,7 +36,7 @@ class TagScreen(PageScreen):
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "toggle_tag", "On/off", show=False),
+        Binding("space", "mark", "Mark", tooltip="Set or clear this tag", show=False),
         Binding("escape", "back", "Done", priority=True),
     ]
     DEFAULT_CSS = """
@@ -146,7 +146,7 @@ class TagScreen(PageScreen):
         self.query_one(TagCard).show_tag(tag, tag in self._flight.tags, self._bearers.get(tag, []))
 
     @on(Table.Chosen)
-    def action_toggle_tag(self) -> None:
+    def action_mark(self) -> None:
         """Add the current tag to the flight, or remove it."""
         tag = self.query_one(Table).current
         if tag == OWN_TAG_ROW:

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number
-from fieldkit.tui.next.intervals import Interval, bar, point
+from fieldkit.settings import Settings
+from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:
-    from fieldkit.services.launch_day import ListedFlight
+    from fieldkit.services.listed_flights import ListedFlight
     from fieldkit.tui.resources import Resources
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
@@ -20,23 +21,22 @@ NORMAL_TABLE, WIDE_TABLE = 70, 96
 APOGEE = BY_NAME["apogee"]
 
 
-def flight_heads(width: int) -> list[Head]:
+def flight_heads(width: int, target: float | None) -> list[Head]:
     """The columns that fit in a width."""
     heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
     heads += [Head("apogee", 7, True), Head("miss", 6, True)]
     heads += [Head("profile", PROFILE_CELLS)] if width >= NORMAL_TABLE else []
-    return [*heads, Head("forecast and flown ◆", _bar_width(width))] if width >= WIDE_TABLE else heads
+    return [*heads, Head(heading(_bar_width(width), target), _bar_width(width))] if width >= WIDE_TABLE else heads
 
 
 def flight_row(
-    flights: "Sequence[ListedFlight]", system: str, width: int
+    flights: "Sequence[ListedFlight]", settings: Settings, width: int
 ) -> "Callable[[ListedFlight, str], Sequence[str]]":
     """The cells of a flight and its profile, all intervals on one scale."""
     from fieldkit.presentation.home_text import build_of
 
-    ends = [end for one in flights if (row := _interval(one)) is not None for end in row.ends]
-    ends += [one.flight.apogee for one in flights if one.flight.apogee is not None]
-    low, high = min(ends, default=0.0), max(ends, default=1.0)
+    system = settings.units
+    scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
 
     def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
         flight, said = one.flight, one.forecast
@@ -46,7 +46,9 @@ def flight_row(
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [one.id, when, build_of(flight), motor, apogee, miss]
         texts += [profile] if width >= NORMAL_TABLE else []
-        return [*texts, _drawn(one, low, high, _bar_width(width))] if width >= WIDE_TABLE else texts
+        if width < WIDE_TABLE:
+            return texts
+        return [*texts, scale.line(_bounds(one), flight.apogee, _bar_width(width))]
 
     return cells
 
@@ -56,20 +58,12 @@ def signed(height: float, system: str) -> str:
     return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
 
 
-def _drawn(one: "ListedFlight", low: float, high: float, width: int) -> str:
-    row, apogee = _interval(one), one.flight.apogee
-    if row is not None:
-        return bar(row, low, high, width)
-    return "" if apogee is None else point(apogee, low, high, width)
-
-
 def _bar_width(width: int) -> int:
     return max(20, width - 80)
 
 
-def _interval(one: "ListedFlight") -> Interval | None:
-    said = one.forecast
-    return None if said is None else Interval("", *said.interval, flown=one.flight.apogee)
+def _bounds(one: "ListedFlight") -> Bounds | None:
+    return None if one.forecast is None else one.forecast.interval
 
 
 def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:

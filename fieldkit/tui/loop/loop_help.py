@@ -5,7 +5,7 @@ from fieldkit.tui.help import Help
 LOOP_HELP = Help(
     "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
     "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). "
-    "Press l to search, which takes a few seconds and changes nothing. Press A to accept the result, D to decline it. "
+    "Press S to search, which takes a few seconds and changes nothing. Press A to accept the result, D to decline it. "
     "Under Versions, press Enter to switch to another model, and u to undo that.",
     (
         (

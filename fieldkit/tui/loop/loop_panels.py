@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from fieldkit.services.findings import Findings
 
 TEXT_BEFORE_RUN = {
-    "verdict": "Press l to search for missing effects: each flight is forecast from the others, and the residuals are "
+    "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "After l: each flight's residual, flown minus forecast, against the column chosen with v.",
-    "marks": "After l: the residual that an effect would cause in each readout, beside the one observed.",
+    "against": "After S: each flight's residual, flown minus forecast, against the column chosen with v.",
+    "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
 
@@ -64,7 +64,7 @@ class Panels(Container):
         with VerticalScroll(id="p-Fingerprint", classes="panel"):
             yield Static(id="marks")
         with Vertical(id="p-Ranking", classes="panel"):
-            yield Table(id="ranking", empty="l to search for missing effects", enter="Fingerprint")
+            yield Table(id="ranking", empty="S to search for missing effects", enter="Fingerprint")
             yield Static(id="at-length")
         with Container(id="p-Versions", classes="panel"):
             yield Table(id="versions", enter="Use it")

@@ -1,6 +1,6 @@
 """Intervals below each other on one scale, as wide as their widget: `├──●──┤`, with marks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from rich.cells import cell_len, set_cell_size
@@ -14,6 +14,9 @@ from fieldkit.safe_text import printable
 
 FLOWN = "◆"
 """The mark of a flight's result, which is neither an error (✗) nor unsafe."""
+TARGET = "◎"
+Bounds = tuple[float, float, float]
+"""A forecast: the 5%, the median and the 95%. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,17 +96,45 @@ def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float,
     for mark in marks:
         if start <= mark <= end:
             at = _cell(mark, start, end, width)
-            line[at] = "◎" if line[at] != "●" else "◉"
+            line[at] = TARGET if line[at] != "●" else "◉"
     if row.flown is not None:
         line[_cell(row.flown, start, end, width)] = FLOWN
     return "".join(line)
 
 
-def point(value: float, start: float, end: float, width: int) -> str:
-    """A flight without a forecast on the same scale, with `◆` at the result."""
-    line = [" "] * width
-    line[_cell(value, start, end, width)] = FLOWN
-    return "".join(line)
+@dataclass(frozen=True, slots=True)
+class HeightScale:
+    """The common scale of a column of forecasts and flown apogees, with the target if there is one. [m]"""
+
+    low: float
+    high: float
+    target: float | None = None
+
+    @classmethod
+    def of(cls, shown: Iterable[tuple[Bounds | None, float | None]], target: float | None) -> "HeightScale":
+        """A scale that holds all of these, each an interval and a flown apogee, and the target."""
+        ends = [end for bounds, flown in shown for end in (*(bounds or ()), flown) if end is not None]
+        ends += [target] if target and ends else []
+        return cls(min(ends, default=0.0), max(ends, default=1.0), target)
+
+    def line(self, bounds: Bounds | None, flown: float | None, width: int) -> str:
+        """A forecast, a flown apogee, or both; empty if neither is known."""
+        marks = (self.target,) if self.target else ()
+        if bounds is not None:
+            return bar(Interval("", *bounds, flown), self.low, self.high, width, marks)
+        if flown is None:
+            return ""
+        line = [" "] * width
+        for value, sign in (*((mark, TARGET) for mark in marks), (flown, FLOWN)):
+            line[_cell(value, self.low, self.high, width)] = sign
+        return "".join(line)
+
+
+def heading(width: int, target: float | None) -> str:
+    """The heading of a column of forecasts and flown apogees in a width [cell], with a target if there is one."""
+    aim, sign = (f", target {TARGET}", f" {TARGET}") if target else ("", "")
+    long = f"forecast, flown {FLOWN}{aim}"
+    return long if len(long) <= width else f"forecast {FLOWN}{sign}"
 
 
 def _cell(value: float, start: float, end: float, width: int) -> int:

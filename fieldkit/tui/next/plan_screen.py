@@ -58,7 +58,7 @@ class PlanScreen(PageScreen):
             ),
             (
                 "the day",
-                "p to enter the announced target and window, the cut (for the chance of qualifying), the declared "
+                "e to enter the announced target and window, the cut (for the chance of qualifying), the declared "
                 "flights, the length of the rocket, and the field size and ceiling of the site for the safety checks.",
             ),
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
@@ -82,7 +82,7 @@ class PlanScreen(PageScreen):
         Binding("escape", "back", "Back", priority=True),
         Binding("left", "turn(-1)", "Previous answer", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
-        Binding("p", "day", "Plan", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
+        Binding("e", "day", "Edit", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
@@ -165,13 +165,17 @@ class PlanScreen(PageScreen):
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.services.contest_day import day_of
         from fieldkit.services.launch_day import planned_mass
+        from fieldkit.services.planning import rocket_of
         from fieldkit.services.sites import site_of
 
         ledger, plan = self.resources.ledger, self._decision.plan
+        rocket = rocket_of(ledger, self.resources.motors, plan.rocket)  # another program may have added flights
         if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
             plan = plan.with_changes(dry_mass=mass)
         day = day_of(ledger, self._season)
-        decision = replace(self._decision, plan=plan, site=site_of(ledger, plan.site), system=settings.units)
+        decision = replace(
+            self._decision, plan=plan, rocket=rocket, site=site_of(ledger, plan.site), system=settings.units
+        )
         if view == 0:
             return decision.noted(decision.delay())
         if view == 1:

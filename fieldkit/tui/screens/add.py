@@ -210,8 +210,8 @@ class AddScreen(PageScreen):
         return super().check_action(action, parameters)
 
     async def action_go_on(self) -> None:
-        """Move to the next field; after the tenth readout, to the button that saves and starts the next flight. A
-        chosen answer from the list is accepted first."""
+        """Move to the next field; after the tenth readout, past a known mass and diameter to the button that saves and
+        starts the next flight. A chosen answer from the list is accepted first."""
         self._sheet.picker.take()
         if isinstance(self.focused, AfterCard) or (isinstance(self.focused, Button) and not self.typed):
             self._to_first()
@@ -219,6 +219,8 @@ class AddScreen(PageScreen):
             await self.action_save()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{READ[-1]}":
+            self.set_focus(self._sheet.after_readouts())
         else:
             self.focus_next()
 

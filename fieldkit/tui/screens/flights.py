@@ -15,11 +15,12 @@ from textual.widgets import Input, Static
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.flight_facts import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.next.intervals import HeightScale
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
@@ -72,6 +73,7 @@ class FlightsScreen(PageScreen):
         self._asked: set[str] = set()
         self._inference: FlightInference | None = None
         self._sort, self._down = 1, True
+        self._scale = HeightScale(0.0, 1.0)
         self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
@@ -138,7 +140,9 @@ class FlightsScreen(PageScreen):
 
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
-        return columns(self.query_one(Table).size.width)
+        shown = columns(self.query_one(Table).size.width, self._scale)
+        self._sort = min(self._sort, len(shown) - 1)
+        return shown
 
     def _sorted(self, rows: Iterable[Row]) -> list[Row]:
         return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
@@ -151,6 +155,7 @@ class FlightsScreen(PageScreen):
     def _refill(self) -> None:
         """The rows that match all words of the filter, in order."""
         words = self.query_one(Input).value.lower().split()
+        self._scale = scale_of(self._rows.values(), self.resources.settings.target)
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
         system = self.resources.settings.units
         shown = self._shown()

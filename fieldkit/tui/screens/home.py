@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from functools import cached_property, partial
+from threading import Event
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
@@ -24,11 +25,15 @@ from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.services.launch_day import ListedFlight, Overview
+    from fieldkit.flight.start import Start
+    from fieldkit.services.launch_day import Overview
+    from fieldkit.services.listed_flights import ListedFlight
     from fieldkit.tui.flights.flight_screen import FlightScreen
     from fieldkit.tui.widgets.groups import Group
 
-    FirstRows = tuple[list[Flight], list[ListedFlight]]
+
+MAX_PAINT = 1.0
+"""Longest wait for the first rows to be painted. [s]"""
 
 
 class HomeScreen(PageScreen):
@@ -45,7 +50,7 @@ class HomeScreen(PageScreen):
         (
             ("miss", "Flown minus forecast, for the forecast saved before the flight."),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("├─●─┤ ◆", "The 90% interval and the median of the forecast; ◆ is the flown apogee."),
+            ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
@@ -71,6 +76,7 @@ class HomeScreen(PageScreen):
         self._view: Overview | None = None
         self._profiles: dict[str, tuple[Flight, str]] = {}
         self._have_read = False
+        self._painted = Event()
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
@@ -98,22 +104,27 @@ class HomeScreen(PageScreen):
         """The same in other units."""
         self._show()
 
-    def _read_first(self) -> "FirstRows":
-        from fieldkit.services.launch_day import latest_flights
+    def _read_first(self) -> "list[ListedFlight]":
+        from fieldkit.services.listed_flights import listed_at_once
 
-        flights = self.resources.ledger.flights()
-        return flights, latest_flights(self.resources.ledger, flights)
+        return listed_at_once(self.resources.where)
 
-    def _have_first(self, found: "FirstRows") -> None:
-        flights, latest = found
+    def _have_first(self, latest: "list[ListedFlight]") -> None:
         if latest:
             self._list(latest)
-        self.ask(partial(self._read, flights), self._have, "overview", engine=LEDGER_ENGINE)
+        self.call_after_refresh(self._painted.set)
+        self.ask(self._read_when_painted, self._have, "overview", engine=())
 
-    def _read(self, flights: "list[Flight] | None" = None) -> "Overview | None":
+    def _read_when_painted(self) -> "Overview | None":
+        """Read the launch day after the first rows are painted, which importing the engine would delay."""
+        self._painted.wait(MAX_PAINT)
+        self.resources.import_engine(LEDGER_ENGINE)
+        return self._read()
+
+    def _read(self) -> "Overview | None":
         from fieldkit.services.launch_day import overview
 
-        return overview(self.resources.ledger, self.resources.motors, flights)
+        return overview(self.resources.ledger, self.resources.motors)
 
     def _have(self, view: "Overview | None") -> None:
         self._view, self._have_read = view, True
@@ -157,8 +168,9 @@ class HomeScreen(PageScreen):
         """The rows of the table."""
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
-        cells = flight_row(flights, self.resources.settings.units, width)
-        table.show(flight_heads(width), list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
+        settings = self.resources.settings
+        heads, cells = flight_heads(width, settings.target), flight_row(flights, settings, width)
+        table.show(heads, list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
 
     def on_resize(self, _event: events.Resize) -> None:
         """Show the rocket if the new height has room for it."""
@@ -175,7 +187,7 @@ class HomeScreen(PageScreen):
         else:
             self.ask(partial(rocket_of, self.resources.ledger, flight), self._have_rocket, "rocket")
 
-    def _have_rocket(self, rocket: "tuple[Group, float | None] | None") -> None:
+    def _have_rocket(self, rocket: "tuple[Group, Start | None] | None") -> None:
         self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     @on(Table.Chosen)

@@ -35,7 +35,7 @@ class LoopScreen(PageScreen):
     TITLE = "Loop"
     ABOUT = LOOP_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("l", "look", "Look", tooltip="Search for missing effects"),
+        Binding("S", "search", "Search", tooltip="Search for missing effects"),
         Binding("A", "accept", "Accept", tooltip="Use the effects that were found"),
         Binding("D", "decline", "Decline", tooltip="Leave the model unchanged"),
         Binding("v", "covariate", "Against", tooltip="Residuals against the next column"),
@@ -105,7 +105,7 @@ class LoopScreen(PageScreen):
             return
         before = self._standing
         if before is not None and before.flights != standing.flights and (self._search or self.panels.found):
-            self._drop_search("The flights have changed. l to search again")
+            self._drop_search("The flights have changed. S to search again")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -119,7 +119,7 @@ class LoopScreen(PageScreen):
         self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
         self.panels.show_residuals(self._against, self.resources.settings.units)
 
-    async def action_look(self) -> None:
+    async def action_search(self) -> None:
         """Search for missing effects with progress; nothing changes."""
         await self.settled("ask")
         if self._standing is None:
@@ -214,7 +214,7 @@ class LoopScreen(PageScreen):
         """Accept the found effects."""
         found = self.panels.found
         if found is None:
-            self.complain("Nothing to accept yet. l to search for missing effects; Verdict shows the progress")
+            self.complain("Nothing to accept yet. S to search for missing effects; Verdict shows the progress")
             return
         from fieldkit.services.close_loop import adopt
         from fieldkit.services.forecasts import used_version
@@ -242,7 +242,7 @@ class LoopScreen(PageScreen):
         """Leave the model unchanged."""
         found = self.panels.found is not None
         self.show_notice(
-            "Declined: the model is unchanged" if found else "Nothing to decline yet. l to search for missing effects"
+            "Declined: the model is unchanged" if found else "Nothing to decline yet. S to search for missing effects"
         )
 
     @on(Table.Chosen, "#versions")

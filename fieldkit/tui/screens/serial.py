@@ -46,8 +46,8 @@ class CaptureScreen(PageScreen):
     ABOUT = Help(
         "Plug in the logger or its adapter; press r to reload the list and Enter to capture from the port under the "
         "cursor. The device is recognized by its USB numbers or by listening; if it only answers commands, choose it "
-        "with h first. Every byte is saved to disk before it is decoded, so a pulled cable loses nothing: press the "
-        "space bar to continue, k to end the capture. Nothing on a logger is ever changed or erased. At the end you "
+        "with h first. Every byte is saved to disk before it is decoded, so a pulled cable loses nothing: press "
+        "C to continue, k to end the capture. Nothing on a logger is ever changed or erased. At the end you "
         "are asked whether to import its flights.",
         (
             ("port", "The port's name in the operating system."),
@@ -60,7 +60,7 @@ class CaptureScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("k", "stop", "Stop", tooltip="End the capture"),
         Binding("h", "device", "Device", tooltip="Choose the device on the port"),
-        Binding("space", "resume", "Continue", tooltip="Continue the newest unfinished capture"),
+        Binding("C", "resume", "Continue", tooltip="Continue the newest unfinished capture"),
         Binding("r", "look", "Reload", tooltip="List the ports again"),
     ]
     DEFAULT_CSS = """
@@ -229,7 +229,7 @@ class CaptureScreen(PageScreen):
         if end is None or not end.bytes:
             self._say("nothing received")
             return
-        whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
+        whole = "complete" if end.whole else "INCOMPLETE; C to continue"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
         question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
         ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))

@@ -180,7 +180,7 @@ class SetupScreen(PageScreen):
             case "Motors":
                 return setup_card.of_motor(key, system)
             case "Rockets":
-                return setup_card.of_build(key, system, self._names.length(*key.names))
+                return setup_card.of_build(key, system, self._names.design(*key.names))
             case "Sites":
                 return setup_card.of_site(key, system)
             case "Kits":

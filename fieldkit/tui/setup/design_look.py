@@ -21,7 +21,6 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
     Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
     cannot be read.
     """
-    from fieldkit.flight.start import Start
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
@@ -30,7 +29,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
     if not name:
         raise BadValue(f"{path.name}: found no name of the rocket, expected one; press e to enter it")
     config = given.get("config", "")
-    start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, path.name)
+    start = design.start(name, config, path.name)
     return start, (*_facts(start, design, system), *design.notes)
 
 
@@ -40,5 +39,7 @@ def _facts(start: "Start", design: "Design", system: str) -> list[str]:
         facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, by {design.mass_by}")
     if start.diameter is not None:
         facts.append(f"{measure(BY_NAME['diameter'], start.diameter, system)} across")
+    if start.margin is not None:
+        facts.append(f"stability {start.margin:.1f} calibers with its motor, off the launch rod")
     facts.append(f"Cd {start.cd:.2f}, by {design.cd_by}" if start.cd else "no Cd in the file")
     return facts

@@ -14,6 +14,7 @@ from fieldkit.tui.widgets.groups import Group, LedgerNames, grouped
 from fieldkit.tui.widgets.hanging import stacked
 
 if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
     from fieldkit.ledger import Ledger
 
 HEIGHT = 16
@@ -37,8 +38,8 @@ class RocketStrip(Horizontal):
         with VerticalScroll(can_focus=False):
             yield Static()
 
-    def show(self, rocket: tuple[Group, float | None] | None, system: str) -> None:
-        """The flights of a rocket, and its length if known [m]; None to hide the strip."""
+    def show(self, rocket: "tuple[Group, Start | None] | None", system: str) -> None:
+        """The flights of a rocket, and its design if known; None to hide the strip."""
         self.set_class(rocket is not None, "-shown")
         if rocket is None:
             return
@@ -57,9 +58,9 @@ class RocketStrip(Horizontal):
         self.border_title = Content(printable(facts.title)) if facts.draw is not None else ""
 
 
-def rocket_of(ledger: "Ledger", flight: Flight) -> tuple[Group, float | None] | None:
-    """The flights of a flight's rocket in the same configuration, and the length of its design [m]; None for a flight
-    without a rocket."""
+def rocket_of(ledger: "Ledger", flight: Flight) -> "tuple[Group, Start | None] | None":
+    """The flights of a flight's rocket in the same configuration, and its design; None for a flight without a
+    rocket."""
     if not flight.rocket:
         return None
     flights = [one for one in ledger.flights(rocket=flight.rocket) if one.config == flight.config]
@@ -67,4 +68,4 @@ def rocket_of(ledger: "Ledger", flight: Flight) -> tuple[Group, float | None] | 
     if not found:
         return None
     names = LedgerNames((), (), tuple(ledger.starts(flight.rocket)))
-    return found[0], names.length(flight.rocket, flight.config)
+    return found[0], names.design(flight.rocket, flight.config)

@@ -18,14 +18,18 @@ from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
-from fieldkit.tui.widgets.rocket_drawing import caption, drawing
+from fieldkit.tui.widgets.rocket_drawing import caption, centers, drawing
 
 if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
     from fieldkit.motors import Motor
     from fieldkit.planning.kits import Kit
 
 DRAWING_WIDTH = 56
 """Width of the drawn rocket: that of the narrowest card. [cell]"""
+MIN_MARGIN = 1.0
+"""Stability margin below which a design is marked: the CG belongs at least one diameter ahead of the CP (G. H. Stine,
+Handbook of Model Rocketry). [caliber]"""
 MAX_DRAWN_FLIGHTS = 120
 """Number of latest flights to draw, more than the card has columns."""
 
@@ -73,15 +77,16 @@ def of_motor(motor: "Motor", system: str) -> Facts:
     return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 
-def of_build(group: Group, system: str, length: float | None = None) -> Facts:
-    """A configuration of a rocket, with its length [m] if known: drawing, mass, motors, apogees."""
-    flights = group.flights
+def of_build(group: Group, system: str, design: "Start | None" = None) -> Facts:
+    """A configuration of a rocket, with its design if known: drawing, mass, stability, motors, apogees."""
+    flights, length = group.flights, design.length if design is not None else None
     pairs = [
         ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the model"),
         *_dates(flights),
         ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter to set it"),
         ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter to set it"),
         ("length", measure(cards.DIAMETER, length, system)),
+        ("stability", _stability(design) if design is not None else ""),
     ]
     motors: dict[str, list[Flight]] = defaultdict(list)
     for one in flights:
@@ -90,13 +95,27 @@ def of_build(group: Group, system: str, length: float | None = None) -> Facts:
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
-    drawn = (_side_view(group.last.diameter, length),) if group.last.diameter else ()
+    drawn = (_side_view(group.last.diameter, design),) if group.last.diameter else ()
     return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
 
 
-def _side_view(diameter: float, length: float | None) -> Hanging:
-    """The rocket from the side, and which parts are sketched."""
-    lines = [*drawing(length, diameter, DRAWING_WIDTH), caption(length)]
+def _stability(design: "Start") -> str:
+    """The stability margin of a design, marked if it is low."""
+    from fieldkit.planning.check import MARKS
+
+    if design.margin is None:
+        return ""
+    low = f" {MARKS['unsafe']} below {MIN_MARGIN:g}" if design.margin < MIN_MARGIN else ""
+    return f"{design.margin:.1f} calibers off the rod, as simulated{low}"
+
+
+def _side_view(diameter: float, design: "Start | None") -> Hanging:
+    """The rocket from the side with its centers of gravity and of pressure, and which parts are sketched."""
+    length = design.length if design is not None else None
+    lines = drawing(length, diameter, DRAWING_WIDTH)
+    if design is not None and length and design.cg is not None and design.cp is not None:
+        lines.append(centers(design.cg / length, design.cp / length, DRAWING_WIDTH))
+    lines.append(caption(length))
     return Hanging(tuple((0, Content(line)) for line in lines if line))
 
 

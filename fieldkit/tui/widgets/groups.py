@@ -44,12 +44,10 @@ class LedgerNames:
     sites: tuple[LaunchSite, ...]
     designs: "tuple[Start, ...]" = ()
 
-    def length(self, rocket: str, config: str) -> float | None:
-        """Length of a configuration from its design; None if none was imported. [m]"""
-
+    def design(self, rocket: str, config: str) -> "Start | None":
+        """The design of a configuration; None if none was imported."""
         known = [one for one in self.designs if one.rocket == rocket]
-        start = start_among(known, Flight(rocket=rocket, config=config))
-        return start.length if start is not None else None
+        return start_among(known, Flight(rocket=rocket, config=config))
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:

@@ -43,6 +43,15 @@ def _half_height(x: int, width: int, radius: float, pixel: float, span: float) -
     return max(body, fin, POINT)
 
 
+def centers(cg: float, cp: float, width: int) -> str:
+    """A line below a drawing with marks at the centers of gravity and of pressure, at fractions of the length from the
+    tip [1]: `CP ▲    ▲ CG`."""
+    places = sorted((round((1 - at) * (width - 1)), name) for at, name in ((cg, "CG"), (cp, "CP")))
+    (left, behind), (right, ahead) = places
+    between = "▲ " if left == right else "▲" + " " * (right - left - 1) + "▲ "
+    return f"{f'{behind} ':>{left}}{between}{ahead}"
+
+
 def caption(length: float | None) -> str:
     """The parts of a drawing that are to scale."""
     return "" if length else "length not known: a sketch; import its .ork file for the length"

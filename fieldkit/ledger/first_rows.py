@@ -1,0 +1,49 @@
+"""The latest flights of a ledger read without SQLAlchemy, whose import takes as long as that of Textual: the app lists
+them while the rest is imported."""
+
+import os
+import sqlite3
+from contextlib import closing
+from datetime import datetime
+from math import isfinite
+from pathlib import Path
+from urllib.parse import quote
+
+from fieldkit.flight import Flight
+from fieldkit.paths import data_file, expanded
+
+NEWEST = """SELECT flight_id, rocket, config, motor, apogee, date_time, log FROM flights
+ORDER BY date_time DESC, entry DESC LIMIT ?"""
+UNUSUAL = """SELECT EXISTS (SELECT 1 FROM flights WHERE date_time IS NULL OR flight_id LIKE '%/%')
+OR EXISTS (SELECT 1 FROM flights GROUP BY flight_id HAVING count(*) > 1)"""
+"""Whether the order flown or the ids of flights need more than their dates and their own ids."""
+
+
+def first_rows(where: str | Path | None, most: int) -> list[tuple[str, Flight]]:
+    """The latest flights of a ledger with their ids, newest first, with the fields of a list and without checks.
+
+    Empty if the ledger is not a SQLite file, cannot be read at once, or has flights that are not simple to list; then
+    `Ledger` reads them or says why not.
+    """
+    where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
+    if "://" in str(where):
+        return []
+    try:
+        file = quote(str(expanded(where).absolute()))
+        with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=0)) as connection:
+            if connection.execute(UNUSUAL).fetchone() != (0,):
+                return []
+            return [_listed(*row) for row in connection.execute(NEWEST, (most,))]
+    except (sqlite3.Error, TypeError, ValueError):
+        return []
+
+
+def _listed(
+    id: str, rocket: str, config: str, motor: str, apogee: float | None, moment: str, log: str
+) -> tuple[str, Flight]:
+    """A flight from its row. Raises TypeError or ValueError for values that no ledger has unless it is damaged."""
+    height = None if apogee is None else float(apogee)
+    if not (all(isinstance(text, str) for text in (id, rocket, config, motor, log)) and isfinite(height or 0.0)):
+        raise ValueError("found a damaged row")
+    when = datetime.fromisoformat(moment)
+    return id, Flight(id, rocket, config=config, motor=motor, apogee=height, date_time=when, log=log)

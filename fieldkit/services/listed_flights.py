@@ -1,0 +1,27 @@
+"""The latest flights as the app lists them, and a quick look at them while the engine is imported."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import Flight
+from fieldkit.ledger.first_rows import first_rows
+
+if TYPE_CHECKING:
+    from fieldkit.services.saved_forecasts import SavedForecast
+
+MAX_LISTED_FLIGHTS = 50
+
+
+@dataclass(frozen=True, slots=True)
+class ListedFlight:
+    """A flight of the ledger with its id, and its saved forecast, if any."""
+
+    id: str
+    flight: Flight
+    forecast: "SavedForecast | None"
+
+
+def listed_at_once(where: str | Path | None) -> list[ListedFlight]:
+    """The latest flights of a ledger, newest first, without their forecasts; empty if they take longer to read."""
+    return [ListedFlight(id, flight, None) for id, flight in first_rows(where, MAX_LISTED_FLIGHTS)]
