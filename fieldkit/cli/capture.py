@@ -26,7 +26,7 @@ def capture(
     context: typer.Context,
     where: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[PORT]", help="The port; with --resume, also the capture.", show_default=False),
+        typer.Argument(metavar="PORT", help="The port; with --resume, also the capture.", show_default=False),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List serial ports and supported devices.")] = False,
     device: Annotated[str | None, typer.Option(help="The device on the port, if it is not recognized.")] = None,
