@@ -39,6 +39,7 @@ from fieldkit.importing.tables.flight_headings import (
 )
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
 SEPARATORS = (",", ";", "\t")
@@ -135,7 +136,9 @@ def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, lis
     """The last row of a file that ends within a line: an error if cells are missing."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
-    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
+    return row, DamagedLog(
+        f"found {len(cells)} of {counted(width, 'cell')} where the file ends, expected a whole row", row=row
+    )
 
 
 def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
@@ -156,7 +159,7 @@ def _reading(
     if isinstance(cells, DamagedLog):
         return cells
     if any(cell.strip() for cell in cells[len(headings) :]):
-        found = f"found {len(cells)} cells under {len(headings)} headers, expected no more cells than headers"
+        found = f"found {counted(len(cells), 'cell')} under {counted(len(headings), 'header')}, expected no more"
         hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}

@@ -174,8 +174,13 @@ def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     from fieldkit.services.plausible_flights import implausible_flights
 
     print_card(flight, id)
-    print_prediction(prediction_of(ledger, flight))
-    if found := outcome(ledger, MotorCheck().catalogue, flight):
+    saved = prediction_of(ledger, flight)
+    found = outcome(ledger, MotorCheck().catalogue, flight)
+    if found is None:
+        print_prediction(saved)
+    else:
         say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
+        if saved is not None and saved.stale:
+            say_wrapped(f"The forecast was stale: {'; '.join(saved.changes_in(system()))}.")
     for line in implausible_flights([flight], MotorCheck().catalogue):
         remark(line)

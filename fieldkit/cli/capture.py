@@ -202,7 +202,7 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 
 def _tell(end: "Ended") -> None:
     """Print how a capture ended and, if it is incomplete, how to continue."""
-    kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
+    kept = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')} in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
         complain(f"incomplete; run `fieldkit capture --resume {end.file.name}` to continue")

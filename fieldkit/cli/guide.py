@@ -7,7 +7,7 @@ import typer
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, length, planning, print_conditions, season_rule
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, counted
 
 if TYPE_CHECKING:
     from fieldkit.planning.check import Verdict
@@ -140,7 +140,7 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {of} motors of {width} fit and are not excluded by a check")
+    say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
     if plan.site.ceiling is None:

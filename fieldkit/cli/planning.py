@@ -42,7 +42,7 @@ class PlanContext:
     """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
-        """The motor of the plan, by default that of the rocket's last flight; notes on it are printed.
+        """The motor of the plan, by default that of the flight of the rocket entered last; notes on it are printed.
 
         Raises UnknownMotor.
         """
@@ -107,7 +107,8 @@ NEW_ROCKET = "new rocket"
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan: the named one, else the kit's, else the last flown; a new one if its mass is given.
+    """The rocket of a plan: the named one, else the kit's, else that of the flight entered last; with a mass, a
+    new one.
 
     Raises NoFlights, BadValue.
     """

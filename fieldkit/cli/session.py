@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from fieldkit.quantities import counted
+
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
@@ -31,7 +33,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             for line in ledger.remarks[:REMARKS]:
                 remark(line)
             if len(ledger.remarks) > REMARKS:
-                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are excluded from every fit")
+                complain(f"note: {counted(len(ledger.remarks) - REMARKS, 'more flight')} excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 

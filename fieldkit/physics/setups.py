@@ -210,7 +210,7 @@ def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     found = recorded(flights, "dry_mass")
     if np.isnan(found).any():
         name = flights[int(np.argmax(np.isnan(found)))].flight_id or "the flight"
-        raise ImpossibleFlight(f"{name}: found no dry mass, expected dry_mass_g, the rocket's mass without its motor")
+        raise ImpossibleFlight(f"{name}: found no dry mass, expected the rocket's mass without its motor")
     return found
 
 

@@ -230,8 +230,10 @@ class CaptureScreen(PageScreen):
             self._say("nothing received")
             return
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
-        self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
-        question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
+        self._say(
+            f"{end.why}: {counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}; saved in {end.file}"
+        )
+        question = f"{end.file.name}: {counted(end.samples, 'sample')}, {whole}.\nImport its flights?"
         ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
@@ -252,7 +254,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {counted(receipt.duplicates, 'duplicate')}. u to undo")
+        self.show_notice(f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:
