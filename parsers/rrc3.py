@@ -130,7 +130,7 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
         unit = UNITS["length"][length]
         if abs(ratio * unit.factor - 1) < HEIGHT_RATIO_TOLERANCE:
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
-                f"has no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
+                f"has no units; its pressures prove that altitude is in {length} and temperature in °{degrees.upper()}"
             )
     return series, Note("has no units and its pressures confirm neither feet nor meters: altitude left out")
 

@@ -39,8 +39,11 @@ RUN = ("start", "predictions", "installing")
 those with real flights, which are not shipped."""
 OWN_UNITS = {"inspect", "docs", "contest"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
-PROPER_NAMES = "Astra"
-"""Names of rockets, motors, and devices in the examples."""
+PROPER_NAMES = """
+    Astra Comet Coker Entacore Kieffer Kosdon Missile Nitrous Pnut RoadRunner Robert John SCR TSP contributors
+    dev fps https isc license mDACS public works www
+"""
+"""Names of rockets, makers, people, licenses and devices in the examples, and units of a file."""
 TO_BE_MADE = {
     "parsers/skylark.py",
     "models/effects/sticky_altimeter.py",

@@ -7,7 +7,8 @@ from pathlib import Path
 from tools.strings import texts
 
 ROOT = Path(__file__).parents[1]
-WORD = re.compile(r"[A-Za-z]{3,}")
+WORD = re.compile(r"(?<![A-Za-z\d])[A-Za-z]{3,}(?![A-Za-z\d])")
+"""A word, not a part of an id or of a digest."""
 UNITS_AND_KEYS = "hpa inhg mph pgdn pgup tab"
 """Units and names of keys, which are not translated."""
 

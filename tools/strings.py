@@ -27,11 +27,15 @@ NOT_SHOWN = (
 )
 """Code whose strings are settings, schemas, names of fonts, or words that are looked for in files."""
 WORDS = re.compile(r"[A-Za-z]{2,}\W*\s\W*[A-Za-z]")
+PHRASE = re.compile(r"(^|\s)[A-Za-z]{3,}[,:;.]?\s|\s[A-Za-z]{3,}[,:;.]?$")
+"""A word beside a value: `centered {...}`."""
 LABEL = re.compile(r"[A-Z][a-z]{2,}[.!?:]?")
 COUNTED = re.compile(r"\{\.\.\.\} (?:(?:such|more|earlier|clean|other) )*[a-z]+s")
 """A count with its noun: `{...} flights`."""
-HEADINGS = re.compile(r"_?head(er|ing)s|_?HEAD(ER|ING)S", re.IGNORECASE)
-"""Names of the headings of a table."""
+HEADINGS = re.compile(r"_?(headers|headings|(DIFFERENCE_)?HEADERS|HEADINGS|LABELS)")
+"""Names of the headings of a table, and of its labels."""
+SHOWN_LITERALS = ("Verdict", "State")
+"""Literal types whose values are shown as words."""
 TITLES = ("title", "help", "tooltip", "empty", "enter", "explains", "tell_apart")
 """Arguments whose values are shown, even a single word in lower case."""
 PATTERNS = ("compile", "fullmatch", "match", "search", "sub", "split", "findall", "finditer", "text", "cast")
@@ -39,10 +43,20 @@ PATTERNS = ("compile", "fullmatch", "match", "search", "sub", "split", "findall"
 AXES = ("Float", "Int", "Bool")
 """Types of arrays, whose strings are names of axes."""
 _IS_CODE = re.compile(
-    r"^[\w.*/#$>:\-, ]*[{;=]|^\$?[-#.&][\w-]|^\w+(_\w+)+|^https?:|->|^[\w.]+(\[.*\])?( \| [\w.\[\], ]+)+$"
-    r"|^[A-Za-z]\w*\[|^[A-Z]+ [A-Za-z:.*(]+.* (FROM|IN|AS|NULL)\b|^<\?xml"
+    "|".join(
+        (
+            r"^[^{]*\{[^}]*:[^}]*;",  # rules of style
+            r"^[a-z-]+: [\w$%.#-]+( [\w$%.#-]+){0,2};",
+            r"^[\w.-]+=\S*$",
+            r"^\$?[-#.&][\w-]",  # selectors, options
+            r"^\w+(_\w+)+",  # keys
+            r"^https?:|->|^<\?xml|^default-src|^<meta",
+            r"^[\w.]+(\[.*\])?( \| [\w.\[\], ]+)+$|^[A-Za-z]\w*\[",  # types
+            r"^(SELECT|PRAGMA|ATTACH|BEGIN|synchronous) ",
+        )
+    )
 )
-"""Style sheets, selectors, keys, links, axes, types, and statements in SQL."""
+"""Strings of several words that nobody sees."""
 
 
 def strings(file: Path) -> Iterator[tuple[int, str]]:
@@ -64,11 +78,33 @@ def strings(file: Path) -> Iterator[tuple[int, str]]:
             text = node.value
         elif isinstance(node, ast.Call) and (noun := _counted_noun(node)):
             found.append((node.lineno, f"{{...}} {noun}s"))
+        is_code = bool(text and _IS_CODE.search(text.replace("{...}", "…").strip()))
         is_label = bool(text and LABEL.fullmatch(text)) and id(node) not in types
-        is_text = text and WORDS.search(text) and not _IS_CODE.search(text.replace("{...}", "…").strip())
-        if text and (is_text or is_label or (id(node) in titles and re.search("[A-Za-z]{2}", text))):
+        is_text = bool(text and WORDS.search(text)) or (
+            isinstance(node, ast.JoinedStr) and bool(PHRASE.search(text or ""))
+        )
+        is_title = id(node) in titles and bool(re.search("[A-Za-z]{2}", text or ""))
+        if text and (is_label or is_text or is_title) and not (is_code and not (is_title and " " in text)):
             found.append((node.lineno, " ".join(text.split())))
     yield from sorted(set(found))
+
+
+def _counted_noun(call: ast.Call) -> str | None:
+    """The noun of `counted(number, "flight")`."""
+    noun = call.args[1] if len(call.args) == 2 and _name(call.func) == "counted" else None
+    return str(noun.value) if isinstance(noun, ast.Constant) else None
+
+
+def _named(tree: ast.Module) -> Iterator[ast.Constant]:
+    """Headings and labels of tables, and the values of literal types that are shown."""
+    for node in ast.walk(tree):
+        of: list[ast.expr] = []
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
+            name = ast.unparse(node.target if isinstance(node, ast.AnnAssign) else node.targets[0])
+            of = [node.value] if name in SHOWN_LITERALS or HEADINGS.fullmatch(name) else []
+        elif isinstance(node, ast.Call) and _name(node.func) == "print_table":
+            of = node.args[:1]
+        yield from (one for value in of for one in ast.walk(value) if isinstance(one, ast.Constant))
 
 
 def _counted_noun(call: ast.Call) -> str | None:

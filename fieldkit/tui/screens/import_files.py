@@ -156,7 +156,7 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
-            self.show_notice("Still reading the file; Enter again stores it")
+            self.show_notice("Still reading the file; Enter again imports it")
 
     async def _store(self, path: Path, look: Look) -> None:
         """Store a file; if it names no rocket or motor and there is an open forecast, ask first whether it belongs to

@@ -230,11 +230,10 @@ class CaptureScreen(PageScreen):
             self._say("nothing received")
             return
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
-        self._say(
-            f"{end.why}: {counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}; saved in {end.file}"
-        )
-        question = f"{end.file.name}: {counted(end.samples, 'sample')}, {whole}.\nImport its flights?"
-        ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
+        size = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}"
+        self._say(f"{end.why}: {size}; saved in {end.file}")
+        question = AskYes(f"{end.file.name}: {size}.\nImport its flights?")
+        ask = partial(self.app.push_screen, question, partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
