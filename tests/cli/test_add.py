@@ -365,3 +365,10 @@ def test_a_saved_forecast_and_its_miss_are_printed_once(
     assert "inside the 90% interval" in " ".join(shown.split()).replace("OUTSIDE", "inside")
     _, shown, _ = add([], *build, "--apogee", "251m")
     assert "The forecast was stale: flight 1 added since." in " ".join(shown.split())
+
+
+def test_an_impossible_flight_is_remarked_on_once(add: Add) -> None:
+    build = ["--rocket", "Swift", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm"]
+    add([], *build, "--apogee", "250m")
+    _, _, messages = add([], *build, "--apogee", "9000m")
+    assert messages.count("is excluded from every fit") == 1

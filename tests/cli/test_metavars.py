@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -41,3 +42,24 @@ def test_a_value_with_a_unit_is_named_by_its_quantity(capsys: pytest.CaptureFixt
     shown = " ".join(capsys.readouterr().out.split())
     assert re.search(r"--dry-mass\S* ?MASS", shown)
     assert re.search(r"--wind\S* ?SPEED", shown)
+
+
+@pytest.mark.parametrize(
+    ("line", "option"),
+    [
+        ("kits Foo --mount abc", "--mount"),
+        ("kits Foo --dry-mass -g", "--dry-mass"),
+        ("sites Field --size -3", "--size"),
+        ("ballast --target x", "--target"),
+        ("ballast --target 800ft --within 0", "--within"),
+        ("ballast --target 800ft --lightest z", "--lightest"),
+        ("simulate --motor C6-5 --dry-mass 1g --diameter 1in --cd 1 --booster-mass x", "--booster-mass"),
+    ],
+)
+def test_a_refused_number_is_named_by_its_option(
+    line: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+    assert main(line.split()) == 1
+    assert capsys.readouterr().err.startswith(f"{option}: found ")

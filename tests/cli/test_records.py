@@ -460,7 +460,7 @@ def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[s
     assert main(["--ledger", str(tmp_path / "empty.db"), "predict", "--motor", "F24-4W"]) == 1
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert shown.err == "the flight: found no dry mass, expected the rocket's mass without its motor\n"
+    assert shown.err == "the plan: found no dry mass, expected the rocket's mass without its motor\n"
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
