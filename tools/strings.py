@@ -113,17 +113,6 @@ def _counted_noun(call: ast.Call) -> str | None:
     return str(noun.value) if isinstance(noun, ast.Constant) else None
 
 
-def _named(tree: ast.Module) -> Iterator[ast.Constant]:
-    """Headings of tables, and the values of named literal types, such as the verdicts of checks."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            is_literal = isinstance(node.value, ast.Subscript) and ast.unparse(node.value.value) == "Literal"
-            of = [node.value] if is_literal or HEADINGS.fullmatch(node.targets[0].id) else []
-        else:
-            of = node.args[:1] if isinstance(node, ast.Call) and _name(node.func) in ("print_table", "headed") else []
-        yield from (one for value in of for one in ast.walk(value) if isinstance(one, ast.Constant))
-
-
 def _types(tree: ast.Module) -> Iterator[ast.AST]:
     """Everything in annotations and in `__all__`, whose strings are names of code."""
     for node in ast.walk(tree):
