@@ -227,13 +227,12 @@ class CaptureScreen(PageScreen):
         """Show how it ended, and ask whether to import its flights."""
         self._capturing = False
         if end is None or not end.bytes:
-            self._say("nothing received")
-            return
+            return self._say("nothing received")
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
         size = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}"
         self._say(f"{end.why}: {size}; saved in {end.file}")
-        question = AskYes(f"{end.file.name}: {size}.\nImport its flights?")
-        ask = partial(self.app.push_screen, question, partial(self._answered, end))
+        ask_it = AskYes(f"{end.file.name}: {size}.\nImport its flights?")
+        ask = partial(self.app.push_screen, ask_it, partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
