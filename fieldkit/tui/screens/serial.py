@@ -213,11 +213,10 @@ class CaptureScreen(PageScreen):
         if sample is None:
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
-        unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)
         speed = measure(BY_NAME["top_speed"], sample.speed, system)
-        lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
+        lines = [f"{spelled(unit_of(cards.APOGEE, system))} now, highest {highest}", speed, printable(sample.state)]
         self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
         heights = [float(number(cards.APOGEE, one, system)) for one in self._heights]
         self.query_one(Plot).display = True
@@ -227,12 +226,13 @@ class CaptureScreen(PageScreen):
         """Show how it ended, and ask whether to import its flights."""
         self._capturing = False
         if end is None or not end.bytes:
-            return self._say("nothing received")
+            self._say("nothing received")
+            return
         whole = "complete" if end.whole else "INCOMPLETE; the space bar continues"
         size = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}"
         self._say(f"{end.why}: {size}; saved in {end.file}")
-        ask_it = AskYes(f"{end.file.name}: {size}.\nImport its flights?")
-        ask = partial(self.app.push_screen, ask_it, partial(self._answered, end))
+        text = f"{end.file.name}: {size}.\nImport its flights?"
+        ask = partial(self.app.push_screen, AskYes(text), partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
     def _answered(self, end: "Ended", yes: bool | None) -> None:
