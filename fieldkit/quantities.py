@@ -28,13 +28,17 @@ DECIMALS: Mapping[str, int] = MappingProxyType(
 )
 """Decimal digits by unit."""
 
+SHORT_LENGTHS = ("rail_length",)
+"""Columns of a few feet, shown in tenths of them: a rail of 1 m is 3.3 ft, not 3 ft."""
+MIN_GROUPED = 1000
+"""Counts from here on have commas between thousands. [1]"""
 MAX_WRITTEN_OUT = 1e9
 """Numbers from here on have an exponent, in any unit."""
 
 
 def counted(count: int, noun: str) -> str:
-    """A count with its noun: `1 flight`, `2 flights`."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    """A count with its noun: `1 flight`, `2 flights`, `1,200 flights`."""
+    return f"{count:{',' if count >= MIN_GROUPED else ''}} {noun}{'' if count == 1 else 's'}"
 
 
 def unit_of(column: Column, system: str) -> str:
@@ -45,7 +49,7 @@ def unit_of(column: Column, system: str) -> str:
 def number(column: Column, value: float, system: str) -> str:
     """A value [SI] without its unit: `923`."""
     unit = unit_of(column, system)
-    places = 1 if column.quantity == "acceleration" else DECIMALS[unit]
+    places = 1 if column.quantity == "acceleration" or column.name in SHORT_LENGTHS else DECIMALS[unit]
     return f"{units.unit(column.quantity, unit).from_si(value):.{places}f}"
 
 
@@ -125,6 +129,11 @@ def _estimate(found: re.Match[str]) -> str:
     return f"{rounded(float(found[1]) * factor, 3)} {found[2]} {rounded(float(found[3]) * factor, 2)} {unit}"
 
 
+def area_unit(system: str) -> tuple[str, float]:
+    """The unit of a drag area in a system, and its factor [m^2]: `cm²` or `in²`."""
+    return ("in²", units.INCH**2) if "mm" in SYSTEMS[system] else ("cm²", 1e-4)
+
+
 def density(value: float, system: str) -> str:
     """A density of the air [kg/m^3] with its unit: `1.225 kg/m³` or `0.0765 lb/ft³`."""
     if "m" not in SYSTEMS[system]:
@@ -173,6 +182,10 @@ class ShownUnits:
     def speed(self, value: float, digits: int = 1) -> str:
         """`13.4 m/s` or `30 mph`."""
         return written(value, "m/s", self.system, digits)
+
+    def per_wind(self, seconds: float) -> str:
+        """A drift per unit of wind [s]: `94 m per m/s of wind` or `138 ft per mph of wind`."""
+        return f"{self.length(seconds * self.speed_factor)} per {self.speed_unit} of wind"
 
     def mass(self, value: float) -> str:
         """`322 g` or `11.36 oz`."""

@@ -24,6 +24,7 @@ from fieldkit.flight.plausibility import identity
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.quantities import counted
 
 COLUMNS = {
     "Altitude": ("apogee", "ft"),
@@ -107,7 +108,7 @@ def _record(row: int, cells: list[str] | DamagedLog, names: list[str]) -> dict[s
     if names[-1] == "Note" and len(cells) > len(names):
         cells = [*cells[: len(names) - 1], ",".join(cells[len(names) - 1 :])]
     if len(cells) != len(names):
-        raise DamagedLog(f"found {len(cells)} cells, expected {len(names)}", row=row)
+        raise DamagedLog(f"found {counted(len(cells), 'cell')}, expected {len(names)}", row=row)
     return dict(zip(names, (cell.strip() for cell in cells), strict=True))
 
 

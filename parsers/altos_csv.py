@@ -20,6 +20,7 @@ from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.layout import split
 from fieldkit.importing.tables.text import first_lines
+from fieldkit.quantities import counted
 from fieldkit.units import UNITS, Unit
 
 VERSION_5 = frozenset({"accel_speed", "baro_speed"})
@@ -67,7 +68,7 @@ def read(log: bytes) -> list[Found]:
         names = _certain(names, row)
         allowed = range(len(names), MOST_CELLS)
         remarks.append(
-            Note(f"header does not match its rows of {common} cells, read up to {LAST_RELIABLE_COLUMN}", row)
+            Note(f"header does not match its rows of {counted(common, 'cell')}, read up to {LAST_RELIABLE_COLUMN}", row)
         )
     channels = _channels(names, row)
     table = _present(read_columns(log, channels, after=row, separator=separator, comment="#", widths=allowed))

@@ -19,6 +19,7 @@ from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.altos import SEED, entered, mp3h6115, seconds
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, shown
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 
@@ -130,7 +131,11 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                 if frame is None or not _is_frame(frame):
                     damaged.add(DamagedLog(_complaint(line, frame), row=row))
                 elif len(frame) != FRAME:
-                    form = "of a version before 1.0" if len(frame) - 4 in OLD_FRAMES else f"of {len(frame) - 4} bytes"
+                    form = (
+                        "of a version before 1.0"
+                        if len(frame) - 4 in OLD_FRAMES
+                        else f"of {counted(len(frame) - 4, 'byte')}"
+                    )
                     left_out[f"packets {form} are not read"] += 1
                 elif not frame[-2] & CHECKSUM_BIT:
                     left_out["packets came with a bad radio checksum"] += 1
@@ -158,7 +163,7 @@ def _complaint(line: str, frame: bytes | None) -> str:
     if frame is None:
         return f"found {shown(line)}, expected TELEM and hex"
     if len(frame) < 5 or frame[0] != len(frame) - 2:
-        return f"found a packet of {len(frame)} bytes, expected {frame[0] + 2 if frame else FRAME}"
+        return f"found a packet of {counted(len(frame), 'byte')}, expected {frame[0] + 2 if frame else FRAME}"
     return f"found checksum {frame[-1]:02x}, expected {(SEED + sum(frame[1:-1])) % 256:02x}"
 
 

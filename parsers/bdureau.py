@@ -20,6 +20,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.damage import Damaged
 from fieldkit.importing.tables.text import narrow, shown
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 from fieldkit.units import ZERO_CELSIUS
 
@@ -135,7 +136,10 @@ def _flight(number: int, samples: "array[float]", board: str, notes: list[Found]
     extra, unnamed = _of_board(table, board)
     if unnamed:
         notes.append(
-            Note(f"flight {number} has {unnamed} more numbers per sample; only the board's name says what they are")
+            Note(
+                f"flight {number} has {counted(unnamed, 'more number')} per sample; "
+                "only the board's name says what is in them"
+            )
         )
     series = Series(
         time=clock / 1000,

@@ -22,6 +22,7 @@ from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.checksums import BUYPASS
 from fieldkit.importing.tables.pad_state import scale_at_rest, upright
 from fieldkit.importing.tables.text import line_end, lines, narrow
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 
@@ -140,7 +141,9 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog("found no frame with a good checksum, expected lines of @ LOG_LOW or @ LOG_HIR")
     found: list[Found] = []
     if lost:
-        found.append(Note(f"is the first of {lost} lines whose frames have a bad checksum and are lost", first_lost))
+        found.append(
+            Note(f"has a frame with a bad checksum, left out; {counted(lost, 'such line')} in all", first_lost)
+        )
     if cut:
         found.append(Note("ends within a frame, left out", last))
     return [*_readings(low, high, found), *found]

@@ -17,6 +17,7 @@ from fieldkit.importing.tables.clocks import in_order
 from fieldkit.importing.tables.columns import LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.text import decode, lines, lines_of, narrow
+from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.units import FOOT, Unit
 
@@ -71,7 +72,7 @@ def read(log: bytes) -> list[Found]:
         names = [name for name in part.values if name != "time"]
         ordered = in_order(time, *(part.values[channel] for channel in names))
         if (np.diff(time) < 0).any():
-            notes.append(Note(f"has {int((np.diff(time) < 0).sum())} rows out of order, sorted"))
+            notes.append(Note(f"has {counted(int((np.diff(time) < 0).sum()), 'row')} out of order, sorted"))
         extra = _utc(log, head, part, time)
         zero = 0.0 if head.place("unixtime") is None and not ground else ordered[0][0]
         series = _series(np.round(ordered[0] - zero, 3), dict(zip(names, ordered[1:], strict=True)))

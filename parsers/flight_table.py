@@ -53,6 +53,7 @@ from fieldkit.importing.tables.flight_rows import (
 )
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
 SEPARATORS = (",", ";", "\t")
@@ -180,7 +181,7 @@ def _reading(
     if isinstance(cells, DamagedLog):
         return cells
     if any(cell.strip() for cell in cells[len(headings) :]):
-        found = f"found {len(cells)} cells under {len(headings)} headers, expected no more cells than headers"
+        found = f"found {counted(len(cells), 'cell')} under {counted(len(headings), 'header')}, expected no more"
         hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}

@@ -35,6 +35,7 @@ from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.importing.tables.pad_state import along_thrust
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import epoch_unit
+from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, Unit
@@ -175,7 +176,8 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
     if len(whole) < len(parts):
         found.append(
             Note(
-                f"left out {len(parts) - len(whole)} pieces of fewer than {MIN_FLIGHT_ROWS} rows, where the clock jumps"
+                f"left out {counted(len(parts) - len(whole), 'piece')} of fewer than {MIN_FLIGHT_ROWS} rows, "
+                "where the clock jumps"
             )
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]

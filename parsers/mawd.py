@@ -16,6 +16,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import line_end, narrow, shown
+from fieldkit.quantities import counted
 from fieldkit.units import FOOT
 
 STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
@@ -69,9 +70,9 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
     notes: list[Found] = []
     lost = [row for (row, _), height in zip(rows[1:], heights, strict=True) if np.isnan(height)]
     if lost:
-        notes.append(Note(f"is the first of {len(lost)} samples that are damaged and left out", lost[0]))
+        notes.append(Note(f"is a damaged sample, left out; {counted(len(lost), 'such sample')} in all", lost[0]))
     if len(heights) < count:
-        notes.append(Note(f"ends after {len(heights)} of {count} samples"))
+        notes.append(Note(f"ends after {len(heights)} of {counted(count, 'sample')}"))
     if not heights:
         return (), notes
     time = np.arange(len(heights)) * int(line[INTERVAL]) / 1000

@@ -23,6 +23,7 @@ from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.checksums import crc_x25
 from fieldkit.importing.tables.text import narrow
 from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 
 SEPARATOR_BYTES = b" \t\r\n\v\f\0"
@@ -86,7 +87,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
     if data[:10] == b"\xff" * len(data[:10]):
         return [Note("holds no flight, its memory is erased", row)]
     if len(data) < 12:
-        return [DamagedLog(f"found {len(data)} bytes, expected at least 12", row=row)]
+        return [DamagedLog(f"found {counted(len(data), 'byte')}, expected at least 12", row=row)]
     ground, least, count = struct.unpack("<IIH", data[:10])
     number, count, begin = count >> 12, count & 0xFFF, 10
     if number >= len(MODELS):
@@ -109,7 +110,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
         return [DamagedLog("found no samples, expected at least one", row=row)]
     found: list[Found] = [_reading(MODELS[number], ground, least, samples)]
     if len(data) < end + 2:
-        found.append(Note(f"is cut off: {len(samples)} of {count} samples, without a checksum", row))
+        found.append(Note(f"is cut off: {len(samples)} of {counted(count, 'sample')}, without a checksum", row))
     return found
 
 

@@ -20,6 +20,7 @@ from fieldkit.flight.plausibility import check
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
+from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
 """Number of lines in which the first one must be, after blank lines or a title. [1]"""
@@ -59,7 +60,7 @@ def read(log: bytes) -> list[Found]:
         remarks.append(Note("has no power from here on, left out", int(table.rows[len(written)])))
     promised = header.get("NumSamps", "")
     if promised.isdecimal() and promised.lstrip("0") != str(len(table)):
-        remarks.append(Note(f"found {len(table)} samples, expected {promised[:9]} as NumSamps says"))
+        remarks.append(Note(f"found {counted(len(table), 'sample')}, expected {promised[:9]} as NumSamps says"))
     parts, found = written.flights()
     first = Reading(
         stated=_stated(header, remarks),

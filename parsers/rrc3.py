@@ -142,7 +142,7 @@ def _settled(table: LogTable) -> tuple[Series, Note]:
             present = [name for name in NAMES if name in table.values or name in table.words]
             note_columns([column_read(name.capitalize(), *names.get(name, ("", ""))) for name in present])
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
-                f"has no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
+                f"has no units; its pressures prove that altitude is in {length} and temperature in °{degrees.upper()}"
             )
     return series, Note("has no units and its pressures confirm neither feet nor meters: altitude left out")
 

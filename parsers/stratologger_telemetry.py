@@ -18,6 +18,7 @@ from fieldkit.importing import HEAD, Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.text import decode, lines_of, shown
+from fieldkit.quantities import counted
 from fieldkit.units import FOOT, UNITS
 
 TITLE = "StratoLogger live telemetry, captured by fieldkit"
@@ -42,7 +43,7 @@ def read(log: bytes) -> list[Found]:
     if not heard.all():
         time, height = time[heard], height[heard]
         lost = table.rows[~heard]
-        notes.append(Note(f"is the first of {len(lost)} lines that are not numbers and are left out", int(lost[0])))
+        notes.append(Note(f"is not a number, left out; {counted(len(lost), 'such line')} in all", int(lost[0])))
     stated: dict[str, object] = {}
     began = _began(log, head)
     try:

@@ -24,6 +24,7 @@ from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
 from tests.pressing import opened, press, told
 from tests.user_units import foreign_figures
+from tests.vocabulary import unlisted
 from tools import field_report, history_report
 from tools.manual import pages
 from tools.strings import listed
@@ -38,6 +39,11 @@ RUN = ("start", "predictions", "installing")
 those with real flights, which are not shipped."""
 OWN_UNITS = {"inspect", "docs", "contest"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
+PROPER_NAMES = """
+    Astra Comet Coker Entacore Kieffer Kosdon Missile Nitrous Pnut RoadRunner Robert John SCR TSP contributors
+    dev fps https isc license mDACS public works www
+"""
+"""Names of rockets, makers, people, licenses and devices in the examples, and units of a file."""
 TO_BE_MADE = {
     "parsers/skylark.py",
     "models/effects/sticky_altimeter.py",
@@ -84,7 +90,8 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("at_the_root")
 @pytest.mark.parametrize("name", ["README", *RUN, "examples.sh"])
 def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And show no figures in feet, ounces, or miles per hour to a user with SI units."""
+    """And show no figures in feet, ounces, or miles per hour to a user with SI units, nor words that are no text of the
+    program, which a translator would not find."""
     lines = lines_of(name)
     assert lines
     for line in lines:
@@ -95,6 +102,8 @@ def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys:
         shown = capsys.readouterr()
         if arguments[0] not in OWN_UNITS:
             assert foreign_figures(shown.out + shown.err, "SI") == [], line
+        if arguments[0] != "docs" and "--json" not in arguments:
+            assert unlisted(shown.out + shown.err, f"{' '.join(arguments)} {PROPER_NAMES} {tmp_path}") == [], line
 
 
 @pytest.mark.parametrize("line", lines_of("examples-long.sh"))

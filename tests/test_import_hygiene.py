@@ -17,7 +17,10 @@ ROOT = Path(__file__).parents[1]
 
 NEVER = {"torch", "textual", "pandas", "matplotlib", "serial"}
 ALLOWED = {
-    "parsers": {"importing", "flight", "units", "errors", "shapes", "safe_text", "physics.standard_atmosphere"},
+    "parsers": {
+        *("importing", "flight", "units", "errors", "shapes", "safe_text", "quantities"),
+        "physics.standard_atmosphere",
+    },
     "models/effects": {"physics", "flight", "errors", "shapes"},
 }
 """Modules of the engine that the plug-ins of a folder may use."""

@@ -3,7 +3,7 @@
 import pytest
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import density, in_system, rounded, significant
+from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant
 
 pytestmark = pytest.mark.fast
 
@@ -63,3 +63,17 @@ def test_a_high_flight_is_shown_without_an_exponent() -> None:
 def test_a_range_of_masses_or_areas_is_in_one_system(note: str, shown: str) -> None:
     assert in_system(note, "US") == shown
     assert in_system(note, "SI") == note
+
+
+def test_a_rail_has_tenths_of_feet() -> None:
+    rail, site = BY_NAME["rail_length"], BY_NAME["site_elevation"]
+    assert [measure(rail, one, "US") for one in (1.0, 0.9144)] == ["3.3 ft", "3.0 ft"]
+    assert measure(site, 1.0, "US") == "3 ft"
+
+
+@pytest.mark.parametrize(
+    ("system", "text"),
+    [("SI", "94 m per m/s of wind"), ("US", "138 ft per mph of wind"), ("mixed", "138 ft per mph of wind")],
+)
+def test_a_drift_is_per_one_unit_of_the_users_speed(system: str, text: str) -> None:
+    assert ShownUnits(system).per_wind(94.0) == text

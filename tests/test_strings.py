@@ -1,11 +1,17 @@
 """The list of user-facing text for translators."""
 
+import re
+from pathlib import Path
+
 import pytest
 
-from tools.strings import ROOT, listed, strings, template_strings
+from tests.vocabulary import known_words, unlisted
+from tools.strings import ROOT, catalog, listed, strings, template_strings
 
 pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
+SHOWN = re.compile(r"<text[^>]*>([^<]*)</text>")
+"""A text in the picture of a page."""
 
 
 @pytest.mark.parametrize(
@@ -39,3 +45,54 @@ def test_every_line_names_its_place() -> None:
     lines = list(listed(("models",)))
     assert len(lines) > 50
     assert all(line.split(":")[1].isdigit() for line in lines)
+
+
+DATA = """
+    afbb cato comet decoded fault http lightning oog reloadable sandt sirius sketch tsp
+"""
+"""What the pages of the pictures show besides: rockets, tags, a web page, motors and a logger's lines."""
+OF_TEXTUAL = "focus selected super"
+"""Words of keys that the library itself binds and describes."""
+
+
+def test_the_pictures_of_pages_show_no_word_that_a_translator_would_miss() -> None:
+    """Words that are cut at the edge of a cell count as the word that they begin or end."""
+    known = " ".join(known_words())
+    found = {
+        word: file.name
+        for file in sorted((ROOT / "tests/tui/__snapshots__/test_pictures").glob("*.svg"))
+        for word in unlisted(" ".join(SHOWN.findall(file.read_text(encoding="utf-8"))), DATA + OF_TEXTUAL)
+        if not re.search(rf"\b{word}|{word}\b", known)
+    }
+    assert not found
+
+
+def test_a_word_without_a_text_is_found() -> None:
+    assert unlisted("Saved flight 13, gobbledygook") == ["gobbledygook"]
+    assert unlisted("gobbledygook", "--rocket Gobbledygook") == []
+
+
+def test_the_catalog_has_each_text_once_with_its_places(tmp_path: Path) -> None:
+    lines = list(catalog())
+    ids = [line for line in lines if line.startswith("msgid ")]
+    assert len(ids) == len(set(ids)) > 1500
+    at = lines.index('msgid "Total impulse range, in N s."')
+    assert lines[at - 1].startswith("#: fieldkit/cli/motors.py:")
+    counts = lines.index('msgid_plural "{0} flights"')
+    assert lines[counts - 1 : counts + 3] == [
+        'msgid "{0} flight"',
+        'msgid_plural "{0} flights"',
+        'msgstr[0] ""',
+        'msgstr[1] ""',
+    ]
+
+
+def test_the_tools_of_translators_read_the_catalog(tmp_path: Path) -> None:
+    pofile = pytest.importorskip("babel.messages.pofile")
+    file = tmp_path / "fieldkit.pot"
+    file.write_text("\n".join(catalog()) + "\n", encoding="utf-8")
+    with file.open("rb") as stream:
+        found = pofile.read_po(stream, abort_invalid=True)
+    texts = {message.id if isinstance(message.id, str) else message.id[0]: message for message in found if message.id}
+    assert texts["rocket: found nothing, expected the rocket's name"].locations[0][0] == "fieldkit/cli/add.py"
+    assert "python-brace-format" in texts["{0} flight"].flags

@@ -180,7 +180,7 @@ def test_a_log_that_unpacks_to_more_than_its_row_says_is_not_unpacked(tmp_path: 
     with engine.begin() as connection:
         connection.execute(text("UPDATE logs SET size = 1000"))
     engine.dispose()
-    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="differs from the 1000 bytes"):
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="differs from the 1,000 bytes"):
         ledger.log("1")
 
 

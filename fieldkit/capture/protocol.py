@@ -14,6 +14,7 @@ from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Dialogue, Link
 from fieldkit.errors import CaptureTrouble, PortTrouble
 from fieldkit.plugins import plugins
+from fieldkit.quantities import counted
 
 
 def everything(flights: Sequence[Stored]) -> Sequence[int]:
@@ -108,7 +109,7 @@ def logs_in(file: Path) -> list[Log]:
     logs = found.logs(captured) if found else as_it_came(captured)
     if not logs:
         raise CaptureTrouble(
-            f"{captured.file.name}: found no flight in {len(captured.raw)} bytes, expected at least one"
+            f"{captured.file.name}: found no flight in {counted(len(captured.raw), 'byte')}, expected at least one"
         )
     return logs
 

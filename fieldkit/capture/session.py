@@ -14,6 +14,7 @@ from fieldkit.capture.port import Port, again, ports
 from fieldkit.capture.protocol import CaptureOptions, known_device, known_devices
 from fieldkit.capture.tape import Tape, begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
+from fieldkit.quantities import counted
 
 RECOGNITION_BYTES = 16_384
 """Number of received bytes, counted from the end, that are searched to recognize a unit. [byte]"""
@@ -221,7 +222,7 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
         if nonsense > 64 and len(rates) > 1:
             at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
             link.line.retune(PortSettings(rates[at_rate]))
-    what = "nothing" if not link.heard else f"{link.heard} bytes that match no protocol"
+    what = "nothing" if not link.heard else f"{counted(link.heard, 'byte')} that match no protocol"
     names_of = ", ".join(known_devices())
     raise PortTrouble(f"{link.line.name}: received {what} in {patience:.0f} s; name the unit with --device: {names_of}")
 

@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
+from fieldkit.cli.screen import complain, print_card, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
@@ -174,8 +174,12 @@ def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     from fieldkit.services.plausible_flights import implausible_flights
 
     print_card(flight, id)
-    print_prediction(prediction_of(ledger, flight))
-    if found := outcome(ledger, MotorCheck().catalogue, flight):
+    ledger.remark(*implausible_flights([flight], MotorCheck().catalogue))  # before those of other flights
+    saved = prediction_of(ledger, flight)
+    found = outcome(ledger, MotorCheck().catalogue, flight)
+    if found is None:
+        print_prediction(saved)
+    else:
         say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
-    for line in implausible_flights([flight], MotorCheck().catalogue):
-        remark(line)
+        if saved is not None and saved.stale:
+            say_wrapped(f"The forecast was stale: {'; '.join(saved.changes_in(system()))}.")

@@ -50,16 +50,24 @@ def restore(
     when = f"{chosen.at.astimezone():%Y-%m-%d %H:%M}"
     if not yes:
         typer.confirm(
-            f"Restore backup {chosen.number} of {when}, with {_flights(chosen)} flights?", abort=True, err=True
+            f"Restore backup {chosen.number} of {when}, with {_content(chosen)}?",
+            abort=True,
+            err=True,
         )
     left = restore(file, chosen)
-    say(f"restored the ledger of {when}, with {_flights(chosen)} flights")
+    say(f"restored the ledger of {when}, with {_content(chosen)}")
     if left:
         complain(f"the previous ledger is saved as {left}")
 
 
 def _flights(backup: "Backup") -> str:
     return "?" if backup.flights is None else str(backup.flights)
+
+
+def _content(backup: "Backup") -> str:
+    from fieldkit.quantities import counted
+
+    return "an unknown number of flights" if backup.flights is None else counted(backup.flights, "flight")
 
 
 def _size(backup: "Backup") -> str:

@@ -26,7 +26,7 @@ def capture(
     context: typer.Context,
     where: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[PORT]", help="The port; with --resume, also the capture.", show_default=False),
+        typer.Argument(metavar="PORT", help="The port; with --resume, also the capture.", show_default=False),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List serial ports and supported devices.")] = False,
     device: Annotated[str | None, typer.Option(help="The device on the port, if it is not recognized.")] = None,
@@ -202,7 +202,7 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
 
 def _tell(end: "Ended") -> None:
     """Print how a capture ended and, if it is incomplete, how to continue."""
-    kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
+    kept = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')} in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
         complain(f"incomplete; run `fieldkit capture --resume {end.file.name}` to continue")

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.numbers import finite
+from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, print_safety, season_rule, season_year
+from fieldkit.cli.planning import about_plan, planning, print_plan, print_safety, season_rule, season_year
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
 
@@ -53,7 +53,7 @@ def finals(
         finals_heading,
         finals_rows,
     )
-    from fieldkit.units import FOOT, parse
+    from fieldkit.units import FOOT
 
     rule = season_rule(season_year(season)).announced(None, read_window(window) if window else None)
     if targets:
@@ -64,7 +64,7 @@ def finals(
 
         check_card(card)
         force = settled(card, force)
-    least = parse(lightest, "mass", "g") if lightest else None
+    least = typed("--lightest", lightest, "mass", "g") if lightest else None
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
@@ -153,7 +153,7 @@ def contest(
         complain(f"your own rule, in use from now on: {copy_season(season, data_file('seasons'))}")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
-    announced = length(target), read_window(window) if window else None
+    announced = length("--target", target), read_window(window) if window else None
     if (reefed := _share(reef, 0.0)) >= 1:
         raise typer.BadParameter(f"found --reef {reef}, expected less than 100%: that leaves no parachute")
     area = _share(parachute, 1.0) * (1 - reefed)
@@ -168,7 +168,7 @@ def contest(
             said = ahead.forecast
             approved = approved_motors(rule.year, data_file("seasons"))
             lines = plan.safety(said, area) + allowed(
-                rule, said.plan, said.found, length(rocket_length, "mm"), approved
+                rule, said.plan, said.found, length("--rocket-length", rocket_length, "mm"), approved
             )
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None

@@ -20,7 +20,7 @@ def page_names(incomplete: str = "") -> list[str]:
 @app.command()
 def docs(
     page: Annotated[
-        str, typer.Argument(metavar="[PAGE]", help="Name of the page, or its first letters.", autocompletion=page_names)
+        str, typer.Argument(metavar="PAGE", help="Name of the page, or its first letters.", autocompletion=page_names)
     ] = "",
 ) -> None:
     """Print a page of the manual; without a page, list them."""

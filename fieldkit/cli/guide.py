@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
-from fieldkit.cli.planning import PlanContext, length, planning, print_conditions, season_rule
+from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, counted
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
@@ -39,7 +40,7 @@ def print_guide(
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
 
-    target = length(fit["target"])
+    target = length("--target", fit["target"])
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
         motors = suitable_motors(plan.motors, wanted)
@@ -93,14 +94,19 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
     from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
     from fieldkit.services.planning import shortlist
 
-    mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
+    mount = (
+        length("--mount", fit["mount"], "mm")
+        or plan.mount
+        or mount_of(plan.rocket, plan.flight.config)
+        or plan.rocket.mount
+    )
     adapter = adapter or mount is None
     mount = mount or widest_motor(plan.rocket, plan.flight)
     if mount is None:
         raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
     return Wanted(
         mount=mount,
-        length=length(fit["max_length"], "mm") or math.inf,
+        length=length("--max-length", fit["max_length"], "mm") or math.inf,
         impulse=float(fit["max_impulse"] or "inf"),
         classes=_classes(fit["class"] or ""),
         retired=retired,
@@ -147,7 +153,7 @@ def _print(
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {of} motors of {width} fit and are not excluded by a check")
+    say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
     if plan.site.ceiling is None:

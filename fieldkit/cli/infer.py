@@ -26,7 +26,7 @@ def infer(
     context: typer.Context,
     flights: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[FLIGHT]...", help="Default: all.", show_default=False, autocompletion=flight_ids),
+        typer.Argument(metavar="FLIGHT...", help="Default: all.", show_default=False, autocompletion=flight_ids),
     ] = None,
     model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.history,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,

@@ -59,10 +59,10 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 def inspect(
     files: Files, format: Format = None, given: Given = None, columns: Columns = None, json: AsJson = False
 ) -> None:
-    """Show what logs and flight tables contain, without storing anything.
+    """Show what logs and flight tables contain, without importing anything.
 
     The format and why it was recognized, the columns and their units, the readouts with their standard deviations,
-    their sensors and the device's own values, the events, and what an import would store.
+    their sensors and the device's own values, the events, and what would be imported.
     """
     from fieldkit.presentation.import_view import document, lines
 
@@ -178,7 +178,7 @@ def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
     for one in receipt.files[:FILES]:
         say_wrapped(in_a_line(one, system()), "  ")
     if len(receipt.files) > FILES:
-        say(f"and {len(receipt.files) - FILES} more files; --json lists them all")
+        say(f"and {counted(len(receipt.files) - FILES, 'more file')}; --json lists them all")
     for line in forecasts[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
     if len(forecasts) > MAX_COMPARED_FLIGHTS:
@@ -215,10 +215,11 @@ def export(
 
     from fieldkit.files import write
     from fieldkit.presentation.export import csv_table, document
+    from fieldkit.services.forecasts import which_rocket
 
     with open_ledger(context) as ledger:
         force = file is not None and settled(file, force)
-        flights = ledger.flights(rocket)
+        flights = ledger.flights(which_rocket(ledger, rocket) if rocket else None)
     as_json = format is ExportFormat.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
     if as_json:
         text = json.dumps({"flights": [document(one) for one in flights]}, indent=2, allow_nan=False) + "\n"

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.planning import length
+from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.screen import complain, print_json, print_table, system
 
 app = typer.Typer()
@@ -25,10 +25,9 @@ def kits(
     from fieldkit.quantities import measure, unit_of
     from fieldkit.services.kits import delete_kit, named_kit, save_kit
     from fieldkit.services.kits import kits as own_kits
-    from fieldkit.units import parse
 
-    given = {"diameter": length(diameter, "mm"), "mount": length(mount, "mm")}
-    given["dry_mass"] = None if dry_mass is None else parse(dry_mass, "mass", "g")
+    given = {"diameter": length("--diameter", diameter, "mm"), "mount": length("--mount", mount, "mm")}
+    given["dry_mass"] = None if dry_mass is None else typed("--dry-mass", dry_mass, "mass", "g")
     changes = {key: value for key, value in given.items() if value is not None}
     if name is None and (changes or delete):
         raise typer.BadParameter("found no name, expected that of a kit first")

@@ -11,6 +11,7 @@ import typer
 from fieldkit.cli.screen import complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.cli.targets import Force, settled
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.model.hyperprior import Hyperprior
@@ -144,14 +145,14 @@ def _fitted_to(about: Mapping[str, Any]) -> Iterator[str]:
     if data := about.get("data"):
         flights, evidence = sum(one["flights"] for one in data), about["log_evidence"]
         yield (
-            f"Fitted to {flights} flights of {len(data)} flyers: log evidence {evidence['before']:.1f} before, "
-            f"{evidence['after']:.1f} after."
+            f"Fitted to {counted(flights, 'flight')} of {counted(len(data), 'flyer')}: log evidence "
+            f"{evidence['before']:.1f} before, {evidence['after']:.1f} after."
         )
     if high_power := about.get("high_power_flights"):
         density = high_power["log_density"]
         yield (
-            f"High power fitted to {high_power['flights']} first flights: log density {density['before']:.1f} before, "
-            f"{density['after']:.1f} after."
+            f"High power fitted to {counted(high_power['flights'], 'first flight')}: log density "
+            f"{density['before']:.1f} before, {density['after']:.1f} after."
         )
 
 

@@ -18,7 +18,8 @@ app = typer.Typer()
 def loop(
     context: typer.Context,
     rocket: Annotated[
-        str | None, typer.Option(help="Default: the one flown last.", show_default=False, autocompletion=rocket_names)
+        str | None,
+        typer.Option(help="Default: that of the flight entered last.", show_default=False, autocompletion=rocket_names),
     ] = None,
     effect: Annotated[
         str | None,
@@ -98,7 +99,8 @@ def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, 
 def model(
     context: typer.Context,
     rocket: Annotated[
-        str | None, typer.Option(help="Default: the one flown last.", show_default=False, autocompletion=rocket_names)
+        str | None,
+        typer.Option(help="Default: that of the flight entered last.", show_default=False, autocompletion=rocket_names),
     ] = None,
     use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is the plain model.")] = None,
 ) -> None:

@@ -18,6 +18,7 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_group
 
+from fieldkit.cli.metavars import name_values
 from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 
@@ -76,7 +77,10 @@ class OnDemand(Mapping[str, Any]):
 
 def _module(name: str) -> Mapping[str, Any]:
     """The commands of one module."""
-    return get_group(import_module(f"fieldkit.cli.{name}").app).commands
+    commands = get_group(import_module(f"fieldkit.cli.{name}").app).commands
+    for command in commands.values():
+        name_values(command)
+    return commands
 
 
 class Commands(TyperGroup):

@@ -11,6 +11,7 @@ from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -167,7 +168,7 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
         name = which_rocket(ledger, rocket)
         labels = shortlist(ledger, name) | {label(motor) for motor in found}
         keep_shortlist(ledger, name, labels)
-    complain(f"{len(labels)} motors on the shortlist of {name}")
+    complain(f"{counted(len(labels), 'motor')} on the shortlist of {name}")
 
 
 def _added(file: Path) -> "list[Motor]":
@@ -175,7 +176,7 @@ def _added(file: Path) -> "list[Motor]":
     from fieldkit.paths import motor_folder
 
     found = import_file(file, motor_folder())
-    complain(f"{len(found)} added from {file}")
+    complain(f"Added {counted(len(found), 'motor')} from {file}")
     return found
 
 
@@ -203,7 +204,10 @@ def _compared(file: Path, json: bool) -> None:
     ]
     headers = ("motor", "figure", "catalog", "tested", "off", "basis")
     print_table(headers, rows, numbers=headers[2:5])
-    complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5%")
+    complain(
+        f"{counted(found.rows, 'test')} of {counted(found.motors, 'motor')}; "
+        f"differences of more than 5%: {len(found.differences)}"
+    )
     if len(found.differences) > MAX_LISTED_MOTORS:
         complain(f"the {MAX_LISTED_MOTORS} largest differences are listed, --json has all")
     if found.unknown:

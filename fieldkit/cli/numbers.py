@@ -17,3 +17,27 @@ def not_negative(value: float | None) -> float | None:
     if value is not None and value < 0:
         raise typer.BadParameter(f"found {value:g}, expected a number above zero")
     return finite(value)
+
+
+def typed(option: str, text: str, quantity: str, default: str) -> float:
+    """The SI value of a number typed for an option, with or without its unit. Raises BadValue that names the option."""
+    from fieldkit.errors import BadValue
+    from fieldkit.units import parse
+
+    try:
+        return parse(text, quantity, default)
+    except BadValue as error:
+        raise BadValue(f"{option}: {error}") from None
+
+
+def length(option: str, text: str | None, default: str = "m", *, signed: bool = False) -> float | None:
+    """A length typed for an option, with or without its unit; None without one. [m]
+
+    Raises BadValue that names the option, also for a length that is not above zero unless `signed`.
+    """
+    from fieldkit.errors import BadValue
+
+    value = None if text is None else typed(option, text, "length", default)
+    if value is not None and value <= 0 and not signed:
+        raise BadValue(f"{option}: found {text!r}, expected a length above zero")
+    return value

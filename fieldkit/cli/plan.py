@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
+from fieldkit.cli.planning import about_plan, planning, print_plan, season_rule
 from fieldkit.cli.screen import print_json, system
 
 app = typer.Typer()
@@ -25,11 +26,10 @@ def delay(
     from fieldkit.paths import data_file
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
-    from fieldkit.units import parse
 
     with planning(context, given) as plan:
         found = plan.motor()
-        fast = plan.limits["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
+        fast = plan.limits["eject_speed"].value if limit is None else typed("--limit", limit, "speed", "m/s")
         tool = drill_of(found.motor, data_file("drills.toml")) if cuts is None else None
         takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
@@ -91,11 +91,14 @@ def ballast(
     from fieldkit.planning.contest_limits import allowed
     from fieldkit.presentation.planning_text import ballast_in_words
 
-    rule = None if season is None else season_rule(season).announced(length(target), None)
-    wanted, band = rule.target if rule else length(target), length(within)
+    rule = None if season is None else season_rule(season).announced(length("--target", target), None)
+    wanted, band = rule.target if rule else length("--target", target), length("--within", within)
     if wanted is None or band is None:
         raise typer.BadParameter("found no --target, expected one such as 800ft, or a --season that has one")
-    low, high = (None if edge is None else _mass(edge) for edge in (lightest, heaviest))
+    low, high = (
+        None if edge is None else typed(option, edge, "mass", "g")
+        for option, edge in (("--lightest", lightest), ("--heaviest", heaviest))
+    )
     goal = Goal(wanted, band, "points" if rule else "error" if miss else "chance", rule)
     with planning(context, given) as plan:
         best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
@@ -107,12 +110,6 @@ def ballast(
         print_json(document | best.json() | about_plan(said, lines))
         return
     print_plan(ballast_in_words(best, goal, system()), said.plan, lines, plan.rocket.starts)
-
-
-def _mass(text: str) -> float:
-    from fieldkit.units import parse
-
-    return parse(text, "mass", "g")
 
 
 takes_plan(ballast)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fieldkit.cli.numbers import length
 from fieldkit.cli.options import dashed
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import progress, say, say_wrapped, system
@@ -42,7 +43,7 @@ class PlanContext:
     """Diameter of the kit's motor mount, if a kit was named. [m]"""
 
     def motor(self) -> "Found":
-        """The motor of the plan, by default that of the rocket's last flight; notes on it are printed.
+        """The motor of the plan, by default that of the flight of the rocket entered last; notes on it are printed.
 
         Raises UnknownMotor.
         """
@@ -108,7 +109,8 @@ NEW_ROCKET = "new rocket"
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan: the named one, else the kit's, else the last flown; a new one if its mass is given.
+    """The rocket of a plan: the named one, else the kit's, else that of the flight entered last; with a mass, a
+    new one.
 
     Raises NoFlights, BadValue.
     """
@@ -133,10 +135,10 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     from fieldkit.services.sites import site_of
 
     known = site_of(ledger, plan.site)
-    ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
+    ceiling, size = length("--waiver", given.get("waiver")), length("--field-size", given.get("field_size"))
     if ceiling:
         known = replace(known, name="", ceiling=ceiling)  # given for the day, not a property of the site
-    people, bystanders = length(given.get("people")), length(given.get("bystanders"))
+    people, bystanders = length("--people", given.get("people")), length("--bystanders", given.get("bystanders"))
     rules = given.get("rules")
     if rules is not None:
         check_rules(rules)
@@ -157,18 +159,6 @@ def check_rules(text: str) -> None:
     from fieldkit.planning.safety import known_rules
 
     governing(known_rules(), read_authorities(text), False, datetime.date.today())
-
-
-def length(text: str | None, default: str = "m", *, signed: bool = False) -> float | None:
-    """A length typed with or without its unit, in m. Raises BadValue, also for one that is not above zero unless
-    `signed`."""
-    from fieldkit.errors import BadValue
-    from fieldkit.units import parse
-
-    value = None if text is None else parse(text, "length", default)
-    if value is not None and value <= 0 and not signed:
-        raise BadValue(f"found {text!r}, expected a length above zero")
-    return value
 
 
 def season_rule(year: int) -> "Season":

@@ -9,7 +9,7 @@ from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
-from fieldkit.quantities import in_system
+from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -155,7 +155,7 @@ def edit(
         before = ledger.flight(flight)
         after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
-    say(f"{id} changed" if after != before else f"{id} unchanged")
+    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"flight {id} unchanged")
 
 
 @app.command()
@@ -184,4 +184,4 @@ def remove(
     """Remove flights from the ledger. Can be undone."""
     with open_ledger(context) as ledger:
         gone = ledger.remove(*flights)
-    say(f"{len(gone)} removed. `fieldkit undo` to undo.")
+    say(f"Removed {counted(len(gone), 'flight')}. `fieldkit undo` to undo.")

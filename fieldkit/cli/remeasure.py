@@ -19,7 +19,7 @@ app = typer.Typer()
 def remeasure(
     context: typer.Context,
     flights: Annotated[
-        list[str] | None, typer.Argument(metavar="[FLIGHT...]", help="Default: all.", show_default=False)
+        list[str] | None, typer.Argument(metavar="FLIGHT...", help="Default: all.", show_default=False)
     ] = None,
     rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.", show_default=False)] = None,
     dry_run: Annotated[

@@ -75,8 +75,8 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     """Print the scores of each method, the differences from each rival, the verdicts, and the quantiles of the
     flights."""
     from fieldkit.presentation.score_text import (
-        DIFFERENCES,
-        WAYS,
+        DIFFERENCE_HEADERS,
+        HEADERS,
         against_the_bar,
         difference_rows,
         histogram,
@@ -84,10 +84,10 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
         way_rows,
     )
 
-    print_table(WAYS, way_rows(found), numbers=WAYS[1:])
+    print_table(HEADERS, way_rows(found), numbers=HEADERS[1:])
     say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
     say()
-    print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
+    print_table(DIFFERENCE_HEADERS, difference_rows(found), numbers=DIFFERENCE_HEADERS[1:])
     say_wrapped("90% bootstrap intervals in percent of the flown apogee; *: clearly different")
     for line in (*verdict_lines(found), *against_the_bar(found)):
         say_wrapped(line, "  ")

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from fieldkit.quantities import counted
+
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
@@ -31,7 +33,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             for line in ledger.remarks[:REMARKS]:
                 remark(line)
             if more := len(ledger.remarks[REMARKS:]):
-                complain(f"note: {more} more {'flight is' if more == 1 else 'flights are'} excluded from every fit")
+                complain(f"note: {counted(more, 'more flight')} excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 

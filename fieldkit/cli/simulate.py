@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.numbers import finite
+from fieldkit.cli.numbers import finite, typed
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
@@ -93,10 +93,9 @@ def simulate(
 def _boosters(masses: str | None, cds: str | None, cd: float) -> "tuple[Booster, ...]":
     """The lower stages as typed, lowest first. Raises BadValue, BadParameter."""
     from fieldkit.motors.several import Booster
-    from fieldkit.units import parse
 
-    mass = [parse(one, "mass", "g") for one in masses.split("/")] if masses else []
-    drag = [parse(one, "number", "") for one in cds.split("/")] if cds else [cd] * len(mass)
+    mass = [typed("--booster-mass", one, "mass", "g") for one in masses.split("/")] if masses else []
+    drag = [typed("--booster-cd", one, "number", "") for one in cds.split("/")] if cds else [cd] * len(mass)
     if len(drag) != len(mass):
         raise typer.BadParameter(f"found {len(drag)} --booster-cd and {len(mass)} --booster-mass, expected as many")
     if not all(value > 0 for value in (*mass, *drag)):

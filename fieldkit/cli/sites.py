@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.planning import check_rules, length
+from fieldkit.cli.numbers import length
+from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
 
@@ -40,8 +41,9 @@ def sites(
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
-    given = {"elevation": length(elevation, signed=True), "size": length(size), "ceiling": length(ceiling)}
-    given |= {"people": length(people), "bystanders": length(bystanders)}
+    given = {"elevation": length("--elevation", elevation, signed=True), "size": length("--size", size)}
+    given |= {"ceiling": length("--ceiling", ceiling), "people": length("--people", people)}
+    given["bystanders"] = length("--bystanders", bystanders)
     if rules is not None:
         check_rules(rules)
     changed = rules is not None or any(value is not None for value in given.values())

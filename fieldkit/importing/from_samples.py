@@ -8,6 +8,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.reading import Found, Note, Reading
+from fieldkit.quantities import counted
 
 
 def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
@@ -48,7 +49,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
     samples = max((series.time.size for series in reading.clocks), default=0)
     if NO_HEIGHT in recorded.notes and samples < MIN_SAMPLES and not _states_figures(reading):
-        return [DamagedLog(f"found {samples} samples, expected at least {MIN_SAMPLES}", row=reading.row)]
+        return [DamagedLog(f"found {counted(samples, 'sample')}, expected at least {MIN_SAMPLES}", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
     if not fields.get("flight_id"):
         when = fields.get("date_time")

@@ -96,7 +96,8 @@ def field_of(name: str) -> tuple[str, str]:
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
     known += [header for column in MEASURED for header in (column.sd_header, column.source_header)]
     near = get_close_matches(plain, known, n=3, cutoff=0.5)
-    raise BadValue(f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}")
+    hint = f"did you mean {' or '.join(near)}?" if near else "`fieldkit flights --json` shows their names"
+    raise BadValue(f"no column {name!r}; {hint}")
 
 
 def read_answer(name: str, text: str, unit: str = "") -> object:

@@ -11,6 +11,7 @@ from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
@@ -43,7 +44,7 @@ def intake_of(
             whole = shown_damage(error, source)
             rejected.append(Rejected(source, whole.row, whole.column, whole.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
-        notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
+        notes.append(Note(f"describes {counted(len(found), 'rocket')} and no flight; import it with the flights"))
     if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
         notes.append(Note(_SIMULATION_NOTE.format(source)))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}

@@ -10,6 +10,7 @@ from fieldkit.importing.incoming import OTHER_LOGS, Original, digest_of
 from fieldkit.ledger.finding import Held
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs
+from fieldkit.quantities import counted
 
 
 def keep_log(connection: Connection, original: Original) -> None:
@@ -47,10 +48,10 @@ def _content(connection: Connection, digest: str | None) -> bytes | None:
 def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
     """Decompress the bytes of a log, at most as many as its row states. Raises DamagedRow on a mismatch; zlib.error."""
     if not 0 <= size <= MAX_FILE_SIZE:
-        raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
+        raise DamagedRow(f"found a log of {counted(size, 'byte')}, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise DamagedRow(f"found a log whose size differs from the {size} bytes recorded for it")
+        raise DamagedRow(f"found a log whose size differs from the {counted(size, 'byte')} recorded for it")
     if digest_of(content) != digest:
         raise DamagedRow(f"the bytes of the log {digest} do not match their checksum")
     return content

@@ -43,8 +43,8 @@ def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
     """Activate a saved model version, or none; False if it is already active. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
-        known = ", ".join(map(str, there)) or "none"
-        raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known}")
+        known = ", ".join(map(str, (0, *there)))
+        raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known} (0 is the plain model)")
     if number is None:
         pen.delete(active_versions, active_versions.c.rocket == rocket)
     elif not there[number]:

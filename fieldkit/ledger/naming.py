@@ -9,6 +9,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
+from fieldkit.quantities import counted
 
 MAX_SLASHES = 10_000
 """Number of slashes in texts up to which each is tried as the end of a rocket's name; SQLite limits a query to 32,766
@@ -70,6 +71,8 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
     if not found:
         everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
         near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {len(everything)} flights"
+        hint = (
+            f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {counted(len(everything), 'flight')}"
+        )
         raise LedgerError(f"no flight {id!r}; {hint}")
     return found[0]

@@ -21,6 +21,7 @@ from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.tables import journal
 from fieldkit.ledger.trouble import explained
 from fieldkit.ledger.whereabouts import file_of, name_of
+from fieldkit.quantities import counted
 
 MIN_DATABASE_SIZE = 512
 """Minimum size of a SQLite database with content; SQLite treats a smaller file as empty. [byte]"""
@@ -138,6 +139,6 @@ def _refuse_remains(file: Path | None) -> None:
         raise LedgerError(f"{file}: found a folder or a device, expected a file")
     size = file.stat().st_size if file.exists() else 0
     if 0 < size < MIN_DATABASE_SIZE:
-        raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")
+        raise LedgerError(f"{file}: the file is damaged (cut to {counted(size, 'byte')}); {backups.offer(file)}")
     if not size and backups.backups(file):
         raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")

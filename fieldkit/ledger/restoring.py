@@ -57,7 +57,7 @@ def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
         with opened(kept.file) as before:
             before.backup(ledger)
     except sqlite3.Error:
-        return f"it may be damaged; what it was is in {kept.file}"
+        return f"it may be damaged; its former content is in {kept.file}"
     return "nothing was changed"
 
 

@@ -209,8 +209,9 @@ def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     """Mass of every flight without its motor. Raises ImpossibleFlight if one is missing. [kg]"""
     found = recorded(flights, "dry_mass")
     if np.isnan(found).any():
-        name = flights[int(np.argmax(np.isnan(found)))].flight_id or "the flight"
-        raise ImpossibleFlight(f"{name}: found no dry mass, expected dry_mass_g, the rocket's mass without its motor")
+        first = flights[int(np.argmax(np.isnan(found)))]
+        name = first.flight_id or first.rocket or "the plan"
+        raise ImpossibleFlight(f"{name}: found no dry mass, expected the rocket's mass without its motor")
     return found
 
 

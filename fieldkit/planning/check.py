@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from fieldkit.quantities import written
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import ShownUnits, measure, written
 
 ADVICE_NOTE = "These checks are advice; the range safety officer decides."
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
@@ -90,6 +91,8 @@ def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[st
 
 
 _FIGURE = re.compile(r"⟨(\S+)\|([^|⟩]+)\|(\d)⟩")
+_COLUMN = re.compile(r"⟨([^|⟩]+)\|(\w+)⟩")
+_PER_WIND = re.compile(r"⟨([^|⟩]+)\|per wind⟩")
 
 
 def figure(value: float, unit: str, digits: int = 0) -> str:
@@ -99,7 +102,19 @@ def figure(value: float, unit: str, digits: int = 0) -> str:
 
 def in_units(finding: str, system: str) -> str:
     """A finding with its values in a system of units."""
+    finding = _PER_WIND.sub(lambda one: ShownUnits(system).per_wind(float(one[1])), finding)
+    finding = _COLUMN.sub(lambda one: measure(BY_NAME[one[2]], float(one[1]), system), finding)
     return _FIGURE.sub(lambda one: written(float(one[1]), one[2], system, int(one[3])), finding)
+
+
+def of_column(name: str, value: float) -> str:
+    """A value [SI] of a column within a finding, displayed as everywhere: `rail_length` of 1.0 is `3.3 ft`."""
+    return f"⟨{float(value)!r}|{name}⟩"
+
+
+def per_wind(seconds: float) -> str:
+    """A drift per unit of wind [s] within a finding: `103 m per m/s of wind` or `151 ft per mph of wind`."""
+    return f"⟨{float(seconds)!r}|per wind⟩"
 
 
 def length(metres: float) -> str:

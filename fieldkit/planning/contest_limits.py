@@ -28,7 +28,7 @@ def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> S
     motor = found.motor
     name = f"{motor.maker} {motor.designation}"
     if approved is None:
-        kept = "impulse unchanged; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
+        kept = "impulse within the limit; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
         where = f"{rule.year}_motors.txt among your own seasons"
         return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's motor list ({where})", "")
     listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved

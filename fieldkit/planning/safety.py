@@ -25,7 +25,18 @@ from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
-from fieldkit.planning.check import SAFE_RISK, SafetyCheck, Verdict, by_chance, figure, length, speed, worst
+from fieldkit.planning.check import (
+    SAFE_RISK,
+    SafetyCheck,
+    Verdict,
+    by_chance,
+    figure,
+    length,
+    of_column,
+    per_wind,
+    speed,
+    worst,
+)
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.landing import landing
@@ -141,7 +152,7 @@ def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyC
     verdict = by_chance(chance)
     if plan.rail_length is None:
         verdict = "caution" if verdict == "unsafe" else verdict
-        text += f"; rail length not given, {figure(RAIL_LENGTH, 'm', 1)} assumed"
+        text += f"; rail length not given, {of_column('rail_length', RAIL_LENGTH)} assumed"
     return SafetyCheck("rail exit speed", verdict, text, times.source if why else fixed.source)
 
 
@@ -172,7 +183,7 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
     found = landing(said, fall)
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        drifts = f"drifts {length(three(found.drift)[1])} per {speed(1.0)} of wind on the way down"
+        drifts = f"drifts {per_wind(three(found.drift)[1])} on the way down"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
     _, usual, reach = three(found.away)
     text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"

@@ -1,6 +1,7 @@
 """A running capture in words: its events, and the amount received so far."""
 
 from fieldkit import capture
+from fieldkit.quantities import counted
 
 
 def event_line(event: capture.Event) -> str:
@@ -13,7 +14,7 @@ def event_line(event: capture.Event) -> str:
         case capture.Instruction(text):
             return text
         case capture.FlightsListed(flights, chosen):
-            return f"{len(flights)} flights in memory, reading {len(chosen)}"
+            return f"{counted(len(flights), 'flight')} in memory, reading {len(chosen)}"
         case capture.Lost(_, why):
             return f"{why}; everything received is saved, waiting for the unit to return"
         case capture.Back(port):
@@ -24,4 +25,4 @@ def event_line(event: capture.Event) -> str:
 def counts(progress: capture.Progress) -> list[str]:
     """The amount received: bytes, samples, and damaged samples if there are any."""
     damaged = [f"{progress.damaged:,} damaged"] if progress.damaged else []
-    return [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples", *damaged]
+    return [counted(progress.bytes, "byte"), counted(progress.samples, "sample"), *damaged]

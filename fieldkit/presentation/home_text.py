@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.services.day_weather import WEATHER
 
 if TYPE_CHECKING:
@@ -76,13 +76,13 @@ def flown_lines(one: "ListedFlight", system: str) -> Iterator[str]:
 def day_line(flights: "Sequence[ListedFlight]", system: str) -> str:
     """The flights of a day in a line: `3 flights today ▂▅█ 210 to 281 m`."""
     apogees = [one.flight.apogee for one in reversed(flights) if one.flight.apogee is not None]
-    counted = f"{len(flights)} flight{'' if len(flights) == 1 else 's'} today"
+    today = f"{counted(len(flights), 'flight')} today"
     if not apogees:
-        return counted if flights else "No flights yet today"
+        return today if flights else "No flights yet today"
     if len(apogees) == 1:
-        return f"{counted}, to {measure(APOGEE, apogees[0], system)}"
+        return f"{today}, to {measure(APOGEE, apogees[0], system)}"
     ends = f"{number(APOGEE, min(apogees), system)} to {measure(APOGEE, max(apogees), system)}"
-    return f"{counted}  {sparkline(apogees, len(apogees))}  {ends}"
+    return f"{today}  {sparkline(apogees, len(apogees))}  {ends}"
 
 
 def sparkline(values: Sequence[float], width: int) -> str:

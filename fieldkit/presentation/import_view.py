@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, in_system, measure, number, rounded, spelled, unit_of
+from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _apogees(one: FileView, shown: ShownUnits) -> str:
         if count == 1
         else ", no flight"
         if not count
-        else f", {count} flights"
+        else f", {counted(count, 'flight')}"
     )
     if not found:
         return flights + (", no apogee" if count else "")
@@ -141,11 +141,11 @@ def lines(one: FileView, system: str = "SI") -> Iterator[str]:
         yield from _event_lines(flight, ShownUnits(system))
         yield from _plot_lines(flight.curve, system)
     if len(one.shown) > MOST_FLIGHTS:
-        yield f"  and {len(one.shown) - MOST_FLIGHTS} more flights; --json lists them all"
+        yield f"  and {counted(len(one.shown) - MOST_FLIGHTS, 'more flight')}; --json lists them all"
     for note in one.notes:
         yield f"  note      {in_system(note, system)}"
     count = len(one.flights)
-    yield f"  would store {count} flight{'' if count == 1 else 's'}, {one.rejected} rejected"
+    yield f"  would import {counted(count, 'flight')}, {one.rejected} rejected"
 
 
 def _column(one: "ColumnRead") -> str:

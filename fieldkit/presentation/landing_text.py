@@ -86,8 +86,9 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits, holds: float | None) -> Iterator[str]:
     """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
     low, middle, high = three(down.drift)
-    yield f"  lands     unknown without the wind: drifts {shown.length(middle)} for {shown.speed(1.0)} at the pad"
-    yield f"            on the way down, 90% interval {shown.lengths(low, high)}"
+    yield f"  lands     unknown without the wind: drifts {shown.per_wind(middle)} at the pad"
+    ends = shown.lengths(low * shown.speed_factor, high * shown.speed_factor)
+    yield f"            on the way down, 90% interval {ends}"
     if site.size is not None and holds is not None:
         yield f"  field     {shown.length(site.size)} across: {_held(holds, shown)} (pad in the middle)"
 

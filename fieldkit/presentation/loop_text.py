@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
-from fieldkit.quantities import ShownUnits, in_system, rounded
+from fieldkit.quantities import ShownUnits, counted, in_system, rounded
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
@@ -87,7 +87,7 @@ def misses(found: Findings) -> list[dict[str, Any]]:
 def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     before = found.left_out.before.score
     count = found.left_out.before.flights
-    yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
+    yield f"{found.rocket}: {counted(count, 'clean flight')}, each forecast from the others by the plain model"
     yield (
         f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
         f"{before.coverage90:.0%} of flights in the 90% interval"

@@ -16,7 +16,7 @@ from fieldkit.planning.motor_advice import MotorAdvice
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
-from fieldkit.quantities import ShownUnits, measure, written
+from fieldkit.quantities import ShownUnits, measure
 from fieldkit.units import DEGREE, FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
@@ -35,7 +35,7 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str 
     rocket has one among `starts`; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
-    usual = written(RAIL_LENGTH, "m", system, 1)
+    usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     blows = f"wind {wind}" if wind else "wind not given"
     yield f"  with      {blows}, {rail}, {f'at {angle} {_way(plan)}' if plan.rail_angle else 'vertical'}"

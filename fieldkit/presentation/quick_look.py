@@ -10,7 +10,7 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_values import finite
-from fieldkit.quantities import ShownUnits, in_system, rounded
+from fieldkit.quantities import ShownUnits, counted, in_system, rounded
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
@@ -61,7 +61,7 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
     said = found.answer
-    yield f"{found.rocket}: {found.flights} clean flights, quick look by the network; nothing is saved"
+    yield f"{found.rocket}: {counted(found.flights, 'clean flight')}, quick look by the network; nothing is saved"
     yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"

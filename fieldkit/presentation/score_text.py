@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 MAX_BAR_LENGTH = 30
 """Longest bar. [character]"""
-WAYS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
-DIFFERENCES = ("fieldkit's advantage", "error", "CRPS", "interval score")
+HEADERS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
+DIFFERENCE_HEADERS = ("fieldkit's advantage", "error", "CRPS", "interval score")
 
 
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
@@ -47,7 +47,7 @@ def next_lines(found: "LedgerScores") -> Iterator[str]:
 
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
-    """A row of `WAYS` for the model and each rival, in percent of the flown apogee: median and mean absolute error,
+    """A row of `HEADERS` for the model and each rival, in percent of the flown apogee: median and mean absolute error,
     median bias, CRPS, score of the 90% interval, and flights inside it."""
     return [
         (
@@ -65,7 +65,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
 
 
 def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
-    """A row of `DIFFERENCES` for each rival: the reduction of a mean score by the model and its 90% bootstrap
+    """A row of `DIFFERENCE_HEADERS` for each rival: the reduction of a mean score by the model and its 90% bootstrap
     interval, in percent of the flown apogee, with a star if the difference is clear."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))

@@ -17,6 +17,7 @@ from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
+from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior, members_of, prior_of
 from fieldkit.selection.prior import UNEXPLAINED, log_prior_odds
@@ -138,7 +139,7 @@ def _singles(model: Model, data: Data, families: Families, on_progress: ReportPr
     for turn in range(MAX_SEARCHES):
 
         def report(share: float, turn: int = turn) -> None:
-            on_progress(f"{count} candidates", (turn + share) / MAX_SEARCHES)
+            on_progress(f"{counted(count, 'candidate')}", (turn + share) / MAX_SEARCHES)
 
         trials = try_all(model, data, screened(families, plain), plain, on_progress=report)
         better = fitted_again(model, data, plain, trials)

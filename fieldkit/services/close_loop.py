@@ -11,6 +11,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op, part
+from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -44,7 +45,8 @@ def close_loop(
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
     if sum(used_in_fit) < 4:
         raise NoFlights(
-            f"{rocket}: found {sum(used_in_fit)} clean flights with an apogee, expected at least 4 to close the loop"
+            f"{rocket}: found {counted(sum(used_in_fit), 'clean flight')} with an apogee, "
+            "expected at least 4 to close the loop"
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history])

@@ -14,6 +14,7 @@ from fieldkit.ledger.whereabouts import file_of, location
 from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.progress import ReportProgress, part
+from fieldkit.quantities import counted
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
@@ -39,7 +40,9 @@ class Demo:
 def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo:
     """Import, infer, predict, close the loop. Raises LedgerError for a ledger that already has flights."""
     if count := len(ledger.flights()):
-        raise LedgerError(f"{ledger.name}: found {count} flights, expected an empty or new ledger for the demo")
+        raise LedgerError(
+            f"{ledger.name}: found {counted(count, 'flight')}, expected an empty or new ledger for the demo"
+        )
     on_progress("importing", 0.0)
     bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
     flights = ledger.flights()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.quantities import counted
+from fieldkit.quantities import area_unit, counted
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ class ForecastFacts:
     by: str
 
 
-def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFacts:
-    """The posterior from a single flight. Raises FieldkitError if there is none."""
+def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: str = "SI") -> DragFacts:
+    """The posterior from a single flight, an area in the unit of a system. Raises FieldkitError if there is none."""
     import numpy as np
 
     from fieldkit.inference.network.flights import infer
@@ -53,7 +53,8 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> DragFac
     warnings = guarded.inferred[0].warnings
     if flight.diameter:
         return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, warnings)
-    return DragFacts(area * 1e4, "drag area cm²", thrust, warnings)
+    unit, factor = area_unit(system)
+    return DragFacts(area / factor, f"drag area {unit}", thrust, warnings)
 
 
 def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: str = "SI") -> ForecastFacts:

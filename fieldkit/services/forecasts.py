@@ -44,15 +44,18 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The named rocket, flown or with a design, or the rocket flown last. Raises NoFlights with the list of rockets."""
+    """The named rocket, flown or with a design, or the rocket of the flight entered last.
+
+    Raises NoFlights with the list of rockets.
+    """
     rockets = ledger.names("rocket")
-    if wanted is None:
-        if not rockets:
-            raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
-        return rockets[0]
-    if wanted not in rockets and not ledger.starts(wanted):
-        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none'}")
-    return wanted
+    if wanted is not None and (wanted in rockets or ledger.starts(wanted)):
+        return wanted
+    if not rockets:
+        raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
+    if wanted is not None:
+        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets)}")
+    return rockets[0]
 
 
 def accepted_average(

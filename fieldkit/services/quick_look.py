@@ -13,6 +13,7 @@ from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.quantities import counted
 from fieldkit.selection.quick_look import QuickLook, quick_look
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import flown, predict_plans
@@ -44,7 +45,8 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
     if sum(used_in_fit) < MIN_FLIGHTS:
         raise NoFlights(
-            f"{rocket}: found {sum(used_in_fit)} clean flights with an apogee, expected at least {MIN_FLIGHTS}"
+            f"{rocket}: found {counted(sum(used_in_fit), 'clean flight')} with an apogee, "
+            f"expected at least {MIN_FLIGHTS}"
         )
     return quick_look(rocket, history, used_in_fit)
 

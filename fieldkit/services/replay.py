@@ -14,6 +14,7 @@ from fieldkit.importing.read import read, read_recordings
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.to_flights import derived_id
 from fieldkit.ledger import Ledger
+from fieldkit.quantities import counted
 from fieldkit.safe_text import whole_number
 from fieldkit.services.imports import StoredFiles, read_file, stored_files
 
@@ -78,7 +79,7 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
         return readings[number - 1]
     named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]
     if len(named) != 1:
-        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none has this id")
+        raise LedgerError(f"{id}: its log holds {counted(len(readings), 'flight')} and none has this id")
     return named[0]
 
 

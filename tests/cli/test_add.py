@@ -351,3 +351,24 @@ def test_add_killed_at_the_fifth_prompt_offers_to_continue(file: Path) -> None:
     said, _ = converse_in_terminal(file, ["y"], "Top speed (m/s): ")
     assert "A flight is unfinished (rocket Astra, config A, motor F24-4W, apogee 923ft)." in said
     assert "Rocket" not in said.split("[Y/n]")[1]
+
+
+def test_a_saved_forecast_and_its_miss_are_printed_once(
+    add: Add, file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    build = ["--rocket", "Swift", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm"]
+    assert main(["--ledger", str(file), "predict", *build[:4], "--dry-mass", "60g", "--diameter", "25mm"]) == 0
+    capsys.readouterr()
+    _, shown, _ = add([], *build, "--apogee", "250m")
+    assert shown.count("; flown ") == 1
+    assert shown.lower().count("forecast") == 1
+    assert "inside the 90% interval" in " ".join(shown.split()).replace("OUTSIDE", "inside")
+    _, shown, _ = add([], *build, "--apogee", "251m")
+    assert "The forecast was stale: flight 1 added since." in " ".join(shown.split())
+
+
+def test_an_impossible_flight_is_remarked_on_once(add: Add) -> None:
+    build = ["--rocket", "Swift", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm"]
+    add([], *build, "--apogee", "250m")
+    _, _, messages = add([], *build, "--apogee", "9000m")
+    assert messages.count("is excluded from every fit") == 1

@@ -341,7 +341,7 @@ def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
         ("apogee=1e9", "apogee: found 1e+09 m, expected"),
         ("apogee=900000ft", "apogee: found 900000 ft, expected 0.3281 to 656168 ft, such as 734ft"),
         ("temperature=200F", "temperature: found 200 °F, expected -130 to 158 °F, such as"),
-        ("apogge_m=3", "no column 'apogge_m', did you mean apogee_m"),
+        ("apogge_m=3", "no column 'apogge_m'; did you mean apogee_m"),
         ("motor=ZZ99", "motor: 'ZZ99': found no such motor"),
         ("date_time=soon", "date_time: found 'soon', expected a date"),
         ("flight_id=2", "flight 2 of Astra is already in the ledger"),
@@ -366,7 +366,7 @@ def test_tags_come_and_go(full: Run) -> None:
 
 def test_undo_and_redo_go_through_every_change(full: Run) -> None:
     full("tag", "1", "mine")
-    assert full("remove", "1", "2").out.startswith("2 removed")
+    assert full("remove", "1", "2").out.startswith("Removed 2 flights.")
     assert full("undo").out == "undone: remove 1, 2\n"
     assert full("undo").out == "undone: tag 1 mine\n"
     assert full("redo").out == "redone: tag 1 mine\n"
@@ -399,6 +399,14 @@ def test_export_writes_to_the_screen_or_says_why_it_cannot_write(full: Run, tmp_
     said = full("export", tmp_path / "absent" / "out.csv")
     assert said.status == 1
     assert "absent" in said.err
+
+
+def test_export_of_an_unknown_rocket_is_refused_and_writes_nothing(full: Run, tmp_path: Path) -> None:
+    file = tmp_path / "nope.csv"
+    said = full("export", str(file), "--rocket", "Nope")
+    assert said.status == 1
+    assert said.err == "found no flights of 'Nope', expected one of: Astra\n"
+    assert not file.exists()
 
 
 def test_motors_are_found_and_shown(run: Run) -> None:
@@ -452,7 +460,7 @@ def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[s
     assert main(["--ledger", str(tmp_path / "empty.db"), "predict", "--motor", "F24-4W"]) == 1
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert shown.err == "the flight: found no dry mass, expected dry_mass_g, the rocket's mass without its motor\n"
+    assert shown.err == "the plan: found no dry mass, expected the rocket's mass without its motor\n"
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")

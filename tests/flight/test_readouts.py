@@ -188,7 +188,7 @@ def test_what_stands_beside_a_readout_is_edited_like_a_column(tmp_path: Path) ->
             edit(apogee_sd_m="3")
         with pytest.raises(BadValue, match="apogee_sd_m: found '0', expected a standard deviation above 0"):
             edit(apogee_sd_m="0")
-        with pytest.raises(BadValue, match="no column 'apogee_sdm', did you mean apogee_sd_m"):
+        with pytest.raises(BadValue, match="no column 'apogee_sdm'; did you mean apogee_sd_m"):
             edit(apogee_sdm="3")
 
 

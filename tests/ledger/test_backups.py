@@ -104,7 +104,7 @@ def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
         return real(asked)
 
     monkeypatch.setattr(restoring, "opened", failing)
-    expected = "disk I/O error.*nothing was changed" if times == 1 else "may be damaged; what it was is in .*000"
+    expected = "disk I/O error.*nothing was changed" if times == 1 else "may be damaged; its former content is in .*000"
     with pytest.raises(LedgerError, match=expected):
         restoring.restore(file, first)
     monkeypatch.undo()

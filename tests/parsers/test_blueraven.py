@@ -172,7 +172,7 @@ def test_a_line_printed_over_by_the_next_gives_the_next() -> None:
     flight, note = usb(frame("05.210") + whole[:30] + b"0@ LOG_LOW   @ LOG_LO\r\n" + frame("05.290"))
     assert isinstance(flight, Reading)
     assert flight.clocks[0].time.tolist() == [0, 0.08]
-    assert note == Note("is the first of 1 lines whose frames have a bad checksum and are lost", 2)
+    assert note == Note("has a frame with a bad checksum, left out; 1 such line in all", 2)
 
 
 def test_a_frame_with_one_flipped_bit_is_lost_and_no_other() -> None:

@@ -170,6 +170,7 @@ def test_wind_raises_the_rail_speed_that_is_wanted(said: Prediction) -> None:
     assumed = lines_of(steady, wind=9.5)["rail exit speed"]
     assert assumed.verdict == "caution"  # of a rail that nobody gave
     assert "rail length not given, 1.0 m assumed" in assumed.text
+    assert "rail length not given, 3.3 ft assumed" in assumed.words("US")
 
 
 def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(said: Prediction) -> None:

@@ -56,7 +56,7 @@ def test_the_demo_refuses_a_ledger_that_is_in_use(tmp_path: Path, capsys: pytest
     with Ledger.open(path) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Mine", apogee=100.0)])
     assert main(["--ledger", str(path), "demo"]) == 1
-    assert "found 1 flights, expected an empty or new ledger" in capsys.readouterr().err
+    assert "found 1 flight, expected an empty or new ledger" in capsys.readouterr().err
     with Ledger.open(path) as ledger:
         assert [flight.rocket for flight in ledger.flights()] == ["Mine"]
 

@@ -64,7 +64,9 @@ def test_without_a_diameter_there_is_no_cd_but_thrust(ledger: Ledger) -> None:
     (found,) = FlightInference(ledger, catalogue()).infer([bare]).inferred
     assert np.isnan(found.cd)
     assert 0.5 < found.alpha < 1.5
-    assert drag_facts(bare, ledger, catalogue()).drag_name == "drag area cm²"
+    drawn, in_inches = (drag_facts(bare, ledger, catalogue(), system) for system in ("SI", "US"))
+    assert (drawn.drag_name, in_inches.drag_name) == ("drag area cm²", "drag area in²")
+    assert float(np.median(in_inches.drag / drawn.drag)) == pytest.approx(1 / 2.54**2, rel=0.1)
 
 
 def test_the_draws_of_a_flight_are_what_is_printed_of_it(ledger: Ledger) -> None:

@@ -69,9 +69,9 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12
         await press(pilot, "enter")
-        assert "1 imported, 0 duplicates, 2 rejected" in words(pilot)
+        assert "Imported 1, 0 duplicates, 2 rejected" in words(pilot)
         await press(pilot, "enter")
-        assert "0 imported, 1 duplicate," in words(pilot)
+        assert "Imported 0, 1 duplicate," in words(pilot)
         await press(pilot, "escape", "u")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12

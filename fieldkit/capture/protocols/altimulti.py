@@ -16,6 +16,7 @@ from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
+from fieldkit.quantities import counted
 from fieldkit.safe_text import whole_number
 
 MAX_FLIGHTS = 25
@@ -180,8 +181,8 @@ def _flight(link: Link, number: int) -> Dialogue[bool]:
         good, bad, ended = yield from _answer(link, number)
         if ended and not bad:
             return True
-        fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
-        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are saved"
+        fault = f"{counted(bad, 'sentence')} with a wrong checksum" if ended else "it stopped in the middle"
+        again = "; reading it again" if attempt < TRIES else f"; {counted(good, 'sample')} of it are saved"
         yield Instruction(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False

@@ -19,6 +19,7 @@ from fieldkit.capture.link import Dialogue, Link
 from fieldkit.capture.port import ALTUS_METRUM
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
+from fieldkit.quantities import counted
 
 TRIES = 3
 BLOCK, ROW, LINE = 256, 8, 32
@@ -140,7 +141,7 @@ def _block(link: Link, number: int) -> Dialogue[Block]:
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"
-        yield Instruction(f"block {number:x}: {block.missing} lines arrived incomplete{again}")
+        yield Instruction(f"block {number:x}: {counted(block.missing, 'line')} arrived incomplete{again}")
         yield from link.drain(0.3)
     return block
 

@@ -15,6 +15,7 @@ from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
+from fieldkit.quantities import counted
 
 ANSWER = 3.0
 """Longest pause of the unit within an answer. [s]"""
@@ -91,7 +92,7 @@ def _flight(link: Link, count: int) -> Dialogue[bool]:
         if good == count:
             return True
         again = "; reading it again" if attempt < TRIES else ""
-        yield Instruction(f"{good} of {count} samples arrived{again}")
+        yield Instruction(f"{good} of {counted(count, 'sample')} arrived{again}")
     return False
 
 

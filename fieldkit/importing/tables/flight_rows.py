@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from fieldkit import units
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
+from fieldkit.quantities import counted
 
 TableRow = tuple[int, list[str] | DamagedLog]
 """A row of a table with its number: its cells, or why they cannot be read."""
@@ -51,7 +52,7 @@ def last_row(row: int, cells: list[str] | DamagedLog, width: int) -> TableRow:
     """The last row of a file that ends within a line: an error if cells are missing."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
-    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
+    return row, DamagedLog(f"found {len(cells)} of {counted(width, "cell")} where the file ends, expected a whole row", row=row)
 
 
 def cells_of(field: str, headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> Iterator[str]:

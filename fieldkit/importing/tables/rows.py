@@ -16,6 +16,7 @@ from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, g
 from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float, Int, Integers
 
 PATIENCE = 50
@@ -191,7 +192,7 @@ class Rows:
             return DamagedLog("found an endless line or a NUL character, expected a row", row=row)
         if self.widths is not None and len(cells) not in self.widths:
             expected = " or ".join(map(str, sorted(self.widths)[:3]))
-            return DamagedLog(f"found {len(cells)} cells, expected {expected}", row=row)
+            return DamagedLog(f"found {counted(len(cells), 'cell')}, expected {expected}", row=row)
         numbers = []
         for channel in self.channels:
             cell = cells[channel.place] if channel.place < len(cells) else ""

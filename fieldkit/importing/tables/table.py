@@ -12,6 +12,7 @@ from fieldkit.flight import Series
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.clocks import credible, restarts
 from fieldkit.importing.tables.damage import MAX_REPORTED
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 MOST_FLIGHTS = 100
@@ -100,4 +101,4 @@ def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -
     for row, value in zip(rows[:MAX_REPORTED].tolist(), clock.tolist(), strict=False):
         yield DamagedLog(f"found {name} {value:.10g} out of order, expected it to increase", row=row)
     if len(rows) > MAX_REPORTED:
-        yield DamagedLog(f"found {len(rows) - MAX_REPORTED} more rows out of order")
+        yield DamagedLog(f"found {counted(len(rows) - MAX_REPORTED, 'more row')} out of order")

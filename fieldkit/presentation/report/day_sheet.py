@@ -24,7 +24,7 @@ from fieldkit.planning.planned_flight import PlannedFlight
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.landing_text import rail_in_words
 from fieldkit.presentation.report.style import bound, drawn, shortened, styled
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, counted
 from fieldkit.safe_text import printable
 
 HEADERS = (
@@ -71,7 +71,10 @@ def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: 
             part = planned[first : first + ROWS]
             rows, room = _told(part, own[first : first + ROWS], shown), _room(len(part))
             if kind != "pdf" and len(rows) > room:
-                rows = [*rows[: room - 1], f"and {len(rows) - room + 1} lines more: a .pdf has pages for them"]
+                rows = [
+                    *rows[: room - 1],
+                    f"and {counted(len(rows) - room + 1, 'more line')}: a .pdf has room for them",
+                ]
             figures.append(_page(title, heading, part, rows[:room], shown))
             more = range(room, len(rows), LINES)
             figures += [_more(title, rows[start : start + LINES]) for start in more]

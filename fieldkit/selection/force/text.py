@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from fieldkit.quantities import counted
 from fieldkit.selection.force.log_evidence import LogEvidence
 from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
@@ -18,7 +19,7 @@ COMPARISON_TEXTS = {
 def climbs_in_words(said: LogEvidence) -> Iterator[str]:
     """The missing force and its comparison with the verdict; empty if no flight has a log."""
     if said.flights:
-        yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
+        yield f"missing force, {counted(len(said.flights), 'log')}: {_law(said)}"
         if said.says:
             yield COMPARISON_TEXTS[said.says].format(effects="+".join(said.effects))
     reasons: dict[str, list[str]] = {}
@@ -26,7 +27,7 @@ def climbs_in_words(said: LogEvidence) -> Iterator[str]:
         reasons.setdefault(why, []).append(flight_id)
     for why, ids in reasons.items():
         others = f" and {len(ids) - 1} more" if len(ids) > 1 else ""
-        yield f"{_counted(len(ids))} without a missing force, {ids[0]}{others}: {why}"
+        yield f"{counted(len(ids), 'log')} without a missing force, {ids[0]}{others}: {why}"
 
 
 def _law(said: LogEvidence) -> str:
@@ -40,7 +41,3 @@ def _law(said: LogEvidence) -> str:
 def _term(one: FoundTerm | Common) -> str:
     also = f", or {', '.join(one.also)}," if one.also else ""
     return f"{one.term.name}{also} {one.value:.3g} +/- {one.sd:.2g} {one.term.unit}"
-
-
-def _counted(logs: int) -> str:
-    return f"{logs} log{'s' if logs > 1 else ''}"

@@ -11,6 +11,7 @@ from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.read import read_stored
 from fieldkit.importing.recognize import parsers
+from fieldkit.quantities import counted
 from fieldkit.services.imports.within_motor import within_motor
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     if len(found) != 1:
         found = [one for one in fresh if one.extra.get("log_part", "") == flight.extra.get("log_part", "")]
     if len(found) != 1:
-        raise LedgerError(f"{id}: its log now holds {len(fresh)} flights, and none clearly matches this one")
+        raise LedgerError(f"{id}: its log now holds {counted(len(fresh), 'flight')}, and none clearly matches this one")
     return found[0]
 
 

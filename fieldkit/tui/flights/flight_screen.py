@@ -288,7 +288,7 @@ def hills(flight: Flight, resources: "Resources") -> Hills:
     """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
     from fieldkit.tui.widgets.plots import draw_density
 
-    said = drag_facts(flight, resources.ledger, resources.motors)
+    said = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
     drawn = tuple(
         (
             place,

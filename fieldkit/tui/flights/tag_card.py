@@ -81,7 +81,7 @@ class TagCard(VerticalScroll):
 
         same = before.forecast is now.forecast
         for name, title, spelled in (
-            ("drag", "Cd of the rocket, 90% and ● the middle", lambda value: f"{value:.2f}"),
+            ("drag", "Cd of the rocket, 90% interval, ● median", lambda value: f"{value:.2f}"),
             ("apogee", "Apogee of its next flight on this motor", lambda value: measure(cards.APOGEE, value, system)),
         ):
             rows = (

@@ -3,7 +3,7 @@
 from fieldkit.tui.help import Help
 
 IMPORT_HELP = Help(
-    "Choose a log or a flight table. The file under the cursor is read but not stored: you see its format, how "
+    "Choose a log or a flight table. The file under the cursor is read but not imported: you see its format, how "
     "many flights it would add, each rejected row with the reason, and the flights. Press Enter to import it; if it "
     "names no rocket or no motor, a form asks for them. "
     "Duplicates change nothing, so a file may be imported twice. Press the space bar to mark files that belong "

@@ -161,7 +161,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
     parts += [f"\n! {printable(shortened(by_keys(in_system(note, system))))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
-        parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
+        parts.append(f"\n  and {counted(len(receipt.notes) - MAX_NOTES, 'more note')}")
     if receipt.ids:
         lacking = ", ".join(
             f"no {name}" for name in ("rocket", "motor") if _lack(look.flights, name) and name not in given

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import in_system, measure, rounded
+from fieldkit.quantities import counted, in_system, measure, rounded
 from fieldkit.safe_text import printable
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
@@ -76,7 +76,7 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
     """Mean error before and after with its interval, and the number of flights inside their intervals."""
     if not compared.before.flights:
         return
-    yield f"{title}, {compared.before.flights} flights"
+    yield f"{title}, {counted(compared.before.flights, 'flight')}"
     for when, judged in (("before", compared.before), ("after", compared.after)):
         mean = measure(cards.APOGEE, judged.score.mae, system)
         low, high = (measure(cards.APOGEE, one, system) for one in judged.mae)

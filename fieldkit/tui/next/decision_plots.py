@@ -27,7 +27,7 @@ def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
     )
     if not rows:
         return answer
-    title = "When each delay fires, 90% of flights, ● the middle; ◎ is apogee"
+    title = "When each delay fires, 90% of flights, ● median; ◎ is apogee"
     return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
 
 
@@ -37,7 +37,7 @@ def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, s
     from fieldkit.tui.widgets.plots import draw_density
 
     marks = [(target, "◎"), *((value, "") for value in three(apogee))]
-    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5%, middle and 95%"
+    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5%, median and 95%"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
 
 
@@ -48,7 +48,7 @@ def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
 
     low, middle, high = three(points)
     draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
-    return replace(answer, title="Points of a flight, fewer are better; lines are 5%, middle and 95%", draw=draw)
+    return replace(answer, title="Points of a flight, fewer are better; lines are 5%, median and 95%", draw=draw)
 
 
 def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":

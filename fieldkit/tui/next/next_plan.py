@@ -28,8 +28,13 @@ PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITI
 """Editable numbers of a plan; the delay is chosen with the motor."""
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its clean flights."),
-    Question("config", "Configuration", "The build, such as A. Mass and diameter are those of its last flight."),
-    *(Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as last flown, or standard.") for name in PLAN),
+    Question(
+        "config", "Configuration", "The build, such as A. Mass and diameter are those of the flight entered last."
+    ),
+    *(
+        Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as in the flight entered last, or standard.")
+        for name in PLAN
+    ),
     Question("site", "Site", "Its elevation, size and ceiling are saved with `fieldkit sites`. Empty: the last site."),
     Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with a unit: 60F. Used only for its safety check."),
 )

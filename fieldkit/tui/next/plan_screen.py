@@ -80,8 +80,8 @@ class PlanScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back", priority=True),
-        Binding("left", "turn(-1)", "Previous answer", show=False, priority=True),
-        Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
+        Binding("left", "turn(-1)", "Previous view", show=False, priority=True),
+        Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
         Binding("e", "day", "Edit", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),

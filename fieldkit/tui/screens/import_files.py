@@ -82,7 +82,7 @@ class ImportScreen(PageScreen):
         """The folder, the files, and the preview."""
         yield Static("", id="where")
         with Horizontal(id="split"):
-            yield Table(id="files", empty="empty", enter="Store")
+            yield Table(id="files", empty="empty", enter="Import")
             with VerticalScroll(id="look"):
                 yield Static("", id="said")
                 yield Static("", id="more")
@@ -125,7 +125,7 @@ class ImportScreen(PageScreen):
         table = self.query_one("#files", Table)
         path = table.current
         is_folder = path is None or path == UP or isdir(path)
-        table.enter = "Open" if is_folder else "Store"
+        table.enter = "Open" if is_folder else "Import"
         self.query_one(KeyBar).follow()
         self._look = None
         self.query_one("#more", Static).update("")
@@ -157,7 +157,7 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
-            self.show_notice("Still reading the file; Enter again stores it")
+            self.show_notice("Still reading the file; Enter again imports it")
 
     async def _store(self, path: Path, look: Look) -> None:
         """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast filled in."""
@@ -195,7 +195,7 @@ class ImportScreen(PageScreen):
         self._reading = replace(self._reading, marked=())
         counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
         undo = ". u to undo" if receipt.ids else ""
-        self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
+        self.show_notice(f"Imported {len(receipt.ids)}, {counts}{undo}")
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:

@@ -213,11 +213,10 @@ class CaptureScreen(PageScreen):
         if sample is None:
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
-        unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)
         speed = measure(BY_NAME["top_speed"], sample.speed, system)
-        lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
+        lines = [f"{spelled(unit_of(cards.APOGEE, system))} now, highest {highest}", speed, printable(sample.state)]
         self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
         heights = [float(number(cards.APOGEE, one, system)) for one in self._heights]
         self.query_one(Plot).display = True
@@ -230,8 +229,9 @@ class CaptureScreen(PageScreen):
             self._say("nothing received")
             return
         whole = "complete" if end.whole else "INCOMPLETE; C to continue"
-        self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; saved in {end.file}")
-        question = f"{end.file.name}: {end.samples} samples, {whole}.\nImport its flights?"
+        size = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}"
+        self._say(f"{end.why}: {size}; saved in {end.file}")
+        question = f"{end.file.name}: {size}.\nImport its flights?"
         ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
@@ -252,7 +252,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.show_notice(f"{len(receipt.ids)} imported, {counted(receipt.duplicates, 'duplicate')}. u to undo")
+        self.show_notice(f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:

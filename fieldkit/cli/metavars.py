@@ -1,0 +1,96 @@
+"""Placeholders of values in the help: `--dry-mass MASS` says what to type, a type such as `str` does not."""
+
+from collections.abc import Iterable, Mapping
+from copy import copy
+from typing import Any
+
+from fieldkit.flight import BY_NAME
+from fieldkit.flight.recovery import RECOVERY_COLUMNS
+
+BY_QUANTITY = {
+    "length": "LENGTH",
+    "mass": "MASS",
+    "speed": "SPEED",
+    "time": "SECONDS",
+    "temperature": "TEMPERATURE",
+    "pressure": "PRESSURE",
+    "fraction": "PERCENT",
+    "angle": "DEGREES",
+    "acceleration": "G",
+}
+"""Placeholder of a number of each quantity."""
+OPTIONS = """
+    LENGTH: bystanders ceiling elevation field_size max_length mount people rocket_length size target waiver within
+    MASS: heaviest lift_off_mass lightest
+    MASSES: booster_mass
+    SPEED: limit
+    TEMPERATURE: motor_temperature
+    FILE: compare file files flights import_
+    FOLDER: out
+    ROCKET: fit rocket shortlist_for
+    FLIGHTS: declared
+    FLIGHT: flight
+    NAME: config device format kit name site
+    MOTOR: motor search
+    TEXT: notes title
+    TAG: tag
+    TAGS: tags
+    ID: flight_id
+    DATE: date_time since
+    EFFECTS: decline effect effects
+    YEAR: season
+    RULES: rules
+    RANGE: targets
+    SECONDS: cuts window
+    POINTS: cut
+    PERCENT: parachute reef
+    DEGREES: wind_from
+    LAT,LON: pad
+    CD: booster_cd cd
+    FACTOR: alpha
+    DIRECTION: rail_direction
+    DEVICE: recovery
+    DIAMETERS: stability_cal
+    CLASS: class_
+    NS: max_impulse
+    BAUD: baud
+    COUNT: last n_train
+    NUMBER: number port seed use
+    ADDRESS: cluster host
+    EXPORT: exports
+"""
+"""Placeholders of the options and arguments that are not numbers of a flight's columns."""
+TYPES = {"str": "text", "int": "number", "float": "number"}
+"""What the help calls the type of an argument, by its name in the code."""
+
+
+def placeholders() -> Mapping[str, str]:
+    """The placeholder of each option and argument by its name."""
+    named = {name: word for line in OPTIONS.split("\n") if line.strip() for word, name in _row(line)}
+    quantities = {name: column.quantity for name, column in BY_NAME.items()}
+    quantities |= {name: quantity for name, (quantity, _, _) in RECOVERY_COLUMNS.items()}
+    return named | {name: BY_QUANTITY[quantity] for name, quantity in quantities.items() if quantity in BY_QUANTITY}
+
+
+def _row(line: str) -> Iterable[tuple[str, str]]:
+    word, names = line.strip().split(": ")
+    return ((word, name) for name in names.split())
+
+
+def name_values(command: Any) -> None:
+    """Give each option and argument of a command, and of its subcommands, a placeholder for its value."""
+    known = placeholders()
+    for parameter in command.params:
+        has_choices = hasattr(parameter.type, "choices")
+        if parameter.metavar is None and parameter.name in known and not has_choices and _takes_value(parameter):
+            word = known[parameter.name]
+            parameter.metavar = f"{word}..." if parameter.nargs == -1 else word
+        if parameter.param_type_name == "argument" and parameter.type.name in TYPES:
+            parameter.type = copy(parameter.type)
+            parameter.type.name = TYPES[parameter.type.name]
+    for inner in getattr(command, "commands", {}).values():
+        name_values(inner)
+
+
+def _takes_value(parameter: Any) -> bool:
+    return not getattr(parameter, "is_flag", False)
