@@ -61,23 +61,28 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
 
 def _above(peak: Figure, floor: float) -> Figure:
     """A peak known to be at least the end of the range: the normal distribution of its logarithm, truncated there."""
-    spread = peak.sd / peak.value
-    logs = np.log(peak.value) + spread * np.linspace(-5, 5, 2001)
-    logs = logs[logs >= np.log(floor)]
-    if logs.size < 2:
+    spread = float(np.sqrt(np.log1p((peak.sd / peak.value) ** 2)))
+    away = spread * np.linspace(-5, 5, 2001)
+    values = peak.value * np.exp(away - spread**2 / 2)
+    there = values >= floor
+    if there.sum() < 2:
         return Figure(floor, spread * floor, peak.source)
-    weight = np.exp(-(((logs - np.log(peak.value)) / spread) ** 2) / 2)
-    mean = float(weight @ logs / weight.sum())
-    sd = float(np.sqrt(weight @ (logs - mean) ** 2 / weight.sum()))
-    value = float(np.exp(mean))
-    return Figure(value, sd * value, peak.source)
+    values, weight = values[there], np.exp(-((away[there] / spread) ** 2) / 2)
+    mean = float(weight @ values / weight.sum())
+    return Figure(mean, float(np.sqrt(weight @ (values - mean) ** 2 / weight.sum())), peak.source)
 
 
 def _usual_peak(mean: Figure) -> Figure:
     """Peak from the mean acceleration alone, by the motors of the catalog."""
     spread = float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
-    usual = mean.value * float(np.exp(BEYOND_MEAN[0]))
-    return Figure(usual, spread * usual, mean.source)
+    return _lognormal(mean.value * float(np.exp(BEYOND_MEAN[0])), spread, mean.source)
+
+
+def _lognormal(median: float, spread: float, source: str) -> Figure:
+    """Mean and standard deviation of a value whose logarithm is normal, given its median and that logarithm's spread:
+    large peaks are farther above the median than small ones are below it."""
+    mean = median * float(np.exp(spread**2 / 2))
+    return Figure(mean, mean * float(np.sqrt(np.expm1(spread**2))), source)
 
 
 def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push) -> Figure | None:
@@ -124,6 +129,7 @@ def _smoothed_peak(
     peak = float(curve * np.exp(np.interp(window / burn, parts, logs)))
     shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
     sd = float(np.linalg.norm([draws.std() / curve, np.interp(window / burn, parts, sds), shared]))
-    if abs(np.log(peak / by_mean.value)) > 2 * np.hypot(sd, by_mean.sd / by_mean.value):
+    found = _lognormal(peak, sd, mean.source)
+    if abs(np.log(found.value / by_mean.value)) > 2 * np.hypot(sd, by_mean.sd / by_mean.value):
         return by_mean
-    return Figure(peak, sd * peak, mean.source)
+    return found

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.analysis.peak import BEYOND_MEAN, BEYOND_WINDOW
+from fieldkit.analysis.peak import BEYOND_MEAN, BEYOND_WINDOW, _above, _lognormal
 from fieldkit.motors import catalogue
 
 STEP, PEAK = 0.01, 0.05
@@ -40,3 +40,12 @@ def test_peaks_of_motors_are_those_of_the_catalog() -> None:
     np.testing.assert_allclose(mean, expected[:, 0], atol=0.03)
     np.testing.assert_allclose(spread, expected[:, 1], atol=0.03)
     assert mean[:-1] == pytest.approx(sorted(mean[:-1]))
+
+
+def test_a_peak_has_the_moments_of_a_lognormal_and_of_its_upper_part() -> None:
+    draws = 80 * np.exp(0.35 * np.random.default_rng(1).standard_normal(400_000))
+    peak = _lognormal(80.0, 0.35, "pressure")
+    assert (peak.value, peak.sd) == pytest.approx((draws.mean(), draws.std()), rel=0.01)
+    upper = draws[draws >= 90]
+    cut = _above(peak, 90.0)
+    assert (cut.value, cut.sd) == pytest.approx((upper.mean(), upper.std()), rel=0.02)
