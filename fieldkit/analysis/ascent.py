@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.ballistic import Coast, fitted_coast
-from fieldkit.analysis.burnout import Burnout, FitStart, burnout_sd_by_pressure, guess_for, likeliest_burnout
+from fieldkit.analysis.burnout import Burnout, FitStart, guess_for, likeliest_burnout
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.height_lag import NO_LAG, Lag
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
@@ -46,6 +46,8 @@ _ROUNDS = 12
 """Rounds of a fixed-point iteration whose error shrinks to a third in each. [1]"""
 _MIN_WEIGHT = 0.02
 """Smallest probability of a lag that counts. [1]"""
+_MAX_EVIDENCE_LOSS = 10.0
+"""Log evidence by which two lags in a row are behind the most probable one if longer lags are not tried. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +171,7 @@ def _fitted(start: FitStart, marks: Marks, lags: Sequence[Lag], static: float) -
     found = settled(samples, start.guess, start.fused, marks)
     if start.fused or marks.lift is None:
         return [LaggedAscent(1.0, lags[0], _drawn(samples, start.guess, found, start.fused, 0.0))]
-    tried = [likeliest_burnout(start, found, marks, lag, static) for lag in lags]
+    tried = _tried(start, found, marks, lags, static)
     most = max(one.evidence for one in tried)
     if not np.isfinite(most):
         raise np.linalg.LinAlgError("no curve can be fitted to these samples")
@@ -177,20 +179,29 @@ def _fitted(start: FitStart, marks: Marks, lags: Sequence[Lag], static: float) -
     weights /= weights.sum()
     likely = [place for place in np.argsort(-weights).tolist() if weights[place] > _MIN_WEIGHT or not lags[place].lag]
     total = float(weights[likely].sum())
-    best, lag = tried[likely[0]], lags[likely[0]]
-    spread = burnout_sd_by_pressure(start, found, marks, best, lag, static) if static else 0.0
+    best = tried[likely[0]]
     settings = settled(samples, guess_for(start, best.marks, best.lag), False, best.marks, best.lag)
     return [
-        LaggedAscent(weights[place] / total, lags[place], _again(start, settings, tried[place], spread))
-        for place in likely
+        LaggedAscent(weights[place] / total, lags[place], _again(start, settings, tried[place])) for place in likely
     ]
 
 
-def _again(start: FitStart, found: FittedCurve, burnout: Burnout, spread: float) -> Ascent:
-    """The curve for a burnout and a lag, with known settings; `spread` is a further error of burnout. [s]"""
+def _tried(start: FitStart, found: FittedCurve, marks: Marks, lags: Sequence[Lag], static: float) -> list[Burnout]:
+    """Burnout for each lag, shortest first, until two in a row are far less probable than the best one."""
+    every: list[Burnout] = []
+    for lag in lags:
+        every.append(likeliest_burnout(start, found, marks, lag, static))
+        bar = max(one.evidence for one in every) - _MAX_EVIDENCE_LOSS
+        if all(one.evidence < bar for one in every[-2:]):
+            break
+    return every
+
+
+def _again(start: FitStart, found: FittedCurve, burnout: Burnout) -> Ascent:
+    """The curve for a burnout and a lag, with known settings."""
     guess = guess_for(start, burnout.marks, burnout.lag)
     curve = found.again(start.samples, guess, burnout.marks, burnout.lag)
-    return _drawn(start.samples, guess, curve, False, float(np.hypot(burnout.sd, spread)), burnout.lag)
+    return _drawn(start.samples, guess, curve, False, burnout.sd, burnout.lag)
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:

@@ -68,27 +68,3 @@ def guess_for(start: FitStart, marks: Marks, lag: float) -> Guess:
     """Initial guess from the coast, without the lag by which the samples are late. [s]"""
     coast = None if start.coast is None else replace(start.coast, time=start.coast.time - lag)
     return first_guess(start.samples.grid, coast, None, marks.lift, marks.burnout, marks.released)[0]
-
-
-def burnout_sd_by_pressure(
-    start: FitStart, found: FittedCurve, marks: Marks, burnout: Burnout, lag: Lag, static: float
-) -> float:
-    """Standard deviation of the burnout time caused by the error of the pressure in the airframe. [s]
-
-    The burnout estimate can jump from one bend of the heights to another, so the error is averaged with three-point
-    Gauss-Hermite quadrature instead of linearized.
-    """
-    far = np.sqrt(3) * static
-    starts = [_corrected(start, found, burnout, error) for error in (-far, far)]
-    moved = [likeliest_burnout(one, found, marks, lag, 0.0).marks.burnout - burnout.marks.burnout for one in starts]
-    return float(np.sqrt(np.square(moved).sum() / 6))
-
-
-def _corrected(start: FitStart, found: FittedCurve, burnout: Burnout, static: float) -> FitStart:
-    """The same heights corrected for a static pressure error, a fraction of the dynamic pressure.
-
-    Pressure that is too high by a fraction of the dynamic pressure lowers heights by that fraction of v²/2g.
-    """
-    samples, guess = start.samples, guess_for(start, burnout.marks, burnout.lag)
-    ram = found.ram(samples, guess, burnout.marks, burnout.lag)
-    return replace(start, samples=replace(samples, height=samples.height + static * ram))

@@ -21,9 +21,10 @@ _SHOCK = 4 * GRAVITY
 """An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
 _RISE = 0.02
 """Rise time of a shock. [s]"""
-_TIME_BEFORE_APOGEE, _BRAKED_SLACK = 1.0, 2.0
-"""How long before apogee an undetected charge may have fired [s], and the slack in the speed of a fall [m/s]: a fall to
-less than 1.5 times the descent speed plus this slack does not reveal when it was braked."""
+_DELAY_SD, _BRAKED_SLACK = 1.0, 2.0
+"""Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
+are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
+speed plus this slack does not reveal when it was braked."""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
@@ -153,12 +154,15 @@ def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "tim
 def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[float, float]:
     """Mean speed from an unseen ejection, and its standard deviation, from the mean speed since apogee. [m/s]
 
-    Until ejection the rocket fell freely; after a longer fall the braking would have been visible.
+    The delay is normal around apogee. Until ejection the rocket fell freely; after a longer fall the braking would have
+    been visible.
     """
     latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY, lasts / 2)
-    after = np.linspace(-_TIME_BEFORE_APOGEE, latest, 41)
+    after = np.linspace(-3 * _DELAY_SD, latest, 41)
+    weight = np.exp(-((after / _DELAY_SD) ** 2) / 2)
     speeds = (height - GRAVITY * after**2 / 2) / (lasts - after)
-    return float(speeds.mean()), float(speeds.std())
+    mean = float(weight @ speeds / weight.sum())
+    return mean, float(np.sqrt(weight @ (speeds - mean) ** 2 / weight.sum()))
 
 
 def descent_speed(

@@ -14,7 +14,7 @@ from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import SOURCE as SATELLITES
 from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
-from fieldkit.shapes import Array
+from fieldkit.shapes import Array, Flags
 
 _MIN_DRAG_SPEED = 15.0
 """Speed below which errors of the acceleration exceed drag. [m/s]"""
@@ -133,6 +133,7 @@ def boost_event(
         pressed, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         share = _LATEST_DISTURBED if pressed and disturbed else _BURN_TIME_ERROR
         late = float(np.linalg.norm([late, 0.03 + share * (time[place] - begin), ascent.burnout_sd]))
+        blurred = _moved_by_pressure(ascent, inside) if pressed else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
         static = (
@@ -146,4 +147,16 @@ def boost_event(
         off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
         value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
         spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
+        late = float(np.hypot(late, blurred))
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)
+
+
+def _moved_by_pressure(ascent: Ascent, inside: Flags) -> float:
+    """How far the error of the pressure in the airframe moves the time of top speed: its root mean square. [s]
+
+    Heights that are low by k v²/2g show the speed v (1 - k a/g). A sudden burnout stays where it is, but thrust that
+    fades crosses zero net acceleration slowly, and the apparent crossing moves by up to k v/g.
+    """
+    time, speed, tilt = ascent.time[inside], ascent.speed[inside], ascent.acceleration[inside] / GRAVITY
+    usual, *moved = (time[int(np.argmax(speed * (1 + k * tilt)))] for k in (0.0, -STATIC_SD, STATIC_SD))
+    return float(np.sqrt(np.mean((np.array(moved) - usual) ** 2)))

@@ -5,7 +5,6 @@ Derivation: constant acceleration in the boost, then Newton's second law with dr
 
 import math
 from dataclasses import dataclass
-from itertools import accumulate
 
 import numpy as np
 
@@ -33,11 +32,14 @@ def lagged(values: Float[Array, "knot"], first: float, step: float, lag: float) 
 
     Exact for values that change linearly between knots.
     """
+    from scipy.linalg.lapack import dtbtrs
+
     if lag <= 0:
         return values
     kept = math.exp(-step / lag)
     gained = (1 - kept) * values[:-1] + np.diff(values) * (1 - lag / step * (1 - kept))
-    return np.array(list(accumulate(gained.tolist(), lambda shown, more: kept * shown + more, initial=first)))
+    recursion = np.stack([np.ones(values.size), np.full(values.size, -kept)])
+    return np.asarray(dtbtrs(recursion, np.concatenate(([first], gained)), uplo="L", diag="U")[0])
 
 
 def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> float:

@@ -18,6 +18,8 @@ _THRUST = 2 * GRAVITY
 
 _STEP, _QUICK_STEP = 0.01, 0.03
 """Steps between the lift-off times to try: for lift-off, and for how a lag shifts it. [s]"""
+_RIDGE, _TINY = 1e-10, 1e-30
+"""Regularization of a fit to columns of norm 1, and the smallest norm of a column that is not zero. [1]"""
 
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
@@ -100,7 +102,7 @@ def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, pace: float = _STE
     if time.size < 5 or (not known and height[0] > rise):
         return None
     corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), pace)
-    misfit = np.array([_misfit(time, height, corner, known, lag) for corner in corners])
+    misfit = _misfits(time, height, corners, known, lag)
     sigma = max(np.sqrt(misfit.min() / max(time.size - 4, 1)), track.noise)
     weight = np.exp(-0.5 * (misfit - misfit.min()) / sigma**2)
     weight /= weight.sum()
@@ -120,14 +122,23 @@ def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:
     return float(track.time[there[0]]) if there.size else seen.fastest
 
 
-def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool, lag: float) -> float:
-    """Sum of squared residuals from the best rise after a corner; `level` if the pad's height is fitted too. [m^2]"""
-    after = np.maximum(time - corner, 0)
+def _misfits(
+    time: Float[Array, "time"], height: Float[Array, "time"], corners: Float[Array, "corner"], level: bool, lag: float
+) -> Float[Array, "corner"]:
+    """Sum of squared residuals from the best rise after each corner; `level` if the pad's height is fitted too. [m^2]
+
+    A rise that begins downward is excluded by a large sum.
+    """
+    after = np.maximum(time - corners[:, None], 0)
     square = after**2 / 2 - lag * _late_line(after, lag)
-    columns = [square, after**3 / 6 - lag * square, *([np.ones_like(time)] if level else [])]
-    design = np.stack(columns, axis=1)
-    found, *_ = np.linalg.lstsq(design, height, rcond=None)
-    return float(((height - design @ found) ** 2).sum()) + (1e6 if found[0] < 0 else 0)
+    columns = [square, after**3 / 6 - lag * square, *([np.ones_like(after)] if level else [])]
+    design = np.stack(columns, axis=-1)
+    design /= np.maximum(np.linalg.norm(design, axis=1, keepdims=True), _TINY)
+    across = design.swapaxes(1, 2)
+    normal = across @ design + _RIDGE * np.eye(len(columns))
+    found = np.linalg.solve(normal, (across @ height)[..., None])
+    left = height - (design @ found)[..., 0]
+    return np.asarray((left**2).sum(axis=1) + np.where(found[:, 0, 0] < 0, 1e6, 0.0))
 
 
 def _late_line(after: Float[Array, "_"], lag: float) -> Float[Array, "_"]:

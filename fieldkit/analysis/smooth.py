@@ -145,19 +145,28 @@ def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] 
     )
 
 
+def _windows() -> Float[Array, "part band first"]:
+    """Products of the coefficients of an interval's window, by diagonal: for the powers 0, 1 and 2 of the lag."""
+    still, change = np.array((0, *_THIRD), float), np.array(_FOURTH, float)
+    mixed = np.outer(still, change)
+    every = (np.outer(still, still), mixed + mixed.T, np.outer(change, change))
+    return np.array([[np.pad(np.diag(one, apart), (0, apart)) for apart in range(still.size)] for one in every])
+
+
+_WINDOWS = _windows()
+
+
 def _walk(weight: Float[Array, "interval"], lag: Float[Array, "interval"]) -> Float[Array, "band knot"]:
     """Precision of the coefficients, in band form, if the acceleration is a random walk; `lag` in intervals.
 
     A window of five coefficients begins one before each interval. In the first one, which lacks that, no lag counts.
     """
-    still, change = np.array((0, *_THIRD), float), np.array(_FOURTH, float)
     lag = np.concatenate(([0.0], lag[1:]))
-    mixed = np.outer(still, change) + np.outer(change, still)
-    parts = [(weight, np.outer(still, still)), (weight * lag, mixed), (weight * lag**2, np.outer(change, change))]
-    band = np.zeros((still.size, weight.size + still.size - 1))
-    for counted, products in parts if lag.any() else parts[:1]:
-        for apart in range(still.size):
-            band[apart, : band.shape[1] - apart] += np.convolve(counted, np.diag(products, apart))
+    powers = np.arange(len(_WINDOWS) if lag.any() else 1)
+    terms = np.tensordot(_WINDOWS[powers], weight * lag ** powers[:, None], (0, 0))
+    band = np.zeros((len(terms), weight.size + len(terms) - 1))
+    for first in range(len(terms)):
+        band[:, first : first + weight.size] += terms[:, first]
     return band[:, 1:]
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Push
-from fieldkit.analysis.forces import forces
+from fieldkit.analysis.forces import boost_event, forces
 from fieldkit.analysis.records import MeasuredClimb
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 
@@ -34,3 +35,21 @@ def test_an_error_of_the_zero_that_the_pad_shows_is_not_drag(zero: float) -> Non
     found = forces(climb, Push(ticks, felt, False, "acceleration", weighs=True), 200.0, np.inf)
     assert found is not None
     assert found.push == pytest.approx(-20.0)
+
+
+def test_burnout_is_less_certain_by_pressure_if_thrust_fades() -> None:
+    """Heights that are low by k v²/2g show v (1 - k a/g), so the crossing of a slow fade moves by up to k v/g."""
+    time = np.arange(0, 6, 0.02)
+    sudden = np.where(time < 1, 150.0, -40.0)
+    fading = np.clip(300 - 300 * time, -40.0, None)
+    sds = []
+    for net in (sudden, fading):
+        speed = np.cumsum(net) * 0.02
+        height = np.cumsum(speed) * 0.02
+        draws = (np.tile(one, (2, 1)) for one in (height, speed, net))
+        ascent = Ascent(time, height, speed, net, *draws, noise=0.4, burnout_sd=0.05, fused=False)
+        found = boost_event(ascent, None, 0.0, 5.9, "barometric altitude")
+        assert found is not None
+        sds.append(found[0].sd)
+    assert sds[0] == pytest.approx(np.hypot(0.05, 0.05), rel=0.1)
+    assert sds[1] > 2 * sds[0]

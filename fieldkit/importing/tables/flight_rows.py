@@ -52,7 +52,8 @@ def last_row(row: int, cells: list[str] | DamagedLog, width: int) -> TableRow:
     """The last row of a file that ends within a line: an error if cells are missing."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
-    return row, DamagedLog(f"found {len(cells)} of {counted(width, "cell")} where the file ends, expected a whole row", row=row)
+    found = f"found {len(cells)} of {counted(width, 'cell')} where the file ends"
+    return row, DamagedLog(f"{found}, expected a whole row", row=row)
 
 
 def cells_of(field: str, headings: Sequence[ColumnRole], table: Iterable[TableRow]) -> Iterator[str]:
