@@ -19,7 +19,13 @@ def check(function: Checked) -> Checked:
     function inside another; beartype compiles equal ones only once.
     """
     code = function.__code__
-    key = (function.__module__, function.__qualname__, code.co_varnames, code.co_flags, *function.__annotations__.items())
+    key = (
+        function.__module__,
+        function.__qualname__,
+        code.co_varnames,
+        code.co_flags,
+        *function.__annotations__.items(),
+    )
     if key not in _CHECKED:
         _CHECKED[key] = _CONFIGURED(function)
     checked: Checked = _CHECKED[key]
