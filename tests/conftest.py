@@ -21,6 +21,7 @@ from hypothesis import settings
 from jaxtyping import install_import_hook
 
 from tests import checker
+from tests.cached import once
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (
@@ -66,6 +67,16 @@ def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test touches the ledger, the motors or the settings of the user who runs it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FIELDKIT_HOME", str(tmp_path_factory.mktemp("home")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _measured_once() -> Iterator[None]:
+    """Logs with equal samples are measured once when they are imported; the tests of `analysis` call it themselves."""
+    from fieldkit.analysis import measure
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fieldkit.analysis.measure", once(measure))
         yield
 
 

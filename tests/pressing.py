@@ -2,11 +2,10 @@
 
 import asyncio
 import atexit
-import pickle
 import re
 import shutil
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import datetime, timedelta
 from functools import cache
@@ -27,7 +26,6 @@ from textual.message_pump import MessagePump
 from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
-from fieldkit.analysis import measure
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
@@ -36,6 +34,7 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen, pages
+from tests.cached import once
 
 ROOT = Path(__file__).parents[1]
 FIRST = datetime(2026, 4, 18, 10, 0)
@@ -125,22 +124,6 @@ LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minu
 """Keys that only add a letter if a text is typed."""
 
 
-def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, **named: (all, named)) -> Any:
-    """A cached function, so that results are not recomputed for every app.
-
-    `asked` returns the key from the arguments, by default all of them. Results are shared and must not be changed.
-    """
-    answers: dict[bytes, Any] = {}
-
-    def answer(*all: Any, **named: Any) -> Any:
-        key = pickle.dumps(asked(*all, **named))
-        if key not in answers:
-            answers[key] = work(*all, **named)
-        return answers[key]
-
-    return answer
-
-
 def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
     """The cache key for forecasts of many motors."""
     names = [(motor.maker, motor.designation) for motor in motors]
@@ -162,7 +145,6 @@ ONCE = {
     "fieldkit.forecast.at_once.each_at_once": once(each_at_once),
     "fieldkit.services.forecasts.predict": once(predict),
     "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),
-    "fieldkit.analysis.measure": once(measure),
 }
 """Pure functions of the engine that pages call often and that take most of their time."""
 
@@ -199,7 +181,6 @@ async def opened(
         patch("textual.app.wait_for_idle", _no_wait),
         patch("textual.pilot.wait_for_idle", _no_wait),
         patch("textual._compositor.Compositor.render_update", _unpainted),
-        patch("textual.message_pump.MessagePump._get_message", _waiting),
         patch("fieldkit.tui.add.estimate_line.PAUSE", 0.03),  # one estimate for a typed text, not for each letter
     ):
         async with app.run_test(size=size) as pilot:
@@ -267,6 +248,9 @@ async def _waiting(pump: MessagePump) -> Message:
         return await NEXT_MESSAGE(pump)
     finally:
         WAITING.discard(pump)
+
+
+MessagePump._get_message = _waiting  # type: ignore[method-assign]  # of every app that is opened after this
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
