@@ -1,7 +1,7 @@
 """Annotated shapes are checked in tests; ordinary runs have no cost.
 
-Checks double the run time of the engine, so test modules of whole runs turn them off (`CHECK_SHAPES = False`); the
-functions they call are checked in other modules.
+Checks take two to four times the run time of the engine, so test modules of whole runs turn them off
+(`CHECK_SHAPES = False`); the functions they call are checked in other modules, or in a test with `shapes_checked`.
 """
 
 import gc
@@ -9,6 +9,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from unittest.mock import patch
 
 # read by fieldkit.shapes when it is imported; where speed is measured, checking shapes would slow it
 os.environ["FIELDKIT_CHECK_SHAPES"] = "" if "--benchmark-only" in sys.argv else "1"
@@ -86,3 +87,10 @@ def _shapes(request: pytest.FixtureRequest) -> Iterator[None]:
     jaxtyping.config.update("jaxtyping_disable", not getattr(request.module, "CHECK_SHAPES", True))
     yield
     jaxtyping.config.update("jaxtyping_disable", False)
+
+
+@pytest.fixture
+def shapes_checked() -> Iterator[None]:
+    """Shapes are checked in this test of a module that turns the checks off."""
+    with patch.object(jaxtyping.config, "jaxtyping_disable", False):
+        yield
