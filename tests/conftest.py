@@ -73,11 +73,11 @@ def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def _measured_once() -> Iterator[None]:
-    """Logs with equal samples are measured once when they are imported; the tests of `analysis` call it themselves."""
+    """Logs with equal samples are measured once when they are imported; tests of `analysis` call `measure` itself."""
     from fieldkit.analysis import measure
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fieldkit.analysis.measure", once(measure))
+        patch.setattr("fieldkit.importing.from_samples.measure", once(measure))
         yield
 
 
