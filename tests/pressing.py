@@ -142,7 +142,7 @@ def _fitted(model: Any, data: Any) -> object:
 
 ONCE = {
     "fieldkit.planning.motor_guide.guide": once(guide, _guided),
-    "fieldkit.forecast.at_once.each_at_once": once(each_at_once),
+    "fieldkit.services.inferred.each_at_once": once(each_at_once),
     "fieldkit.services.forecasts.predict": once(predict),
     "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),
 }
