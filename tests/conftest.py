@@ -1,7 +1,7 @@
 """Annotated shapes are checked in tests; ordinary runs have no cost.
 
-Checks double the run time of the engine, so test modules of whole runs turn them off (`CHECK_SHAPES = False`); the
-functions they call are checked in other modules.
+Checks take two to four times the run time of the engine, so test modules of whole runs turn them off
+(`CHECK_SHAPES = False`); the functions they call are checked in other modules, or in a test with `shapes_checked`.
 """
 
 import gc
@@ -9,6 +9,7 @@ import os
 import re
 import sys
 from pathlib import Path
+from unittest.mock import patch
 
 # read by fieldkit.shapes when it is imported; where speed is measured, checking shapes would slow it
 os.environ["FIELDKIT_CHECK_SHAPES"] = "" if "--benchmark-only" in sys.argv else "1"
@@ -21,6 +22,7 @@ from hypothesis import settings
 from jaxtyping import install_import_hook
 
 from tests import checker
+from tests.cached import once
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (
@@ -69,9 +71,26 @@ def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _measured_once() -> Iterator[None]:
+    """Logs with equal samples are measured once when they are imported; tests of `analysis` call `measure` itself."""
+    from fieldkit.analysis import measure
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fieldkit.importing.from_samples.measure", once(measure))
+        yield
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _shapes(request: pytest.FixtureRequest) -> Iterator[None]:
     """Shapes are checked in this module, unless it says otherwise."""
     jaxtyping.config.update("jaxtyping_disable", not getattr(request.module, "CHECK_SHAPES", True))
     yield
     jaxtyping.config.update("jaxtyping_disable", False)
+
+
+@pytest.fixture
+def shapes_checked() -> Iterator[None]:
+    """Shapes are checked in this test of a module that turns the checks off."""
+    with patch.object(jaxtyping.config, "jaxtyping_disable", False):
+        yield

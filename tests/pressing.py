@@ -2,11 +2,10 @@
 
 import asyncio
 import atexit
-import pickle
 import re
 import shutil
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import datetime, timedelta
 from functools import cache
@@ -15,16 +14,18 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 from unittest.mock import patch
+from weakref import WeakSet
 
 import pytest
 from jaxtyping import config as shapes
 from textual._compositor import Compositor
 from textual.css.parse import parse
 from textual.events import Key
+from textual.message import Message
+from textual.message_pump import MessagePump
 from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
-from fieldkit.analysis import measure
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
@@ -33,6 +34,7 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen, pages
+from tests.cached import once
 
 ROOT = Path(__file__).parents[1]
 FIRST = datetime(2026, 4, 18, 10, 0)
@@ -114,24 +116,12 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
 
 
 PAINTED = Compositor.render_update
+NEXT_MESSAGE = MessagePump._get_message
+WAITING: WeakSet[MessagePump] = WeakSet()
+"""The app and the widgets that wait for a message: a message to each of them, to hear that it is handled, would be
+three of four messages in these tests."""
 LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
 """Keys that only add a letter if a text is typed."""
-
-
-def once(work: Callable[..., Any], asked: Callable[..., object] = lambda *all, **named: (all, named)) -> Any:
-    """A cached function, so that results are not recomputed for every app.
-
-    `asked` returns the key from the arguments, by default all of them. Results are shared and must not be changed.
-    """
-    answers: dict[bytes, Any] = {}
-
-    def answer(*all: Any, **named: Any) -> Any:
-        key = pickle.dumps(asked(*all, **named))
-        if key not in answers:
-            answers[key] = work(*all, **named)
-        return answers[key]
-
-    return answer
 
 
 def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
@@ -152,10 +142,9 @@ def _fitted(model: Any, data: Any) -> object:
 
 ONCE = {
     "fieldkit.planning.motor_guide.guide": once(guide, _guided),
-    "fieldkit.forecast.at_once.each_at_once": once(each_at_once),
+    "fieldkit.services.inferred.each_at_once": once(each_at_once),
     "fieldkit.services.forecasts.predict": once(predict),
     "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),
-    "fieldkit.analysis.measure": once(measure),
 }
 """Pure functions of the engine that pages call often and that take most of their time."""
 
@@ -192,7 +181,7 @@ async def opened(
         patch("textual.app.wait_for_idle", _no_wait),
         patch("textual.pilot.wait_for_idle", _no_wait),
         patch("textual._compositor.Compositor.render_update", _unpainted),
-        patch("fieldkit.tui.add.estimate_line.PAUSE", 0.0),
+        patch("fieldkit.tui.add.estimate_line.PAUSE", 0.03),  # one estimate for a typed text, not for each letter
     ):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
@@ -203,17 +192,11 @@ async def opened(
 
 
 async def calm(pilot: Pilot[None]) -> None:
-    """Wait until all workers are idle, all messages are handled and nothing is deferred to the next paint.
-
-    Checking the queues is cheap and shows messages still bubbling from a widget to its screen; a final round through
-    all widgets checks that none is still being handled.
-    """
+    """Wait until all workers are idle, all messages are handled and nothing is deferred to the next paint."""
     quiet = 0
     while quiet < 2:
         await _workers_done(pilot)
-        while not _all_read(pilot):
-            await asyncio.sleep(0)
-        await pilot._wait_for_screen()
+        await _all_handled(pilot)
         await pilot.app.animator.wait_until_complete()  # a page that scrolls
         pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
         screen = pilot.app.screen
@@ -237,10 +220,37 @@ async def _workers_done(pilot: Pilot[None], polls: int = 20) -> None:
         polls -= 1
 
 
+async def _all_handled(pilot: Pilot[None], polls: int = 200) -> None:
+    """Wait until every message is handled; after some polls with pauses, for a handler that waits itself."""
+    for _ in range(4):  # a key that is pressed, and what a thread answers, reach the queue of the app in two turns
+        await asyncio.sleep(0)
+    while not _all_read(pilot):
+        await asyncio.sleep(0 if polls > 0 else 0.002)
+        polls -= 1
+
+
 def _all_read(pilot: Pilot[None]) -> bool:
-    """Whether the queues of the app, of the front screen and of its widgets are empty."""
-    pumps = (pilot.app, *pilot.app.screen.walk_children(with_self=True))
-    return all(pump._message_queue.empty() and not pump._next_callbacks for pump in pumps)
+    """Whether the app, the front screen and its widgets wait for messages."""
+    return all(map(_idle, (pilot.app, *pilot.app.screen.walk_children(with_self=True))))
+
+
+def _idle(pump: MessagePump) -> bool:
+    """Whether a widget waits for its next message and has nothing to do after the last."""
+    if pump._closing or pump._closed:
+        return True
+    return pump in WAITING and pump._message_queue.empty() and not pump._next_callbacks
+
+
+async def _waiting(pump: MessagePump) -> Message:
+    """Replaces the wait for the next message, to see which widgets are in it."""
+    WAITING.add(pump)
+    try:
+        return await NEXT_MESSAGE(pump)
+    finally:
+        WAITING.discard(pump)
+
+
+MessagePump._get_message = _waiting  # type: ignore[method-assign]  # of every app that is opened after this
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:

@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
+from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure, simulated
+from fieldkit.analysis.channels import MIN_SAMPLES
+from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import READOUTS
 from fieldkit.importing.companion_files import KINDS
@@ -29,7 +32,6 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
 
 def _simulated(reading: Reading) -> Reading:
     """A simulation with the values it states; it is displayed but never stored."""
-    from fieldkit.analysis import simulated
 
     return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
@@ -40,9 +42,6 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     The flight is named after the bytes of its log, so that measuring it differently does not create another flight. The
     extra columns name the parser that reads the log again, and which of its flights this is.
     """
-    from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
-    from fieldkit.analysis.channels import MIN_SAMPLES
-    from fieldkit.analysis.notes import NO_HEIGHT
 
     recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):

@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from fieldkit.analysis import rises
 from fieldkit.errors import DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
+from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import shown
@@ -92,7 +94,6 @@ def _lacks(like: Likeness) -> str:
 
 def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
     """The user's mapping for such a table of samples or of flights."""
-    from fieldkit.importing.tables.layout import layout_of
 
     found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
     if found is not None or not choices:
@@ -217,8 +218,6 @@ def holds_flight(found: Sequence[Found]) -> bool:
 
 
 def _is_flight(reading: Reading) -> bool:
-    from fieldkit.analysis import rises
-
     if reading.describes != "flight" or reading.part or not reading.clocks:
         return True
     return any(isinstance(reading.stated.get(c.name), float) for c in READOUTS) or rises(reading.clocks)

@@ -11,6 +11,8 @@ from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
+from fieldkit.motors import catalogue
+from fieldkit.motors.several import names_several, names_stages
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -102,7 +104,6 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 def _tagged(flight: Flight) -> Flight:
     """A flight with a tag for a cluster or stages, if its motor field names several."""
-    from fieldkit.motors.several import names_several, names_stages
 
     if not names_several(flight.motor):
         return flight
@@ -115,7 +116,6 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
     extra column. Raises DamagedLog if the result is not positive."""
     if reading.liftoff_mass is None or flight.dry_mass is not None:
         return flight
-    from fieldkit.motors import catalogue
 
     try:
         loaded = catalogue().resolve_several(flight.motor).motor.loaded_mass

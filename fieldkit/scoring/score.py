@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtr
 
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
 from fieldkit.shapes import Array, Flags, Float
@@ -24,7 +25,6 @@ class Forecasts:
 
     def below(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
         """Cumulative probability of a log apogee. [1]"""
-        from scipy.special import ndtr
 
         return np.asarray((self.weight * ndtr((values - self.mean) / self.sd)).sum(axis=0))
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import gammaincinv
 
 from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
@@ -102,7 +103,6 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
 
 def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
     """The mixture of the forecasts of all hypotheses, with Student t scatter of single flights."""
-    from scipy.special import gammaincinv
 
     precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
     log_weight = np.stack([one.log_weight for one in said])

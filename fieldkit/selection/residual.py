@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtr, chdtrc, stdtr
 
 from fieldkit.flight import CONDITIONS
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
@@ -106,7 +107,6 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
 
 def _variance_p(error: Float[Array, "flight"]) -> float:
     """Two-sided p-value of a variance by chi-squared. [1]"""
-    from scipy.special import chdtr, chdtrc
 
     freedom, squares = len(error) - 1, float(((error - error.mean()) ** 2).sum())
     return 2 * float(min(chdtr(freedom, squares), chdtrc(freedom, squares)))
@@ -114,7 +114,6 @@ def _variance_p(error: Float[Array, "flight"]) -> float:
 
 def _students_p(t: float, freedom: int) -> float:
     """Two-sided p-value of a Student t. [1]"""
-    from scipy.special import stdtr
 
     return 2 * float(stdtr(freedom, -abs(t)))
 
@@ -193,7 +192,6 @@ def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tupl
 
 def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
     """Kruskal and Wallis' H, corrected for ties, and its p-value by chi-squared."""
-    from scipy.special import chdtrc
 
     every = ranks(np.concatenate(parts))
     count, ends = len(every), np.cumsum([len(part) for part in parts])[:-1]

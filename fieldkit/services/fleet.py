@@ -7,13 +7,14 @@ the hyperprior or the version of fieldkit change.
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fieldkit import __version__
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
+from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import Message, SharedPrior
@@ -21,9 +22,6 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import flight_digest, motor_digest
-
-if TYPE_CHECKING:
-    from fieldkit.inference.laplace.fleet import RocketFit
 
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
@@ -47,7 +45,6 @@ def fleet_priors(
     ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
 ) -> "dict[str, SharedPrior | None]":
     """`fleet_prior` of several rockets, each fitted at most once."""
-    from fieldkit.inference.laplace.fleet import shared_prior
 
     own = learned()
     flown = {name: one for name, one in _by_rocket(ledger, motors).items() if [name] != list(rockets)}
@@ -67,9 +64,8 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
     return found
 
 
-def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
+def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
     """A rocket's separate fit, from the ledger if it is up to date."""
-    from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)
     kept = ledger.draft(MESSAGE_PREFIX + rocket)
@@ -90,7 +86,7 @@ def _digest(flown: FlownFlights, hyperprior: Hyperprior) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]
 
 
-def _written(made: "RocketFit") -> dict[str, Any]:
+def _written(made: RocketFit) -> dict[str, Any]:
     def rounded(values: Any) -> list[float]:
         return [float(f"{value:.{DIGITS}g}") for value in values]
 
@@ -105,9 +101,7 @@ def _written(made: "RocketFit") -> dict[str, Any]:
     }
 
 
-def _read(kept: Mapping[str, Any]) -> "RocketFit":
-
-    from fieldkit.inference.laplace.fleet import RocketFit
+def _read(kept: Mapping[str, Any]) -> RocketFit:
 
     names = tuple(kept["names"])
     message = Message(names, np.array(kept["precision"]), np.array(kept["shift"]))

@@ -5,6 +5,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.services.replay import recording_of
 
 MAX_LOGS = 6
 """Number of the latest logs to read, which take up to half a second each."""
@@ -22,7 +23,6 @@ def recorded_logs(
     latest = logged[-MAX_LOGS:]
     if not logged:
         return {}
-    from fieldkit.services.replay import recording_of  # imports everything that reads logs
 
     found: dict[str, Recorded | str] = {flight.flight_id: OLDER_LOGS_NOTE for flight in logged[:-MAX_LOGS]}
     for number, (flight, id) in enumerate(zip(latest, ledger.ids(latest), strict=True)):

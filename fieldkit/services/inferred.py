@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
+from fieldkit.forecast.at_once import each_at_once
 from fieldkit.inference.network.flights import Inferences, Inferred, infer
 from fieldkit.ledger import Ledger
 from fieldkit.model.rocket_model import reference_area
@@ -82,7 +83,6 @@ class FlightInference:
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
         """The network's answer for each flight alone; `infer` must not leave out any."""
-        from fieldkit.forecast.at_once import each_at_once
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
         if rockets:

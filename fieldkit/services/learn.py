@@ -6,21 +6,22 @@ from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fieldkit import __version__
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
+from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward
+from fieldkit.forecast.evaluation.rivals import LABELS
+from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports import gather
 from fieldkit.services.plausible_flights import implausible_flights
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
 FlownFlights = list[tuple[Flight, Found]]
 
@@ -83,7 +84,6 @@ def learn(
     flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior fitted to the flights of some flyers, from the one in use, or `from_start` from `START`."""
-    from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 
     start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
@@ -125,8 +125,6 @@ def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: boo
 
 def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
     """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them."""
-    from fieldkit.forecast.evaluation.forward_in_time import forward
-    from fieldkit.inference.laplace.learning import learn_hyperprior
 
     fleets = [
         [own for rocket, own in flyer.rockets.items() if (number, rocket) != (work.flyer, work.rocket)]
@@ -167,8 +165,6 @@ def check(
 def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
     """Scores of cross-validated forecasts and of their rivals, by flyer, for the card: of flights whose rocket had
     flown before, and of all flights, first flights included."""
-    from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
-    from fieldkit.forecast.evaluation.rivals import LABELS
 
     def ways(rows: "Sequence[Forecast]") -> list[dict[str, Any]]:
         return [asdict(one) for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights]

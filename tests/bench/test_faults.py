@@ -53,8 +53,8 @@ def test_bits_that_flip_are_seen_or_harmless(tmp_path: Path) -> None:
 
 
 def test_what_was_acknowledged_beside_restores_is_kept(tmp_path: Path) -> None:
-    outcome = histories.restores_beside_writers(tmp_path / "ledger", writers=3, each=10, restores=4)
-    assert outcome.tried >= 20
+    outcome = histories.restores_beside_writers(tmp_path / "ledger", writers=2, each=8, restores=3)
+    assert outcome.tried >= 10
     assert outcome.faults == []
 
 
@@ -129,9 +129,9 @@ def test_every_write_of_a_command_goes_wrong_from_its_first_on(tmp_path: Path) -
 
 @traced
 def test_what_was_acknowledged_among_faults_is_what_a_replay_holds(tmp_path: Path) -> None:
-    outcome = failing.history(tmp_path, 12, seed=3)
+    outcome = failing.history(tmp_path, 6, seed=3)
     assert outcome.faults == []
-    assert outcome.tried == 12
+    assert outcome.tried == 6
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ def test_what_is_kept_is_what_would_be_computed(ledger: Ledger, monkeypatch: pyt
     first = fleet_prior(ledger, catalogue(), "New")
     assert first is not None
     assert ledger.draft(f"{MESSAGE_PREFIX}R0") is not None
-    monkeypatch.setattr("fieldkit.inference.laplace.fleet.rocket_fit", None)  # nothing is fitted again
+    monkeypatch.setattr("fieldkit.services.fleet.rocket_fit", None)  # nothing is fitted again
     again = fleet_prior(ledger, catalogue(), "New")
     assert again is not None
     assert again.names == first.names

@@ -8,6 +8,7 @@ of a Dirichlet prior. The prior counts as `PRIOR_FLIGHTS` flights, `PRIOR_OWN` o
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.special import gammaln
 
 from fieldkit.shapes import Array, Float
 
@@ -34,7 +35,6 @@ def log_density(draws: Float[Array, "draw"], flown: float) -> float:
     logs = np.log(draws[draws > 0])
     if len(logs) < 2 or not np.ptp(logs) > 0 or not flown > 0:
         return float("-inf")
-    from scipy.special import gammaln
 
     low, high = np.quantile(logs, (0.25, 0.75))
     width = 0.9 * min(logs.std(), (high - low) / 1.34 or np.inf) * len(logs) ** -0.2

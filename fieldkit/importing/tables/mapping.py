@@ -6,6 +6,7 @@ follows in brackets, `altitude=Alt [ft]`; a table without headers has the column
 headers of the table they were made for, in a JSON file in the user's data folder.
 """
 
+import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -63,7 +64,6 @@ def mapping_file() -> Path:
 
 def remembered() -> tuple[ColumnChoice, ...]:
     """The choices made so far, latest first. Raises FieldkitError if their file is invalid."""
-    import json
 
     file = mapping_file()
     try:
@@ -115,7 +115,6 @@ def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
 
 def _keep(choices: Sequence[ColumnChoice]) -> None:
     """Replace the stored choices atomically: a power failure leaves either the old or the new file."""
-    import json
 
     kept = choices[:MAX_MAPPINGS]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}

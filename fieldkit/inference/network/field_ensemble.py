@@ -9,6 +9,7 @@ import numpy as np
 from fieldkit.errors import DamagedModel
 from fieldkit.flight import Flight
 from fieldkit.inference.network import outliers
+from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.mixture import Margin, Mixture, mixture
 from fieldkit.inference.network.vague import DRAWS, excess_sd, plausible
 from fieldkit.model.field_features import FEATURES, features
@@ -88,7 +89,6 @@ def infer_field(
 
 def load_field() -> "Ensemble":
     """The shipped ensemble. Raises DamagedModel if it was trained on other features or another prior."""
-    from fieldkit.inference.network.ensemble import load
 
     ensemble = load("field")
     known = {"features": list(FEATURES), "intervals": INTERVALS}

@@ -13,6 +13,7 @@ from fieldkit.inference.history.features import HistorySummary, effect_names, fe
 from fieldkit.inference.history.moments import FORECAST_READOUTS, parameter_moments, readout_moments
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.history_parts import (
     LEVELS,
     OVERALL_OUTPUTS,
@@ -71,7 +72,6 @@ class QuickAnswer:
 @cache
 def load_history() -> "Ensemble":
     """The shipped network. Raises DamagedModel if its features differ from those of this version."""
-    from fieldkit.inference.network.ensemble import load
 
     return checked(load(NAME))
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.inference.network.ensemble import load
 from fieldkit.model.features import paper_features
 from fieldkit.physics import paper
 from fieldkit.shapes import Array, Float
@@ -34,7 +35,6 @@ def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -
     the truth. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for another rocket and for a
     flight without an apogee.
     """
-    from fieldkit.inference.network.ensemble import load
 
     ensemble = ensemble or load("paper")
     motor = np.array([_motor_index(flight) for flight in flights], dtype=np.int64)

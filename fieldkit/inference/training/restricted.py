@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import torch
 
 from fieldkit.inference.network.mixture import logits, mixture
 from fieldkit.inference.training.density import MAX_FEATURE_SDS, Batch, Members, Scale, TrainingPlan, fit
@@ -62,8 +63,6 @@ def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "f
 
 
 def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
-    import torch
-
     scaled = ((features(observed) - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
     with torch.no_grad():
         found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()

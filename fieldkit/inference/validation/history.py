@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from scipy.stats import rankdata
 
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.shards import HistoryTable
@@ -146,7 +147,6 @@ def _presence(chance: Array, there: Array, evidence: Array) -> dict[str, float]:
 
 def auc(score: Float[Array, "history"], there: Float[Array, "history"]) -> float:
     """Probability that a history with the effect scores above one without, ties by half. [1]"""
-    from scipy.stats import rankdata
 
     present = there > 0.5
     count, others = int(present.sum()), int((~present).sum())

@@ -15,6 +15,7 @@ from fieldkit.progress import ReportProgress
 from fieldkit.quantities import ShownUnits, counted, measure
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
+from fieldkit.services.inferred import FlightInference
 from fieldkit.services.replay import FlightRecordings
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
@@ -184,7 +185,6 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
 
 def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
     """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that constrain them."""
-    from fieldkit.services.inferred import FlightInference
 
     try:
         inferred = FlightInference(ledger, motors).infer(flights).inferred

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.special import ndtri, stdtrit
 
 from fieldkit.selection.force.regression import Regression, forward, price
 from fieldkit.selection.force.terms import ForceTerm
@@ -57,7 +58,6 @@ class Mean:
     def stands_clear(self, candidates: int) -> bool:
         """Whether it excludes zero: by Student's t for the shown standard deviation, and by the normal distribution for
         the scatter, corrected for the number of candidates (Bonferroni)."""
-        from scipy.special import ndtri, stdtrit
 
         unsure = (1 - INTERVAL_LEVEL) / 2
         least = max(

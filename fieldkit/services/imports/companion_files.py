@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import time
 from math import hypot
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import Flight
@@ -20,10 +19,8 @@ from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.importing.read import read_stored
+from fieldkit.ledger import Ledger, Renewal
 from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger, Renewal
 
 SAME_HEIGHT = 0.01
 """Two files of one flight agree on its apogee within this fraction of it, plus their uncertainties. [1]"""
@@ -39,7 +36,7 @@ class Sorting:
     notes: list[str] = field(default_factory=list)
 
 
-def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[ColumnChoice] = ()) -> Sorting:
+def sorted_out(ledger: Ledger, arrivals: Iterable[Arrival], choices: Sequence[ColumnChoice] = ()) -> Sorting:
     """Separate arrivals that are new flights from further files of flights in the ledger."""
     sorting = Sorting()
     for arrival in arrivals:
@@ -67,7 +64,7 @@ def _number(flight: Flight) -> tuple[str, str] | None:
     return (serial, number) if serial and number else None
 
 
-def _everyone(ledger: "Ledger") -> list[tuple[str, Flight]]:
+def _everyone(ledger: Ledger) -> list[tuple[str, Flight]]:
     flights = ledger.flights()
     return list(zip(ledger.ids(flights), flights, strict=True))
 
@@ -116,9 +113,8 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
     return len(days) <= 1 and not timed
 
 
-def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
+def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
     """Add the files of an arrival to a flight, unless together they turn out to be a separate flight."""
-    from fieldkit.ledger import Renewal
 
     flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)
     kept = [Original.of(one) for one in ((log,) if log is not None else ()) + tuple(ledger.other_logs(id))]

@@ -7,7 +7,9 @@ from pathlib import Path
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.importing import HEAD, ColumnChoice
 from fieldkit.importing.recognize import table_of
+from fieldkit.importing.tables.column_choice import guessed
 from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
+from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, edit, forget, is_of_flights, read_choice, remembered
 from fieldkit.importing.tables.text import decode, first_names, first_row, rows
 from fieldkit.services.imports.gather import read_file
@@ -56,8 +58,6 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
     """The columns of a table of samples. Raises DamagedLog if it is certainly not one."""
-    from fieldkit.importing.tables.column_choice import guessed
-    from fieldkit.importing.tables.layout import layout_of
 
     layout = layout_of(head)
     picks = guessed(layout)

@@ -11,6 +11,8 @@ from fieldkit.inference.network.history_parts import STANDARD
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture(scope="module")
 def said() -> QuickAnswer:
@@ -30,6 +32,7 @@ def own(said: QuickAnswer) -> QuickAnswer:
     )
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_the_models_own_answer_passes(own: QuickAnswer) -> None:
     found = check(own)
     assert found.agrees

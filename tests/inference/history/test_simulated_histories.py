@@ -16,6 +16,7 @@ from fieldkit.model.rocket_model import base_model
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 
+CHECK_SHAPES = False
 KNOWN = stock(split_motors()[0])
 PRIOR = inclusion_probabilities()
 
@@ -34,6 +35,7 @@ def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
     assert {name for one in drawn for row in one.shows for name in row} == set(READOUT_SETS[2])
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> None:
     found = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, PRIOR, 8, 2)
     assert len({one.effects for one in found}) > 2
@@ -68,6 +70,7 @@ def test_shards_of_another_prior_are_not_taken(tmp_path: Path, monkeypatch: pyte
     assert len(list(tmp_path.glob("*/*.npy"))) == 2
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_features_are_finite_and_named() -> None:
     found = simulated_histories(np.random.default_rng(2), KNOWN, quick_candidates, PRIOR, 6, 1)
     names = effect_names()

@@ -15,6 +15,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 
+CHECK_SHAPES = False
 ROCKETS, FLIGHTS = 8, 4
 MOTORS = ("F24", "F39", "E35")
 COARSE = replace(START, scatter=Scale((0.5, 1.0, 2.0), 1.0, 0.7), reading=Scale((1.0,), 1.0, 0.7))
@@ -43,6 +44,11 @@ def fleet(rocket_sd: float, flight_sd: float, seed: int = 3) -> list[list[tuple[
 @cache
 def taught(rocket_sd: float, flight_sd: float) -> Hyperprior:
     return learn_hyperprior([fleet(rocket_sd, flight_sd)], COARSE, rounds=1, steps=12)
+
+
+@pytest.mark.usefixtures("shapes_checked")
+def test_a_step_of_learning_has_the_shapes_that_it_says() -> None:
+    assert learn_hyperprior([fleet(0.3, 0.05)[:2]], COARSE, rounds=1, steps=1).sds
 
 
 def test_flights_that_scatter_more_are_learned_to() -> None:

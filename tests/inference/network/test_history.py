@@ -14,6 +14,8 @@ from fieldkit.motors import catalogue
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
 
+CHECK_SHAPES = False
+
 
 def ends(of: History) -> tuple[float, float]:
     """The median apogee [m] and the relative width of the 90% interval. [1]"""
@@ -42,6 +44,7 @@ def test_more_flights_narrow_the_forecast_and_the_drag() -> None:
     assert quick_answer(many, quick_candidates).log_cd[1] < quick_answer(few, quick_candidates).log_cd[1]
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_a_rocket_that_flew_lower_is_forecast_lower() -> None:
     whole = history(10)
     lower = [
@@ -87,6 +90,7 @@ def test_probabilities_are_probabilities_and_quantiles_in_order() -> None:
     assert (said.scale > 0).all()
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_an_untrained_member_says_what_the_linear_fit_says() -> None:
     assert monotone(np.zeros(len(LEVELS))) == pytest.approx(STANDARD)
     draws = quantile_draws(STANDARD, 4000)

@@ -23,6 +23,7 @@ from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.flight_logs import OLDER_LOGS_NOTE
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
+CHECK_SHAPES = False
 FLIGHTS = 6
 LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
 """Scatter of single flights in thrust, drag and burn time, as in the model. [1]"""
@@ -81,6 +82,7 @@ def test_a_coefficient_varies_by_its_part_of_the_scatter() -> None:
     assert abs(moved) == pytest.approx(climb.random_draw_sd(["rail"], {"thrust": 0.025}))
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_one_flight_decides_nothing_however_strong_its_force() -> None:
     odd = flown("base drag", 0.8, 9)
     assert odd.cost([]) - odd.cost(["base drag"]) > 100
@@ -101,6 +103,7 @@ def one(smoothed: bool = False) -> FlightForce:
     return said
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_a_climb_is_summed_up_in_a_few_points() -> None:
     points = one().points
     assert [point.burning for point in points] == [True] * 4 + [False] * 8

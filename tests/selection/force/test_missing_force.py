@@ -13,6 +13,7 @@ from fieldkit.selection.force.one_flight import Law, law, missing_force
 from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Array, Float
 
+CHECK_SHAPES = False
 RATE = 100
 """Samples a second."""
 NOISE = 0.5
@@ -105,6 +106,7 @@ def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: RocketInputs
     assert said.terms[0].value == pytest.approx(strength, abs=max(5 * said.terms[0].sd, 0.1 * abs(strength)))
 
 
+@pytest.mark.usefixtures("shapes_checked")
 def test_its_uncertainty_is_what_other_logs_scatter_by() -> None:
     said = [found(SLOW, "base drag", 0.4, seed, smooth=5).terms[0] for seed in range(10)]
     values, sds = (np.array([getattr(one, name) for one in said]) for name in ("value", "sd"))

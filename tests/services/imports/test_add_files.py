@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-import fieldkit.analysis
 from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
+from fieldkit.importing import from_samples
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.services.imports import Receipt, bring_in, remeasured
 from tests.samples import SAMPLES, any_motor
@@ -36,13 +36,13 @@ def ledger(tmp_path: Path) -> Ledger:
 @pytest.fixture
 def better_measuring(monkeypatch: pytest.MonkeyPatch) -> None:
     """A changed reader with an apogee one meter higher and another column."""
-    as_it_was = fieldkit.analysis.columns
+    as_it_was = from_samples.columns
 
     def better(recorded: Recorded, stated: dict[str, object]) -> tuple[dict[str, object], dict[str, str]]:
         fields, extra = as_it_was(recorded, stated)
         return {**fields, "apogee": fields["apogee"] + 1.0}, {**extra, "a_new_column": "1"}  # type: ignore[operator]
 
-    return monkeypatch.setattr(fieldkit.analysis, "columns", better)
+    return monkeypatch.setattr(from_samples, "columns", better)
 
 
 def taken(ledger: Ledger, *paths: Path, **defaults: object) -> Receipt:
