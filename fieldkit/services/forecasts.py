@@ -52,7 +52,8 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     if wanted is not None and (wanted in rockets or ledger.starts(wanted)):
         return wanted
     if not rockets:
-        raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
+        found = "no flights" if wanted is None else f"no flights of {wanted!r} or any other rocket"
+        raise NoFlights(f"{ledger.name}: found {found}, expected at least one; import or add flights first")
     if wanted is not None:
         raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets)}")
     return rockets[0]

@@ -200,7 +200,7 @@ def test_a_chosen_flight_that_wraps_its_clock_comes_alone(tmp_path: Path) -> Non
 def test_a_flight_with_a_wrong_checksum_is_read_again(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS[:1], spoil=1)) as wire:
         events = heard(wire, "altimulti", tmp_path)
-    assert "flight 0: 1 sentences with a wrong checksum; reading it again" in told(events)
+    assert "flight 0: 1 sentence with a wrong checksum; reading it again" in told(events)
     assert ended(events).whole
     assert flown(logs_in(ended(events).file)[0].content) == FLIGHTS[0]
 

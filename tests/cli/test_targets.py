@@ -337,6 +337,7 @@ READERS = {
     "importing/tables/flight_headings.py": "a table that comes along",
     "presentation/report/html.py": "a page that comes along",
     "inference/network/ensemble.py": "reads so many bytes and no more",
+    "importing/tables/spreadsheet.py": "the first bytes of a member of an archive",
     "importing/tables/spreadsheet_bounds.py": "members of an archive, a part at a time, to count what they expand to",
     "openrocket/archive.py": "a member of an archive, so many bytes and no more",
     "inference/training/unfinished.py": "results of this program",

@@ -323,7 +323,7 @@ def test_model_versions_are_numbered_by_rocket_and_one_is_in_use(ledger: Ledger)
     assert [version.active for version in ledger.versions("Astra")] == [False, True]
     ledger.activate("Astra", None)
     assert ledger.active_version("Astra") is None
-    with pytest.raises(LedgerError, match="no model version 3, expected one of: 1, 2"):
+    with pytest.raises(LedgerError, match="no model version 3, expected one of: 0, 1, 2"):
         ledger.activate("Astra", 3)
 
 

@@ -323,7 +323,7 @@ def test_a_lock_that_is_not_let_go_is_named(tmp_path: Path, monkeypatch: pytest.
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(LedgerError, match=r"absent.*cannot open the file"):
         Ledger.open(tmp_path / "absent" / "ledger.db")
-    with pytest.raises(LedgerError, match="cannot open the file"):
+    with pytest.raises(LedgerError, match="found a folder or a device, expected a file"):
         Ledger.open(tmp_path)
 
 

@@ -573,3 +573,14 @@ def test_a_title_above_the_header_is_skipped(title: str) -> None:
     assert isinstance(reading, Reading)
     assert reading.row == title.count("\n") + 2
     assert reading.stated["apogee"] == pytest.approx(812 * 0.3048)
+
+
+def test_an_own_name_is_not_read_as_a_shorter_other_one() -> None:
+    intake = read(b"flight_id,rocket,coast_to_apogee_s,coast_to_apogee_sd_s\n1,Astra,6.1,0.1\n", "t.csv", any_motor)
+    assert (intake.flights[0].coast_to_apogee, intake.flights[0].sd["coast_to_apogee"]) == (6.1, 0.1)
+
+
+def test_a_flight_named_total_is_a_flight_in_an_own_table_and_a_sum_in_others() -> None:
+    own = b"flight_id,rocket,motor,apogee_m\n1,Astra,F24,200\nTotal,,,200\n"
+    others = own.replace(b"flight_id", b"flight")
+    assert [len(read(table, "t.csv", any_motor).flights) for table in (own, others)] == [2, 1]

@@ -13,6 +13,7 @@ from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.motors import catalogue
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
 
@@ -42,7 +43,16 @@ def null_residuals() -> Float[Array, "set flight readout"]:
     rng = np.random.default_rng(4)
     scatter, reading, _ = (values[SCALE] for values in CERTIFIED_PRIOR.scales())
     terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
-    model, tangent = Model((Flight(),) * FLIGHTS, (), np.zeros(FLIGHTS), terms, tuple(range(FLIGHTS))), near()
+    model, tangent = (
+        Model(
+            (Flight(),) * FLIGHTS,
+            (catalogue().resolve("F24"),) * FLIGHTS,
+            np.zeros(FLIGHTS),
+            terms,
+            tuple(range(FLIGHTS)),
+        ),
+        near(),
+    )
     sd = np.full(tangent.values.shape, 0.3)
     seen = np.ones(sd.shape, bool)
     scales = np.array([1.0, *[reading] * (len(OBSERVED_READOUTS) - 1)])

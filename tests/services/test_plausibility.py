@@ -125,7 +125,7 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_inv
     for command, words in few.items():
         status, out, err = told(command, *words)
         last = rows[-1]["flight_id"]
-        assert re.search(rf"flight {last}\b|more flights", err), f"{command}: {err}"
+        assert re.search(rf"flight {last}\b|more flights?", err), f"{command}: {err}"
         assert not re.search(r"\bnan\b|\binf\b|Traceback|Warning", out + err, re.IGNORECASE), command
         assert status == 0 or what.startswith("all"), err
 

@@ -127,11 +127,11 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         await press(pilot, "enter")
         assert "Not in the file" in words(pilot)
         await press(pilot, "escape", "enter", "ctrl+s")
-        assert "1 imported" in words(pilot), "a log may be stored without them"
+        assert "Imported 1" in words(pilot), "a log may be stored without them"
         await press(pilot, "4")
         assert "Astra B · 448 g" in words(pilot), "a log that names no rocket does not stand in the way of the next"
         await press(pilot, "3", "u", "e", *typed("Comet"), "ctrl+s", *SURE)
-        assert "1 imported" in words(pilot)
+        assert "Imported 1" in words(pilot)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
         await press(pilot, "o", "ctrl+u", *typed("nowhere"), "enter")
@@ -157,7 +157,7 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         brought = told(pilot, "#said")
         assert "+ a.csv" not in shown(pilot)
-        assert "imported" in words(pilot), brought
+        assert "Imported" in words(pilot), brought
         await press(pilot, "up")
         assert "1 duplicate," in told(pilot, "#said")
     with Ledger.open(file) as ledger:
@@ -176,7 +176,7 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         await press(pilot, "backspace", "ctrl+s")
         assert "would add 1 flight" in told(pilot, "#said")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
-        assert "1 imported" in words(pilot)
+        assert "Imported 1" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
         assert "would add 1 flight" in told(pilot, "#said")
@@ -477,7 +477,7 @@ async def test_a_capture_shows_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "Not in the file" in words(pilot)
             assert "Astra" in words(pilot), "what the last flight had is filled in"
             await press(pilot, "ctrl+s", "_")
-            assert "1 imported" in words(pilot)
+            assert "Imported 1" in words(pilot)
             events[1:1] = [capture.Instruction(f"page {number} is read") for number in range(20)]
             events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
             events.remove(next(event for event in events if isinstance(event, capture.Progress)))
@@ -664,7 +664,7 @@ async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_wa
         async with opened(file) as pilot:
             await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter", "_")
             await press(pilot, "7", "enter", "y", "_", "ctrl+s", "_")
-            assert "1 imported" in words(pilot)
+            assert "Imported 1" in words(pilot)
             await press(pilot, "u", "_", "3", "down", "_", "enter", "_")
             assert "Not in the file" in words(pilot)
             assert "AeroTech F24W" in words(pilot)
@@ -672,7 +672,7 @@ async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_wa
             with Ledger.open(file) as ledger:
                 assert len(ledger.flights()) == 12, "nothing is stored before the form is answered"
             await press(pilot, "enter", "_", "ctrl+s", "_")
-            assert "1 imported" in words(pilot)
+            assert "Imported 1" in words(pilot)
     with Ledger.open(file) as ledger:
         flight = ledger.flights("Astra")[-1]
     assert (flight.rocket, flight.config) == ("Astra", "A")

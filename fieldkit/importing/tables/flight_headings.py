@@ -167,13 +167,22 @@ def _roles_beside_a_motor(words: str, taken: Collection[str]) -> Iterator[tuple[
 
 
 def _ours(words: str, taken: Collection[str]) -> str:
-    """A header with fieldkit's own name, followed by its unit: `wind_speed_mps` becomes `wind_mps`."""
+    """A header with fieldkit's own name, followed by its unit: `wind_speed_mps` becomes `wind_mps`.
+
+    An own name is never read as a shorter other one: `coast_to_apogee_s` does not begin with the other name `coast`.
+    """
+    own = max((len(name) for name in BY_NAME if _begins(words, name)), default=0)
     for spelled in dict.fromkeys((words, usual_name(words))):
         names = synonyms() if spelled == words else {**synonyms(), **{name: name for name in BY_NAME}}
         for other, name in names.items():
-            if (spelled == other or spelled.startswith(f"{other}_")) and name not in taken:
+            if len(other) >= own and _begins(spelled, other) and name not in taken:
                 return name + spelled.removeprefix(other)
     return words
+
+
+def _begins(words: str, name: str) -> bool:
+    """Whether a header is a name, or a name and more words."""
+    return words == name or words.startswith(f"{name}_")
 
 
 def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:

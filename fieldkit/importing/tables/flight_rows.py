@@ -37,7 +37,12 @@ def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
 
 
 def is_summary(cells: Sequence[str], headings: Sequence[ColumnRole]) -> bool:
-    """Whether a row without a motor, in a table with motors, begins with a word such as `Total` or `Mean`."""
+    """Whether a row without a motor, in a table with motors, begins with a word such as `Total` or `Mean`.
+
+    In a table written by fieldkit, every row is a flight.
+    """
+    if any(plain(heading.spelled) == "flight_id" for heading in headings):
+        return False
     motors = [cell.strip() for heading, cell in zip(headings, cells, strict=False) if heading.field == "motor"]
     first = next((cell.strip().lower() for cell in cells if cell.strip()), "").split()
     return bool(motors and first) and not any(motors) and first[0].rstrip(":.") in _SUMMARIES

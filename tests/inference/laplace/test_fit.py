@@ -299,7 +299,7 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> t
     near = Tangent(
         rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
     )
-    return Model((Flight(),) * 5, (), np.zeros(0), terms, (), hyperprior), data, near
+    return Model((Flight(),) * 5, (catalogue().resolve("F24"),) * 5, np.zeros(0), terms, (), hyperprior), data, near
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:

@@ -38,7 +38,14 @@ def linear_rocket(seed: int) -> Fit:
     rng = np.random.default_rng(seed)
     shape = (FLIGHTS, len(OBSERVED_READOUTS))
     terms = tuple(Term(name, "drag", mean, sd, np.ones(FLIGHTS)) for name, (mean, sd) in PRIOR.items())
-    model = Model((Flight(),) * FLIGHTS, (), np.zeros(0), terms, tuple(range(FLIGHTS)), ONE_SCALE)
+    model = Model(
+        (Flight(),) * FLIGHTS,
+        (catalogue().resolve("F24"),) * FLIGHTS,
+        np.zeros(0),
+        terms,
+        tuple(range(FLIGHTS)),
+        ONE_SCALE,
+    )
     data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), np.ones(shape, bool), np.ones(shape))
     slope = rng.normal(size=(*shape, len(terms)))
     near = Tangent(rng.normal(size=len(terms)), rng.normal(size=shape), slope, rng.normal(size=(*shape, 2)) * 0.1)
