@@ -77,8 +77,8 @@ readout replaces these figures.
 {chr(10).join(noise)}
 
 The log Cd of a rocket with a design has a standard deviation of {card.design_drag:.3f} around the Cd of the design
-(start {DESIGN_DRAG:g}, an expert judgment). The random effects of mass, thrust and apogee of flights on high-power
-motors are multiplied by {card.high_power:.2f} (start 1).
+(start {DESIGN_DRAG:g}, an expert judgment). The random effects of mass, thrust and apogee of such a rocket on
+high-power motors are multiplied by {card.high_power:.2f} (start 1).
 
 The log frontal area of a rocket without a recorded diameter has a standard deviation of {card.unknown_area:.2f}
 (learned together with drag), {given.unknown_area:g} in the search. The parachute opens in

@@ -128,7 +128,7 @@ def _print(found: "Hyperprior") -> None:
     rows = [_row(name, sd) for name, sd in found.sds.items()]
     rows.append(("drag", "design", f"{found.design_drag:.3f}"))
     print_table(["quantity", "differs by", "sd"], rows, ["sd"])
-    say(f"Mass, thrust and apogee on high-power motors: {found.high_power:.2f} times as far")
+    say(f"Mass, thrust and apogee of a rocket with a design on high-power motors: {found.high_power:.2f} of that")
     for flyer, tables in found.about.get("scores", {}).items():
         for title, rows in tables.items():
             say()

@@ -17,6 +17,7 @@ from fieldkit.forecast.term_draws import term_draws
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
+from fieldkit.model.high_power import closer_to_designs
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, fleet_term
@@ -205,7 +206,8 @@ def _drawn_with(
 def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
     error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
-    design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains."""
+    design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains.
+    On high-power motors, mass, thrust and apogee vary less."""
     usual = model.hyperprior.sd("drag", "rocket")
     sd = float(
         np.sqrt(
@@ -222,7 +224,7 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     model = replace(model, terms=terms).with_prior("drag", middle, sd)
     for config, log in logs.items():
         model = model.with_prior(config_term("drag", config), log - middle)
-    return model
+    return closer_to_designs(model, cds)
 
 
 def fly_ahead(

@@ -57,7 +57,7 @@ class Hyperprior:
     `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
-    random effects of mass, thrust and apogee of flights on high-power motors.
+    random effects of mass, thrust and apogee of such a rocket on high-power motors.
     """
 
     kind: Kind

@@ -13,7 +13,6 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.readout import SENSORS
-from fieldkit.model.high_power import CLOSER_AT_HIGH_POWER, departures
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -75,6 +74,7 @@ class Model:
     hyperprior: Hyperprior = CERTIFIED_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
+    departure: tuple[float, ...] = ()
 
     @property
     def names(self) -> list[str]:
@@ -110,7 +110,7 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """A copy with only some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index")}
+        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index", "departure")}
         return replace(self, **kept, terms=terms)
 
 
@@ -200,8 +200,6 @@ def _quantity_terms(
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean."""
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
-    if quantity in CLOSER_AT_HIGH_POWER:
-        every = departures(found, hyperprior)
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
         if logged.any():
@@ -221,7 +219,7 @@ def _quantity_terms(
             continue
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
         for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
-            weight = every * np.array([own == kind for own in group], float)
+            weight = np.array([own == kind for own in group], float)
             joint = "on" if level in ("rocket_motor", "day") else "of"
             name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
@@ -278,7 +276,7 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
     Derivation: variances of independent deviations add, per flight and, if a day has no term of its own, per day.
     """
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
-    scaled = departures(model.found, model.hyperprior)
+    scaled = np.array(model.departure) if model.departure else np.ones(len(model.flights))
     if not day:
         return flight * scaled
     names = set(model.names)

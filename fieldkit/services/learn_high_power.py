@@ -13,7 +13,7 @@ from scipy.stats import norm
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
-from fieldkit.model.high_power import HIGH_POWER_IMPULSE
+from fieldkit.model.high_power import is_high_power
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
 from fieldkit.motors import Catalogue
 from fieldkit.scoring.proper_scores import crps, interval_score
@@ -70,7 +70,7 @@ def _usable(flight: Flight, motors: Catalogue) -> "DesignForecast | None":
         found = motors.resolve(flight.motor)
     except UnknownMotor:
         return None
-    if found.motor.total_impulse <= HIGH_POWER_IMPULSE:
+    if not is_high_power(found):
         return None
     conditions = (flight.site_elevation, flight.temperature, flight.pressure, flight.humidity)
     air = pad_air(*(np.array([math.nan if value is None else value]) for value in conditions))
