@@ -633,7 +633,8 @@ async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
     async with opened(file) as pilot:
         with patch("fieldkit.tui.screens.next_flight.REST", 0.01):
             await press(pilot, "4", "_", "down", "_")
-            while not pilot.app.screen._motors.exact:  # type: ignore[attr-defined]  # of the page in front
+            page, table = pilot.app.screen, pilot.app.screen.query_one(Table)
+            while table.current not in page._motors.exact:  # type: ignore[attr-defined]  # of the page in front
                 await pilot.pause(0.01)
             await press(pilot, "_")
         card = pilot.app.screen.query_one(ForecastCard)
