@@ -1,5 +1,6 @@
 """`fieldkit score`: the quality of the forecasts, on flights that they were not fitted to."""
 
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,6 +33,14 @@ def score(
         Path | None,
         typer.Option(metavar="FILE", help="Forecast with this hyperprior; nothing is saved.", hidden=True),
     ] = None,
+    since: Annotated[
+        datetime | None,
+        typer.Option(
+            formats=["%Y-%m-%d"],
+            help="Leave out the forecasts of earlier flights, such as those with estimated altitudes.",
+            show_default=False,
+        ),
+    ] = None,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -44,7 +53,9 @@ def score(
         check_picture(out)
         force = settled(out, force)
     with open_ledger(context) as ledger, progress("forecasting each flight from earlier ones") as on_progress:
-        found = score_forecasts(ledger, known_motors(), rocket, hyperprior, on_progress)
+        found = score_forecasts(
+            ledger, known_motors(), rocket, hyperprior, on_progress, since=since.date() if since else None
+        )
     if out is not None:
         from fieldkit.presentation.report.score import write_picture
 

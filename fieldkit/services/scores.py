@@ -1,13 +1,14 @@
 """The quality of a ledger's forecasts: those saved before flights, and each flight forecast from the earlier ones."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import NoFlights
 from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
-from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage, next_weights
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage, next_weights
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op
@@ -36,21 +37,28 @@ def score_forecasts(
     rocket: str | None = None,
     hyperprior: Path | None = None,
     on_progress: ReportProgress = no_op,
+    *,
+    since: date | None = None,
 ) -> LedgerScores:
-    """Score a ledger's forecasts, of one rocket or of all; with the hyperprior of a card nothing is saved.
+    """Score a ledger's forecasts, of one rocket or of all, of flights since a day or without a date; with the
+    hyperprior of a card nothing is saved.
+
+    Earlier flights still inform the forecasts, their corrections and the stacking weights.
 
     Raises NoFlights, and BadValue or DamagedModel for a card that cannot be read.
     """
     other = read_hyperprior(hyperprior) if hyperprior else None
     name = which_rocket(ledger, rocket) if rocket else None
     made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
-    before = record(ledger, motors, made)
+    before = _since(record(ledger, motors, made), since)
     rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
     if other is None:
         keep_forecasts(ledger, rows)
-    if not rows:
-        raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least one")
-    later, first = (judged_report([row for row in rows if bool(row.earlier) == known]) for known in (True, False))
+    judged = _since(rows, since)
+    if not judged:
+        limit = f" since {since}" if since else ""
+        raise NoFlights(f"found no clean flight with an apogee and a dry mass{limit}, expected at least one")
+    later, first = (judged_report([row for row in judged if bool(row.earlier) == known]) for known in (True, False))
     return LedgerScores(
         judged_report(before) if before else None,
         sum(one.stale for one in made if one.flown is not None),
@@ -59,3 +67,7 @@ def score_forecasts(
         next_weights(rows),
         corrected_coverage(rows),
     )
+
+
+def _since(rows: Sequence[Forecast], day: date | None) -> list[Forecast]:
+    return [row for row in rows if day is None or row.when is None or row.when.date() >= day]

@@ -53,3 +53,21 @@ def test_a_kept_prediction_is_scored_against_what_was_known_then(
     assert document["kept"]["stale"] == 1
     assert {"flights", "errors", "coverage90", "corrected", "evaluation", "rivals", "calibration"} <= document.keys()
     assert document["flights"][0]["pit"] == pytest.approx(document["flights"][0]["pit"])
+
+
+def test_scores_since_a_day_leave_out_earlier_forecasts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    base = Flight("1", "Astra", "A", "F24-4W", datetime(2026, 5, 1), dry_mass=0.32, diameter=0.066, apogee=250.0)
+    later = [base.with_changes(flight_id=str(day), date_time=datetime(2026, 5, day)) for day in (2, 3)]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([base, *later])
+    arguments = ["--ledger", str(tmp_path / "ledger.db"), "score", "--json"]
+    found = []
+    for since in ([], ["--since", "2026-05-03"]):
+        assert main([*arguments, *since]) == 0
+        document = json.loads(capsys.readouterr().out)
+        found.append([(row["flight_id"], row["p50"]) for row in document["flights"]])
+        assert len(document["first_flights"]["flights"]) == (0 if since else 1)
+    assert [flight for flight, _ in found[0]] == ["2", "3"]
+    assert found[1] == found[0][1:]
+    assert main([*arguments, "--since", "2026-06-01"]) == 1
+    assert "found no clean flight with an apogee and a dry mass since 2026-06-01" in capsys.readouterr().err
