@@ -64,6 +64,10 @@ class LedgerError(FieldkitError):
     """The ledger cannot be opened, read or written, or does not have the requested entry."""
 
 
+class UnusableLedger(LedgerError):
+    """The ledger as a whole cannot be read or written: no other entry of it will do better."""
+
+
 class NoFlights(FieldkitError):
     """A request needs flights that the ledger does not have."""
 

@@ -28,7 +28,7 @@ def remeasure(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the logs of flights again; what you typed or edited is not changed. Can be undone."""
-    from fieldkit.errors import FieldkitError
+    from fieldkit.errors import FieldkitError, UnusableLedger
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
     from fieldkit.services.forecasts import which_rocket
@@ -45,7 +45,7 @@ def remeasure(
                 try:
                     one = remeasured(ledger, id, choices)
                 except FieldkitError as error:
-                    if flights and len(flights) == 1:
+                    if isinstance(error, UnusableLedger) or (flights and len(flights) == 1):
                         raise
                     errors[id] = str(error)
                     continue

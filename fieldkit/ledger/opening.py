@@ -14,7 +14,7 @@ from sqlalchemy.engine import URL
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from fieldkit.errors import LedgerError
+from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import backups
 from fieldkit.ledger.schema import STEPS, upgrade, version
 from fieldkit.ledger.soundness import PATIENCE
@@ -125,7 +125,7 @@ def never_recreate(engine: Engine) -> None:
     def there(*_: object) -> None:
         if not file.exists() or not file.stat().st_size:
             said = "gone" if not file.exists() else "empty"
-            raise LedgerError(f"{file}: the file is {said} while it is open; {backups.offer(file)}")
+            raise UnusableLedger(f"{file}: the file is {said} while it is open; {backups.offer(file)}")
 
     event.listen(engine, "do_connect", there)
 

@@ -8,7 +8,7 @@ from json import JSONDecodeError
 from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError
 
-from fieldkit.errors import LedgerError
+from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import backups, soundness
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.schema import missing
@@ -36,12 +36,13 @@ _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 
 @contextmanager
 def explained(engine: Engine) -> Iterator[None]:
-    """Raise LedgerError for errors that the flyer can fix; bugs pass through unchanged."""
+    """Raise UnusableLedger for errors of the whole ledger that the flyer can fix, and LedgerError for those of one
+    entry; bugs pass through unchanged."""
     try:
         yield
     except DBAPIError as error:
         if why := _reason(error) or _damage(engine):
-            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+            raise UnusableLedger(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
         raise
     except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
         why = f"the file is damaged ({error})"
@@ -50,7 +51,7 @@ def explained(engine: Engine) -> Iterator[None]:
         raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
     except (TypeError, ValueError, LookupError) as error:  # from a damaged row
         if why := _damage(engine):
-            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+            raise UnusableLedger(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
         raise
 
 

@@ -1,7 +1,7 @@
 """The logs stored with a rocket's flights, read again for the forces in the climb."""
 
 from fieldkit.analysis import Recorded
-from fieldkit.errors import LedgerError
+from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import Ledger
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.diagnose import Diagnosis
@@ -29,6 +29,8 @@ def recorded_logs(
         on_progress(f"the log of {id}", number / len(latest))
         try:
             recording = recording_of(ledger, id)
+        except UnusableLedger:
+            raise
         except LedgerError as error:
             found[flight.flight_id] = str(error)
             continue

@@ -1,6 +1,8 @@
 """Importing files: a duplicate changes nothing, even if it would be read differently today."""
 
 import json
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -263,3 +265,13 @@ def test_a_flight_far_from_the_others_is_named_if_another_rocket_has_its_number(
     receipt = taken(ledger, tmp_path / "table.csv")
     assert "Astra/5" in receipt.ids
     assert any("flight 5 of Astra" in note for note in receipt.notes)
+
+
+def test_remeasure_names_a_damaged_ledger_once(
+    ledger: Ledger, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger.add([Flight(str(number), "Astra", apogee=200.0) for number in range(9)])
+    with closing(sqlite3.connect(tmp_path / "ledger.db")) as raw, raw:
+        raw.execute("ALTER TABLE logs RENAME TO lost")
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "remeasure", "--dry-run"]) == 1
+    assert capsys.readouterr().err.count("the file is damaged") == 1
