@@ -12,14 +12,21 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
 from fieldkit.inference.history.evidence import Trials, weigh_placed
-from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
+from fieldkit.inference.history.linear_fit import (
+    LinearFit,
+    history_data,
+    history_model,
+    linear_fit,
+    on_one_new_motor,
+    robust,
+)
 from fieldkit.inference.history.moments import Moments, moments
 from fieldkit.inference.history.placed_effects import Placed, PlacedEffect, directions
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.model.readout_data import Data
-from fieldkit.model.rocket_model import Model, groups
+from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.shapes import Array, Float
 
@@ -73,19 +80,10 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
     both = history.flights, history.found, count
     model = history_model(*both, history.selection, declared=False)
     forecast = history_model(*both, history.forecast, history.shared, declared=True)
-    candidates = candidates_of(_on_one_new_motor(model, count), history.used_in_fit)
+    # an effect of a motor is equally probable for each new one
+    alike = replace(model, found=on_one_new_motor(model.found, count))
+    candidates = candidates_of(alike, history.used_in_fit)
     return PreparedHistory(history, response, model, forecast, tuple(candidates), directions(candidates))
-
-
-def _on_one_new_motor(model: Model, flown: int) -> Model:
-    """Plans on motors never flown, as if all used the same motor: an effect of a motor is equally probable for each."""
-    known = set(groups(model.flights[:flown], model.found[:flown], "motor"))
-    plans = groups(model.flights[flown:], model.found[flown:], "motor")
-    new = [motor for name, motor in zip(plans, model.found[flown:], strict=True) if name not in known]
-    if len(new) < 2:
-        return model
-    ahead = [motor if name in known else new[0] for name, motor in zip(plans, model.found[flown:], strict=True)]
-    return replace(model, found=(*model.found[:flown], *ahead))
 
 
 def summarize(

@@ -1,6 +1,6 @@
 """A rocket's model solved in one pass over its response, without further simulations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, Term, base_model
+from fieldkit.model.rocket_model import Model, Term, base_model, groups
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -77,10 +77,25 @@ def history_model(
     *,
     declared: bool,
 ) -> Model:
-    """The model of a history and its alternative plans; a `declared` wind acts with the prior of its effect."""
+    """The model of a history and its alternative plans; a `declared` wind acts with the prior of its effect.
+
+    Plans on motors that neither this rocket nor the others of the flyer have flown share the terms of one new motor.
+    """
     order = [*range(flown), *[flown] * (len(flights) - flown)]
-    model = base_model(flights, found, coarse_scales(hyperprior), flown, order, shared)
+    elsewhere = {name.partition(" of ")[2] for name in (shared.names if shared else ())}
+    motors = on_one_new_motor(found, flown, elsewhere)
+    model = base_model(flights, motors, coarse_scales(hyperprior), flown, order, shared)
+    model = replace(model, found=tuple(found))
     return model.with_terms(*declared_terms(flights)) if declared else model
+
+
+def on_one_new_motor(found: Sequence[Found], flown: int, known: Collection[str] = ()) -> tuple[Found, ...]:
+    """The motors of flown flights and alternative plans, with one motor for all plans on motors that were not flown
+    before and are not in `known`. The plans exclude each other, so this changes no forecast."""
+    kinds = groups((), found, "motor")
+    past = {*kinds[:flown], *known}
+    new = [motor for kind, motor in zip(kinds, found, strict=True) if kind not in past]
+    return tuple(motor if kind in past else new[0] for kind, motor in zip(kinds, found, strict=True))
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
