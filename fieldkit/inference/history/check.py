@@ -180,11 +180,11 @@ def _log_forecast(
     from scipy.special import gammaln
 
     flies = np.isfinite(middle)
-    sd = np.sqrt(own_variance(linear)[:, 0])
     nu = linear.model.hyperprior.tail
     constant = gammaln((nu + 1) / 2) - gammaln(nu / 2) - 0.5 * np.log(nu * np.pi)
-    z = (apogees[:, None, None] - middle[flies][:, None]) / sd
-    density = constant - np.log(sd) - (nu + 1) / 2 * np.log1p(z**2 / nu)
+    square = (apogees[:, None] - middle[flies]) ** 2 / nu
+    each = zip(own_variance(linear)[:, 0], by_scale[flies].T, strict=True)
+    # the tails of a Student t are powers, so the densities do not underflow
+    density = sum((1 + square / own) ** (-(nu + 1) / 2) @ (weight / np.sqrt(own)) for own, weight in each)
     with np.errstate(divide="ignore"):
-        weighed = np.log(by_scale[flies]) + density
-    return np.asarray(np.logaddexp.reduce(weighed.reshape(len(apogees), -1), axis=1))
+        return np.asarray(constant + np.log(density))

@@ -7,6 +7,8 @@ weights of these; evidence is limited and compressed by the inverse hyperbolic s
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
@@ -36,6 +38,8 @@ PER_EFFECT = (
     "acts",
 )
 """Features of every effect."""
+EVIDENCE_COLUMNS = PER_EFFECT.index("places")
+"""The first features of an effect, up to this number, are evidence."""
 OF_HISTORY = (
     "flights",
     *(f"seen_{name}" for name in OBSERVED_READOUTS[:6]),
@@ -151,17 +155,29 @@ def shown_evidence(log_bayes: Array | float) -> Array:
     return np.asarray(np.arcsinh(limited / LOG_BAYES_SCALE))
 
 
-def families(trials: Trials) -> dict[str, list[int]]:
+def families(trials: Trials) -> Mapping[str, list[int]]:
     """Rows of trials by the name in a verdict; patterns have an empty name."""
+    return _rows_of(trials.family)
+
+
+@lru_cache(maxsize=16)
+def _rows_of(family: tuple[str, ...]) -> Mapping[str, list[int]]:
+    """Cached, because each readout that is typed asks several times for the same candidates."""
     found: dict[str, list[int]] = {}
-    for row, name in enumerate(trials.family):
+    for row, name in enumerate(family):
         found.setdefault(name, []).append(row)
-    return found
+    return MappingProxyType(found)
 
 
-def _sum(trials: Trials, rows: Sequence[int], which: str = "log_bayes") -> float:
-    some = list(rows)
-    return float(np.logaddexp.reduce(getattr(trials, which)[some] + trials.log_share[some]))
+def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
+    """The evidence of each family. [nat]"""
+    groups = families(trials)
+    if not groups:
+        return {}
+    order = [row for rows in groups.values() for row in rows]
+    starts = np.cumsum([0, *(len(rows) for rows in groups.values())])[:-1]
+    joint = (getattr(trials, which) + trials.log_share)[order]
+    return dict(zip(groups, np.logaddexp.reduceat(joint, starts).tolist(), strict=True))
 
 
 def _leaders(trials: Trials) -> dict[str, int]:
@@ -172,8 +188,7 @@ def _leaders(trials: Trials) -> dict[str, int]:
 
 def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Array]:
     """The strongest effects, patterns, and the shift of each plan's forecast by effects."""
-    by_family = families(trials)
-    bayes = {name: _sum(trials, rows) for name, rows in by_family.items()}
+    bayes = _sums(trials)
     named = sorted((value for name, value in bayes.items() if name), reverse=True)
     columns: dict[str, float | Array] = {
         "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
@@ -181,10 +196,10 @@ def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Ar
         "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
     }
     leaders = _leaders(trials)
-    pattern = by_family.get("", [])
+    pattern = "" in bayes
     columns |= {
         "pattern": float(shown_evidence(bayes[""])) if pattern else 0.0,
-        "pattern_robust": float(shown_evidence(_sum(trials, pattern, "robust"))) if pattern else 0.0,
+        "pattern_robust": float(shown_evidence(_sums(trials, "robust")[""])) if pattern else 0.0,
         "pattern_best": float(shown_evidence(trials.log_bayes[leaders[""]])) if pattern else 0.0,
         "pattern_beside_best": 0.0,
         "pattern_by_forecast_fit": 0.0,
@@ -193,8 +208,7 @@ def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Ar
         first = max((name for name in bayes if name), key=lambda name: bayes[name])
         beside = conditional(trials, [leaders[""], leaders[first]])
         columns["pattern_beside_best"] = float(shown_evidence(beside[0, 1]))
-        rows = families(beside_forecast)[""]
-        columns["pattern_by_forecast_fit"] = float(shown_evidence(_sum(beside_forecast, rows)))
+        columns["pattern_by_forecast_fit"] = float(shown_evidence(_sums(beside_forecast)[""]))
     return columns | _shifts(beside_forecast)
 
 
@@ -203,52 +217,49 @@ def _shifts(trials: Trials) -> dict[str, Array]:
     by_family = {name: rows for name, rows in families(trials).items() if name}
     if not by_family:
         return dict.fromkeys(("shift", "shift_sd", "shift_of_first"), np.zeros(len(trials.forecast_gain)))
-    moved = trials.forecast_gain * trials.mean
-    moved_sd = trials.forecast_gain * trials.sd
-    odds = {name: _sum(trials, rows) - np.log(2.0 * len(by_family)) for name, rows in by_family.items()}
-    total = np.logaddexp.reduce([0.0, *odds.values()])
-    shift, square = np.zeros((2, len(moved)))
-    for name, rows in by_family.items():
-        share = np.exp(trials.weight[rows] - np.logaddexp.reduce(trials.weight[rows]))
-        part = float(np.exp(odds[name] - total))
-        shift += part * (moved[:, rows] @ share)
-        square += part * ((moved[:, rows] ** 2 + moved_sd[:, rows] ** 2) @ share)
-    first = max(odds, key=lambda name: odds[name])
-    leader = max(by_family[first], key=lambda row: float(trials.weight[row]))
+    rows = [row for some in by_family.values() for row in some]
+    moved, moved_sd = (trials.forecast_gain[:, rows] * part[rows] for part in (trials.mean, trials.sd))
+    weight = trials.weight[rows] - np.log(2.0 * len(by_family))
+    chance = np.exp(weight - np.logaddexp.reduce([0.0, *weight.tolist()]))
+    bayes = _sums(trials)
+    first = by_family[max(by_family, key=lambda name: bayes[name])]
+    leader = max(first, key=lambda row: float(trials.weight[row]))
+    shift = moved @ chance
+    square = (moved**2 + moved_sd**2) @ chance
     return {
         "shift": shift,
         "shift_sd": np.sqrt(np.maximum(square - shift**2, 0.0)),
-        "shift_of_first": moved[:, leader],
+        "shift_of_first": moved[:, rows.index(leader)],
     }
 
 
-def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) -> list[Mapping[str, float]]:
-    """Features of each effect; zeros for one that these flights cannot show."""
-    by_family, other = families(trials), families(beside_forecast)
-    leaders = _leaders(trials)
+def of_effects(
+    trials: Trials, beside_forecast: Trials, names: Sequence[str]
+) -> Float[Array, "effect column"]:
+    """The columns `PER_EFFECT` of each effect; zeros for one that these flights cannot show."""
+    by_family, leaders = families(trials), _leaders(trials)
+    log_bayes, robust, by_forecast = _sums(trials), _sums(trials, "robust"), _sums(beside_forecast)
     present = [name for name in leaders if name]
     order = [*present, *([""] if "" in leaders else [])]
     beside = conditional(trials, [leaders[name] for name in order]) if order else np.empty((0, 0))
-    rows: list[Mapping[str, float]] = []
-    for name in names:
+    found = np.zeros((len(names), len(PER_EFFECT)))
+    for row, name in enumerate(names):
         if name not in by_family:
-            rows.append(dict.fromkeys(PER_EFFECT, 0.0))
             continue
-        own, leader, place = by_family[name], leaders[name], order.index(name)
-        others = [i for i, one in enumerate(order) if one and one != name]
+        leader, place = leaders[name], order.index(name)
+        others = [i for i in range(len(present)) if i != place]
         strongest = max(others, key=lambda i: float(beside[i, i]), default=None)
-        rows.append(
-            {
-                "log_bayes": float(shown_evidence(_sum(trials, own))),
-                "robust": float(shown_evidence(_sum(trials, own, "robust"))),
-                "best": float(shown_evidence(trials.log_bayes[leader])),
-                "beside_best": 0.0 if strongest is None else float(shown_evidence(beside[place, strongest])),
-                "beside_pattern": float(shown_evidence(beside[place, -1])) if "" in leaders else 0.0,
-                "by_forecast_fit": float(shown_evidence(_sum(beside_forecast, other[name]))),
-                "places": float(np.log(len(own))),
-                "size": float(trials.mean[leader] / trials.prior_sd[leader]),
-                "z": float(trials.mean[leader] / trials.sd[leader] / 4.0),
-                "acts": 1.0,
-            }
+        found[row] = (
+            log_bayes[name],
+            robust[name],
+            trials.log_bayes[leader],
+            0.0 if strongest is None else beside[place, strongest],
+            beside[place, -1] if "" in leaders else 0.0,
+            by_forecast[name],
+            np.log(len(by_family[name])),
+            trials.mean[leader] / trials.prior_sd[leader],
+            trials.mean[leader] / trials.sd[leader] / 4.0,
+            1.0,
         )
-    return rows
+    found[:, :EVIDENCE_COLUMNS] = shown_evidence(found[:, :EVIDENCE_COLUMNS])
+    return found

@@ -70,7 +70,7 @@ class PreparedHistory:
 
     @property
     def flown(self) -> tuple[Flight, ...]:
-        """The number of flown flights."""
+        """The flown flights, as they were when this was prepared."""
         return self.history.flights[: len(self.history.used_in_fit)]
 
 
@@ -119,10 +119,10 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
         "alpha_sd": np.log(baseline.alpha_sd),
         "cd_alpha": baseline.correlation,
     }
-    each = of_effects(trials, beside_forecast, names)
-    values = [columns[name] for name in OF_HISTORY] + [row[name] for row in each for name in PER_EFFECT]
-    whole = np.empty((len(baseline.apogee), len(values)))
+    values = [columns[name] for name in OF_HISTORY]
+    whole = np.empty((len(baseline.apogee), len(values) + len(names) * len(PER_EFFECT)))
     for column, value in enumerate(values):
         whole[:, column] = value
+    whole[:, len(values) :] = of_effects(trials, beside_forecast, names).ravel()
     features = np.clip(np.nan_to_num(whole, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
     return HistorySummary(features, baseline, selection, robustly, trials, candidates, data, left_out)

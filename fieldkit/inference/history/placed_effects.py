@@ -33,14 +33,16 @@ class PlacedEffect(Protocol):
 class Directions:
     """Directions in which strengths move the readouts, one entry each.
 
-    `number` is the number of the candidate, `family` its name in a verdict, and `moves` the property or effect that a
-    strength changes, as named in a response. `weight` is how strongly it acts on each flight. `log_prior_mass` is that
-    of the strength's prior between its bounds.
+    `number` is the number of the candidate, and `family` its name in a verdict. `moves` are the properties and effects
+    that some strength changes, as named in a response, and `kind` is the place among them of the one that each
+    changes. `weight` is how strongly it acts on each flight. `log_prior_mass` is that of the strength's prior between
+    its bounds.
     """
 
     number: tuple[int, ...]
     family: tuple[str, ...]
     moves: tuple[str, ...]
+    kind: Int[Integers, "direction"]
     weight: Float[Array, "flight direction"]
     log_share: Float[Array, "direction"]
     mean: Float[Array, "direction"]
@@ -54,9 +56,8 @@ class Directions:
         self, moved: Mapping[str, Float[Array, "flight readout"]], readouts: Int[Integers, "used"]
     ) -> Float[Array, "flight used direction"]:
         """The change of some readouts of every flight by a unit of each strength."""
-        kinds = list(dict.fromkeys(self.moves))
-        every = np.stack([moved[kind][:, readouts] for kind in kinds], axis=-1)
-        return np.asarray(every[..., [kinds.index(kind) for kind in self.moves]] * self.weight[:, None])
+        every = np.stack([moved[kind][:, readouts] for kind in self.moves], axis=-1)
+        return np.asarray(every[..., self.kind] * self.weight[:, None])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,6 +116,8 @@ def _stacked(some: Sequence[_Direction]) -> Directions:
     numbers, families, moves, weights, *rest = zip(*some, strict=True)
     log_share, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
     within = log_mass(mean, sd, low, high)
+    kinds = tuple(dict.fromkeys(moves))
+    places = np.array([kinds.index(kind) for kind in moves])
     return Directions(
-        numbers, families, moves, np.stack(weights, axis=-1), log_share, mean, sd, low, high, unit, within
+        numbers, families, kinds, places, np.stack(weights, axis=-1), log_share, mean, sd, low, high, unit, within
     )

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
-from fieldkit.inference.history.check import Check, check
+from fieldkit.inference.history.check import Check, _log_forecast, check
+from fieldkit.inference.history.moments import own_variance
 from fieldkit.inference.network.history import QuickAnswer, quick_answer
 from fieldkit.inference.network.history_parts import STANDARD
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -77,3 +79,15 @@ def test_several_plans_are_refused(said: QuickAnswer) -> None:
     two = replace(linear, flown=linear.flown - 1)
     with pytest.raises(ValueError, match="expected one"):
         check(replace(said, summary=replace(said.summary, forecast=two)))
+
+
+def test_the_forecast_is_a_mixture_of_students_t(said: QuickAnswer) -> None:
+    linear, rng = said.summary.forecast, np.random.default_rng(3)
+    sds, nu = np.sqrt(own_variance(linear)[:, 0]), linear.model.hyperprior.tail
+    middle, weight = np.array([4.5, 4.7, np.nan, 5.1]), rng.dirichlet(np.ones(4 * len(sds))).reshape(4, -1)
+    weight[0] = 0.0
+    apogees = np.array([-900.0, 4.6, 5.0, 9.0])
+    flies = [1, 3]
+    density = [(weight[flies] * t.pdf(at, nu, middle[flies, None], sds)).sum() for at in apogees]
+    assert _log_forecast(linear, middle, weight, apogees) == pytest.approx(np.log(density), rel=1e-12)
+    assert (_log_forecast(linear, middle, np.zeros_like(weight), apogees) == -np.inf).all()
