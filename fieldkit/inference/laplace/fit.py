@@ -130,9 +130,10 @@ def fit_lanes(
         moving = [i for i in moving if i not in joined]
         if not moving:
             break
+    settled = {i: _settled(result) for i, result in enumerate(results) if result is not None and i not in joined}
     for lane, other in reversed(joined.items()):
-        results[lane] = results[other]
-    return [_settled(result) for result in results if result is not None]
+        settled[lane] = settled[other]
+    return [settled[i] for i in sorted(settled)]
 
 
 def _first_fit(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
