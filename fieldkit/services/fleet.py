@@ -47,11 +47,12 @@ def fleet_priors(
     """`fleet_prior` of several rockets, each fitted at most once."""
 
     own = learned()
+    made_with = json.dumps([__version__, own.json()], sort_keys=True)
     flown = {name: one for name, one in _by_rocket(ledger, motors).items() if [name] != list(rockets)}
     fits = {}
     for number, (name, one) in enumerate(flown.items()):
         on_progress(name, number / len(flown))
-        fits[name] = _rocket_fit(ledger, name, one, own)
+        fits[name] = _rocket_fit(ledger, name, one, own, made_with)
     return {rocket: shared_prior([fit for name, fit in fits.items() if name != rocket]) for rocket in rockets}
 
 
@@ -64,10 +65,10 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
     return found
 
 
-def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
-    """A rocket's separate fit, from the ledger if it is up to date."""
-
-    digest = _digest(flown, hyperprior)
+def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior, made_with: str) -> RocketFit:
+    """A rocket's separate fit, from the ledger if it is up to date; `made_with` is the version of fieldkit and the
+    hyperprior as text."""
+    digest = _digest(flown, made_with)
     kept = ledger.draft(MESSAGE_PREFIX + rocket)
     if kept is not None and kept.get("digest") == digest:
         return _read(kept)
@@ -79,11 +80,11 @@ def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hy
     return made
 
 
-def _digest(flown: FlownFlights, hyperprior: Hyperprior) -> str:
-    motors = {id(found.motor): motor_digest(found.motor) for _, found in flown}
-    read = [(flight_digest(one), sorted(one.source.items()), motors[id(found.motor)]) for one, found in flown]
-    parts = [__version__, hyperprior.json(), read]
-    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]
+def _digest(flown: FlownFlights, made_with: str) -> str:
+    motors = {found.motor for _, found in flown}
+    thrust = {motor: motor_digest(motor) for motor in motors}
+    read = [(flight_digest(one), sorted(one.source.items()), thrust[found.motor]) for one, found in flown]
+    return hashlib.sha256((made_with + json.dumps(read, sort_keys=True, default=str)).encode()).hexdigest()[:24]
 
 
 def _written(made: RocketFit) -> dict[str, Any]:

@@ -67,10 +67,19 @@ def without_delay(motor: str) -> str:
 
 
 def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found]]:
+    """The flights with a dry mass and a known motor; each name is looked up once."""
+    known: dict[str, Found | None] = {}
     for flight in flights:
         if flight.dry_mass is None:
             continue
-        try:
-            yield flight, motors.resolve(flight.motor)
-        except UnknownMotor:
-            continue
+        if flight.motor not in known:
+            known[flight.motor] = _resolved(flight.motor, motors)
+        if found := known[flight.motor]:
+            yield flight, found
+
+
+def _resolved(name: str, motors: Catalogue) -> Found | None:
+    try:
+        return motors.resolve(name)
+    except UnknownMotor:
+        return None

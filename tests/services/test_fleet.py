@@ -7,7 +7,9 @@ import pytest
 
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
+from fieldkit.motors.motor import Motor
 from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
+from fieldkit.services.provenance import motor_digest
 from tests.seasons import season
 
 CHECK_SHAPES = False
@@ -70,3 +72,15 @@ def test_a_rocket_does_not_inform_itself(ledger: Ledger) -> None:
 def test_an_empty_ledger_has_no_fleet(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "empty.db") as empty:
         assert fleet_prior(empty, catalogue(), "New") is None
+
+
+def test_each_thrust_curve_of_a_rocket_is_digested_once(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    digested: list[Motor] = []
+
+    def noted(motor: Motor) -> str:
+        digested.append(motor)
+        return motor_digest(motor)
+
+    monkeypatch.setattr("fieldkit.services.fleet.motor_digest", noted)
+    fleet_prior(ledger, catalogue(), "New")
+    assert len(digested) == 6  # four flights of each of two rockets on three motors

@@ -17,7 +17,7 @@ from bench.faults import session
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
-from fieldkit.motors import catalogue
+from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services.plausible_flights import followed, outlying, without_delay
 from fieldkit.units import STANDARD_GRAVITY
@@ -314,6 +314,24 @@ def test_what_passes_is_within_the_bound_whatever_was_typed(
     assert bool(followed([flight], catalogue())) == (implausible(flight, F24) is None)
     if implausible(flight, F24) is None:
         assert apogee <= READ_TOO_HIGH * best_apogee(dry_mass, F24)
+
+
+def test_the_motor_of_each_name_is_looked_up_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search for names near an unknown one takes long."""
+    asked: list[str] = []
+    resolve = Catalogue.resolve
+
+    def counted(self: Catalogue, text: str, maker: str = "") -> Found:
+        asked.append(text)
+        return resolve(self, text, maker)
+
+    monkeypatch.setattr(Catalogue, "resolve", counted)
+    names = ["F24-4W", "nothing like it", "", "F39-6T"]
+    flights = [GOOD.with_changes(flight_id=str(i), motor=names[i % 4]) for i in range(40)]
+    found = followed(flights, catalogue())
+    assert [flight.flight_id for flight, _ in found] == [str(i) for i in range(40) if i % 4 in (0, 3)]
+    assert {flight.motor: one.motor.name for flight, one in found} == {"F24-4W": "F24", "F39-6T": "F39"}
+    assert sorted(asked) == sorted(names)
 
 
 @pytest.mark.parametrize(

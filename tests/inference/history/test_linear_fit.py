@@ -23,7 +23,9 @@ from fieldkit.inference.history.response import (
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.inference.network.history import response_of
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -53,6 +55,22 @@ def test_between_the_drags_that_were_flown_the_response_is_the_simulators(
         bends["opening"] = np.full((1, COUNT + 1), REFERENCE_OPENING)
         flown = shown(_coarse(linear), at, bends)["apogee"][0]
         assert moved_at(response, offset)[""][:, 0] == pytest.approx(np.log(flown), abs=most)
+
+
+@pytest.mark.parametrize("elsewhere", [(), ("thrust of AeroTech F39T",)])
+def test_plans_on_new_motors_share_the_terms_of_one(elsewhere: tuple[str, ...]) -> None:
+    """A motor that other rockets flew keeps its own terms."""
+    named = [catalogue().resolve(name) for name in ("F39-6T", "E15-4W", "F24-4W", "E16-4W", "D12-5")]
+    plans = [WORN.flights[-1].with_changes(motor=found.motor.name) for found in named]
+    flights, found = (*WORN.flights[:COUNT], *plans), (*WORN.found[:COUNT], *named)
+    shared = SharedPrior(elsewhere, np.zeros(len(elsewhere)), 0.01 * np.eye(len(elsewhere))) if elsewhere else None
+    model = history_model(flights, found, COUNT, WORN.forecast, shared, declared=False)
+    thrust = [term for term in model.terms if term.name.startswith("thrust of") and term.weight[COUNT:].any()]
+    acting = np.array([term.weight[COUNT:] for term in thrust if "fleet" not in term.name])
+    own, new = [[0, 0, 1, 0, 0]], [[1, 1, 0, 1, 1]]
+    expected = [*own, *([[1, 0, 0, 0, 0], [0, 1, 0, 1, 1]] if elsewhere else new)]
+    assert sorted(acting.tolist()) == sorted(expected)
+    assert model.found == found
 
 
 def _coarse(linear: LinearFit) -> Model:

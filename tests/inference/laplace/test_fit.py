@@ -14,9 +14,9 @@ from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.damped_steps import DampedSteps
-from fieldkit.inference.laplace.fit import fit, refits_without
+from fieldkit.inference.laplace.fit import Lane, fit, fit_lanes, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
-from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope
 from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
@@ -136,6 +136,14 @@ def test_a_fit_settles_where_ejection_meets_apogee(seed: int) -> None:
     early, data = kinked(seed)
     after_five, after_nine = (fit(early, data, rounds=rounds).log_evidence for rounds in (5, 9))
     assert after_five == pytest.approx(after_nine, abs=0.1)
+
+
+def test_fits_that_meet_are_settled_once() -> None:
+    one, data = model(), seasons()[0]
+    start, every = np.array([term.mean for term in one.terms]), tuple(range(len(one.terms)))
+    with patch.object(shapes, "jaxtyping_disable", True):
+        found = fit_lanes(one, data, [Lane(every, start)] * 2, launch_angle_slope(one, start))
+    assert found[0] is found[1]
 
 
 def test_a_step_that_turns_back_goes_half_as_far() -> None:

@@ -10,6 +10,7 @@ from fieldkit.forecast.at_once import forecast_at_once, forecasts_at_once
 from fieldkit.inference.history.records import History
 from fieldkit.inference.network.history import checked, load_history, quick_answer
 from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import catalogue
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
@@ -104,15 +105,22 @@ def test_a_card_with_other_features_is_refused() -> None:
         checked(replace(shipped, features=shipped.features[:-1]))
 
 
-def test_many_motors_at_once_are_answered_as_each_alone() -> None:
+OTHERS_FLEW_ONE = SharedPrior(
+    ("drag of the fleet", "thrust of AeroTech F39T"), np.array([-0.55, 0.02]), np.array([[0.02, 1e-4], [1e-4, 1e-3]])
+)
+"""Information from other rockets, which flew one of the motors that are new to this one."""
+
+
+@pytest.mark.parametrize("shared", [None, OTHERS_FLEW_ONE])
+def test_many_motors_at_once_are_answered_as_each_alone(shared: SharedPrior | None) -> None:
     """Motors that the rocket flew, others, and one twice."""
     whole = history(8)
     flown = list(zip(whole.flights[:-1], whole.found[:-1], strict=True))
     motors = [catalogue().resolve(name) for name in ("F24-4W", "F39-6T", "E35-5W", "E15-4W", "F39-6T")]
     plans = [(whole.flights[-1].with_changes(motor=found.motor.name), found) for found in motors]
-    together = forecasts_at_once(flown, plans)
+    together = forecasts_at_once(flown, plans, shared=shared)
     for plan, said in zip(plans, together, strict=True):
-        alone = forecast_at_once(flown, plan)
+        alone = forecast_at_once(flown, plan, shared=shared)
         assert said.log_apogee == pytest.approx(alone.log_apogee, abs=1e-6)
         assert [*said.log_cd, *said.log_alpha] == pytest.approx([*alone.log_cd, *alone.log_alpha], abs=1e-6)
         assert said.inclusion == pytest.approx(alone.inclusion, abs=1e-6)
