@@ -234,7 +234,7 @@ def _shifts(trials: Trials) -> dict[str, Array]:
 
 
 def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) -> Float[Array, "effect column"]:
-    """The columns `PER_EFFECT` of each effect; zeros for one that these flights cannot show."""
+    """The columns `PER_EFFECT` of each effect; zeros for one that these flights cannot show. [1]"""
     by_family, leaders = families(trials), _leaders(trials)
     log_bayes, robust, by_forecast = _sums(trials), _sums(trials, "robust"), _sums(beside_forecast)
     present = [name for name in leaders if name]
