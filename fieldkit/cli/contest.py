@@ -49,6 +49,7 @@ def finals(
     from fieldkit.presentation.finals_text import (
         FINALS_NOTES,
         finals_basis,
+        finals_failures,
         finals_headers,
         finals_heading,
         finals_rows,
@@ -79,7 +80,8 @@ def finals(
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
-        files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
+        below = [*filter(None, [finals_failures(lines)]), *notes]
+        files.write(card, finals_card(heading, rows, card.suffix.lower(), below, chosen), force=force)
         complain(f"{card}: the card")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}

@@ -244,7 +244,7 @@ def class_line(held: Governed) -> SafetyCheck:
     law = held.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""
-    name = f"class {held.legal}" if held.legal else "no legal class"
+    name = f"class {held.legal}" if held.legal else "no air law in the chosen sets"
     if held.legal == 3:
         return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
     if not held.why and held.legal in (None, 1):

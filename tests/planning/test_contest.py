@@ -481,3 +481,25 @@ def test_the_landing_of_a_contest_plan_has_the_area_of_its_parachute(
         lands[area] = float(re.findall(r"lands (\d+) m", field)[0])
     assert lands["50%"] < 0.85 * lands["100%"]
     assert lands["200%"] > 1.15 * lands["100%"]
+
+
+@pytest.mark.parametrize(
+    ("motor", "line", "listed"),
+    [
+        ("F24-4W", "F24-4W", True),
+        ("F24-4W", "AeroTech F24-4,7W", True),
+        ("F39T", "F39-3,6,9T", True),
+        ("F51NT", "AeroTech F51-6NT", True),
+        ("F42T/L", "F42-4,8T", True),
+        ("68F240", "68F240-15A", True),
+        ("AeroTech F50T", "AeroTech F50", True),
+        ("Estes F50", "F50T", False),
+        ("AeroTech F50T", "F50", False),
+        ("F24-4W", "Estes F24-4W", False),
+        ("F24-4W", "F24C", False),
+    ],
+)
+def test_a_motor_list_may_have_delays(tmp_path: Path, motor: str, line: str, listed: bool) -> None:
+    (tmp_path / "2027_motors.txt").write_text(f"E16W\n{line}\n")
+    found = catalogue().resolve(motor)
+    assert motor_line(season(2027), found, approved_motors(2027, tmp_path)).verdict == ("ok" if listed else "unsafe")
