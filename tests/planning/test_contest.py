@@ -21,7 +21,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, season_of, seasons
 from fieldkit.planning.contest_day import Day, read_window
-from fieldkit.planning.contest_flight import judged_duration
+from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
 from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of
 from fieldkit.planning.finals import finals_table, finals_targets, trials
@@ -503,3 +503,30 @@ def test_a_motor_list_may_have_delays(tmp_path: Path, motor: str, line: str, lis
     (tmp_path / "2027_motors.txt").write_text(f"E16W\n{line}\n")
     found = catalogue().resolve(motor)
     assert motor_line(season(2027), found, approved_motors(2027, tmp_path)).verdict == ("ok" if listed else "unsafe")
+
+
+@pytest.mark.parametrize(
+    ("extra", "why"),
+    [
+        ({"eggs": "both intact"}, ""),
+        ({"eggs": "Not cracked"}, ""),
+        ({"eggs": "all OK"}, ""),
+        ({"eggs": "one cracked"}, "eggs: one cracked"),
+        ({"eggs": "2"}, "eggs: 2"),
+        ({"disqualified": "N"}, ""),
+        ({"disqualified": "yes"}, "disqualified"),
+    ],
+)
+def test_eggs_and_disqualification_as_teams_write_them(extra: dict[str, str], why: str) -> None:
+    assert why_no_score(Flight(apogee=240.0, extra=extra)) == why
+
+
+def test_a_score_without_a_duration_says_that_it_counts_the_altitude_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "flights.csv"
+    table.write_text("flight_id,rocket,motor,apogee_ft,duration_s\n1,Egg,F39T-6,801,38\n2,Egg,F39T-6,805,\n")
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(table)]) == 0
+    assert main([*ledger, "contest", "--season", "2027", "--declared", "1,2"]) == 0
+    assert "6.0 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out
