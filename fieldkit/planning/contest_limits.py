@@ -84,7 +84,9 @@ def allowed(
             continue
         well = value <= limit * (1 + ROUNDING) if how == "at most" else value >= limit * (1 - ROUNDING)
         verdict: Verdict = "ok" if well else "unsafe"
-        lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+        shown = (f"{value * scale:.{digits}g}" for digits in range(4, 8))
+        own = next((one for one in shown if well or float(one) != limit * scale), f"{value * scale:.9g}")
+        lines.append(SafetyCheck(name, verdict, f"{own} {unit}, {wanted}", source))
     for name, text in rule.by_hand:
         look = f"check it yourself: {text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))

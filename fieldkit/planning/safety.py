@@ -34,6 +34,7 @@ from fieldkit.planning.check import (
     length,
     of_column,
     per_wind,
+    ratio,
     speed,
     worst,
 )
@@ -165,8 +166,9 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     first, average = thrust_to_weight(motor, dry_mass)
     least = min(first, average)
     verdict: Verdict = "ok" if least >= good.value else "caution" if least >= unsafe.value else "unsafe"
+    shown = [ratio(one, good.value, unsafe.value) for one in (first, average)]
     text = (
-        f"{first:.1f} in the first half second, {average:.1f} on average; "
+        f"{shown[0]} in the first half second, {shown[1]} on average; "
         f"good above {good.value:g}, unsafe below {unsafe.value:g}"
     )
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)

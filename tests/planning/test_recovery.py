@@ -393,3 +393,13 @@ def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> Non
     line = next(one for one in lines if one.name == "landing speed")
     assert line.verdict == "unsafe"
     assert "before anything opens" in line.text
+
+
+def test_a_landing_in_calm_air_is_not_known_to_the_meter() -> None:
+    """Less than 0.3 m/s is calm: drift up to that much is possible in every direction."""
+    down = planned_flight(NEW, PLAN.with_changes(wind=0.0), FOUND, Site(), limits()).down
+    reach = np.quantile(down.away, 0.95)
+    assert 0.2 * np.median(down.drift) < reach < 0.3 * np.quantile(down.drift, 0.99)
+    ellipse = down.ellipse()
+    assert ellipse.short > 0.7 * ellipse.long
+    assert np.hypot(ellipse.along, ellipse.across) < 0.2 * ellipse.short
