@@ -62,7 +62,7 @@ def why_no_score(flight: Flight) -> str:
 
 
 def _whole(eggs: str) -> bool:
-    """Whether a text about the eggs means that they are intact, or says nothing. A count does not tell."""
+    """Whether a text about the eggs means that they are intact, or is empty. A count does not mean that."""
     said = eggs.strip().casefold()
     for word in ("all", "both", "eggs", "egg"):
         said = said.removeprefix(f"{word} ")
