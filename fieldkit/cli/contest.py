@@ -49,6 +49,7 @@ def finals(
     from fieldkit.presentation.finals_text import (
         FINALS_NOTES,
         finals_basis,
+        finals_failures,
         finals_headers,
         finals_heading,
         finals_rows,
@@ -79,7 +80,8 @@ def finals(
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
-        files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
+        below = [*filter(None, [finals_failures(lines)]), *notes]
+        files.write(card, finals_card(heading, rows, card.suffix.lower(), below, chosen), force=force)
         complain(f"{card}: the card")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
@@ -144,7 +146,7 @@ def contest(
     from fieldkit.paths import data_file
     from fieldkit.planning.contest import copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
-    from fieldkit.planning.contest_flight import why_no_score
+    from fieldkit.planning.contest_flight import judged_duration, why_no_score
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.presentation.planning_text import outlook_in_words
 
@@ -192,7 +194,9 @@ def contest(
             continue
         say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
     if total is not None:
-        say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
+        untimed = [one.flight_id for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
+        without = f"; {', '.join(untimed)} without a duration: altitude only" if untimed else ""
+        say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}{without}")
     if ahead is not None:
         print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.starts)
 

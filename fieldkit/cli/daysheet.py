@@ -103,7 +103,7 @@ def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: 
 
     names = ("site", *(column.name for column in CONDITIONS))
     day = read_changes(row, {name: text for name in names if (text := given.get(name)) is not None})
-    open_ones = {name: value for name, value in day.items() if not getattr(row, name)}
+    open_ones = {name: value for name, value in day.items() if getattr(row, name) in (None, "")}
     extra = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
     if warm := given.get("motor_temperature"):
         extra[MOTOR_TEMPERATURE] = warm

@@ -160,6 +160,11 @@ def _print(
         say_wrapped(
             "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "
         )
+    if plan.site.size is None:
+        say_wrapped(
+            "field   not given: no motor is excluded for needing a larger one; give --field-size, or save the site's",
+            "        ",
+        )
     if unknown := [names[one.motor] for one in choices if EJECTION_CHECK in one.not_judged]:
         say_wrapped(f"delay   unknown: {', '.join(unknown)}", "        ")
     if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:

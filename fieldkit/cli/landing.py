@@ -45,6 +45,7 @@ def landing(
     from fieldkit import files
     from fieldkit.errors import BadValue
     from fieldkit.planning.planned_flight import planned_flight
+    from fieldkit.presentation.forecast_text import motor_in_words
     from fieldkit.presentation.kml import landing_kml, read_place
     from fieldkit.presentation.landing_text import landing_in_words
 
@@ -63,7 +64,7 @@ def landing(
     said, found, down, lines = one.said, one.said.found, one.down, one.lines
     words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system(), one.holds))
     if kml is not None and place is not None:
-        name = f"{said.plan.rocket} on {found.motor.designation}"
+        name = f"{said.plan.rocket} on {motor_in_words(said.plan, found)}"
         if wind_from is None:
             complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
         content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from)

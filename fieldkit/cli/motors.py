@@ -111,7 +111,6 @@ def motors(
         options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "json": json}
         print_guide(context, {**given, "rocket": fit}, wanted, season, **options)
         return
-    from fieldkit.errors import UnknownMotor
     from fieldkit.motors import describe
 
     if compare is not None:
@@ -126,13 +125,14 @@ def motors(
         _about(json)
         return
     else:
-        found = known_motors().search(" ".join(search or ()))
+        known, text = known_motors(), " ".join(search or ())
+        found = known.search(text)
+        if not known.knows(text):
+            _check_near(text, found, known.complaint(text), strict=json or shortlist_for is not None)
     if shortlist_for is not None and found:
         _put_by(context, shortlist_for, found)
     if json:
         print_json({"motors": [describe(motor) for motor in found]})
-    elif not found:
-        raise UnknownMotor(f"found no motor for {' '.join(search or ())!r}, expected a name such as F24-4W")
     else:
         _list(found)
 
@@ -151,6 +151,16 @@ def _check_needs_fit(fit: str | None, options: Mapping[str, object]) -> None:
     """Raise BadParameter for an option of the guide without --fit, which would have no effect."""
     if fit is None and (unused := [name for name, value in options.items() if value not in (None, "", False)]):
         raise typer.BadParameter(f"found {', '.join(unused)} without --fit, expected --fit ROCKET too")
+
+
+def _check_near(text: str, found: "list[Motor]", complaint: str | None, *, strict: bool) -> None:
+    """Note that motors are only near a text. Raises UnknownMotor if there are none, or if `strict`: a program or a
+    shortlist would take them for the one named."""
+    from fieldkit.errors import UnknownMotor
+
+    if strict or not found:
+        raise UnknownMotor(complaint or f"found no motor for {text!r}, expected a name such as F24-4W")
+    complain(f"note: found no motor {text!r}; these have the nearest names")
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:

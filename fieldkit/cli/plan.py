@@ -86,9 +86,10 @@ def ballast(
     **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the mass to add or remove."""
+    from fieldkit.paths import data_file
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
-    from fieldkit.planning.contest_limits import allowed
+    from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.presentation.planning_text import ballast_in_words
 
     rule = None if season is None else season_rule(season).announced(length("--target", target), None)
@@ -103,7 +104,8 @@ def ballast(
     with planning(context, given) as plan:
         best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
         said = best.forecast
-        lines = plan.safety(said) + (allowed(rule, said.plan, said.found) if rule else [])
+        approved = approved_motors(rule.year, data_file("seasons")) if rule else None
+        lines = plan.safety(said) + (allowed(rule, said.plan, said.found, approved=approved) if rule else [])
     if json:
         document = {"rocket": said.plan.rocket, "motor": said.found.motor.designation, "target_m": wanted}
         document |= {"flights": said.rests_on, "model": said.model}

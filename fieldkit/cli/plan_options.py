@@ -1,9 +1,12 @@
 """The plan that the options of a command describe, completed from the rocket's last flight, a kit, or the scale."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from fieldkit.cli.options import FIELD
+from fieldkit.cli.screen import complain, system
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -41,6 +44,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.planning.safety import motor_temperature
+    from fieldkit.services.names import same_name
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
@@ -50,6 +54,8 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     kit = kit_named(given)
     if kit:
         changes.setdefault("rocket", kit.name)
+    if changes.get("rocket"):
+        changes["rocket"] = same_name(changes["rocket"], ledger.names("rocket"))
     last = ledger.latest(changes.get("rocket") or next(iter(ledger.names("rocket")), None))
     plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
     plan = plan.with_changes(**read_changes(plan, changes))
@@ -70,7 +76,31 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     check_recovery(plan)
     rail_direction(plan)
     stability(plan)
+    for note in _doubts(ledger, motors, plan, given):
+        complain(f"note: {note}")
     return plan
+
+
+def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given) -> "Iterator[str]":
+    """What looks mistyped in a plan: a rocket or site that is new and similar to a known one, a value that is unusual
+    or impossible on the motor. The plan is forecast anyway."""
+    from fieldkit.errors import UnknownMotor
+    from fieldkit.flight.plausibility import doubts, implausible
+    from fieldkit.quantities import in_system, significant
+    from fieldkit.services.names import same_name, similar_name
+    from fieldkit.services.sites import sites
+
+    rockets, places = ledger.names("rocket"), [site.name for site in sites(ledger)]
+    new_rocket = plan.rocket not in rockets and not ledger.starts(plan.rocket)
+    if given.get("rocket") and new_rocket and (near := similar_name(plan.rocket, rockets)):
+        yield f"{plan.rocket!r} has no flights; did you mean {near}?"
+    new_site = same_name(plan.site, places) not in places
+    if given.get("site") and new_site and (near := similar_name(plan.site, places)):
+        yield f"nothing is saved of the site {plan.site!r}; did you mean {near}?"
+    yield from doubts(plan, figure=partial(significant, system=system()))
+    with suppress(UnknownMotor):
+        if plan.motor and (odd := implausible(plan, motors.resolve_several(plan.motor).motor)):
+            yield in_system(odd, system())
 
 
 def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float | None:

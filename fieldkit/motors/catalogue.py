@@ -98,6 +98,10 @@ class Catalogue:
                 return [self.resolve_several(text).motor]
         return search.search(self.listings, text)
 
+    def knows(self, text: str) -> bool:
+        """Whether `search` finds motors that a text could mean, and not only motors with similar names."""
+        return names_several(text) or bool(search.matches(self.listings, text))
+
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
         """The same catalog with the user's own motors, which override others of the same name."""
         listings = dict(self.listings)

@@ -12,8 +12,8 @@ from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, 
 from fieldkit.quantities import rounded
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
-_UNKNOWN_CLASS = re.compile(r"[P-T]\d{3,}")
-"""Motor classes that nobody sells: `P4935`."""
+_UNKNOWN_CLASS = re.compile(r"(?:^|\s)[P-Z]\d")
+"""Motor classes that nobody sells: `P4935`, `Q99`."""
 _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
 _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
@@ -109,15 +109,23 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
 def search(listings: Listings, text: str) -> list[Motor]:
     """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
 
-    An empty text returns all motors; a text without matches returns the motors with the nearest names.
+    An empty text returns all motors; a text without matches returns the motors with the nearest names, none for a class
+    that nobody sells.
     """
+    found = matches(listings, text)
+    if not found and not _UNKNOWN_CLASS.search(tidy(text)):
+        found = nearest(listings, _parsed(listings, text))
+    return [listing.motor() for listing in found]
+
+
+def matches(listings: Listings, text: str) -> list[Listing]:
+    """The listings that a text could mean, best first; without those whose names are merely near."""
     name = _parsed(listings, text)
     meant = _fitting(listings, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
     fitting = [listing for listing in _all(listings) if all(map(listing.mentions, words))]
     ranked = [*sorted(meant, key=_likelihood), *sorted(fitting, key=_in_order)]
-    unique = {id(listing): listing for listing in ranked}
-    return [listing.motor() for listing in unique.values() or nearest(listings, name)]
+    return list({id(listing): listing for listing in ranked}.values())
 
 
 def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
@@ -198,7 +206,7 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
-        asked = "plugged" if name.delay == PLUGGED_DELAY else f"a delay of {name.delay:g} s"
+        asked = "plugged" if name.delay == PLUGGED_DELAY else f"with a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
         if any(one.field == "delays" and not one.applied for one in motor.corrections):
             notes.append(
@@ -254,7 +262,7 @@ def _all(listings: Listings) -> Iterable[Listing]:
 
 
 def _unknown(listings: Listings, text: str, name: Name) -> str:
-    if _UNKNOWN_CLASS.match(tidy(text)):
+    if _UNKNOWN_CLASS.search(tidy(text)):
         return (
             f"{text.strip()!r}: found a class above O, which the catalog does not have; expected the motor's own file"
         )

@@ -1,5 +1,6 @@
 """A check of a planned flight: its verdict, its value, the limit, and the source of the limit."""
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -126,6 +127,26 @@ def lengths(*metres: float) -> list[str]:
     """Lengths to be compared within a finding: with one decimal if they look the same without."""
     digits = int(len({round(one) for one in metres}) < len(set(metres)))
     return [figure(one, "m", digits) for one in metres]
+
+
+MOST_DECIMALS = 3
+"""Decimals at which a value and its limit are shown as equal. [1]"""
+
+
+def compared(value: float, limit: float, unit: str) -> tuple[str, str]:
+    """A value and its limit [SI] within a finding, with decimals if they look the same without: `1500.3 g` and
+    `1500.0 g`."""
+    scale = 1e3 if unit == "g" else 1.0
+    apart = (digits for digits in range(MOST_DECIMALS) if round(value * scale, digits) != round(limit * scale, digits))
+    digits = next(apart, 0)
+    return figure(value, unit, digits), figure(limit, unit, digits)
+
+
+def ratio(value: float, *bounds: float) -> str:
+    """A ratio with one decimal; with two, rounded down, if it would look like a bound that it does not reach."""
+    text = f"{value:.1f}"
+    short = any(value < bound <= float(text) for bound in bounds)
+    return f"{math.floor(value * 100) / 100:.2f}" if short else text
 
 
 def speed(value: float, digits: int = 1) -> str:

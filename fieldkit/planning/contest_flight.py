@@ -14,11 +14,11 @@ from fieldkit.flight import Flight
 from fieldkit.units import FOOT
 
 TIMERS = ("timer_1_s", "timer_2_s")
-WHOLE_EGGS = ("", "intact", "whole", "ok", "uncracked", "good")
-"""Texts in the column `eggs` that mean intact eggs."""
+WHOLE_EGGS = ("intact", "whole", "ok", "okay", "uncracked", "unbroken", "good", "fine", "survived", "not cracked")
+"""Texts in the column `eggs` that mean intact eggs, also after `all`, `both` or `eggs`."""
 NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
 """Tags of a flight without a score, with the reason."""
-NOT_TRUE = ("", "no", "false", "0")
+NOT_TRUE = ("", "no", "n", "false", "f", "0", "-", "none")
 
 
 def judged_duration(flight: Flight) -> float | None:
@@ -54,8 +54,16 @@ def why_no_score(flight: Flight) -> str:
     for tag, why in NO_SCORE_TAGS.items():
         if tag in flight.tags:
             return why
-    if flight.extra.get("eggs", "").strip().casefold() not in WHOLE_EGGS:
+    if not _whole(flight.extra.get("eggs", "")):
         return f"eggs: {flight.extra['eggs'].strip()[:30]}"
     if flight.extra.get("disqualified", "").strip().casefold() not in NOT_TRUE:
         return "disqualified"
     return "no altitude" if flight.apogee is None else ""
+
+
+def _whole(eggs: str) -> bool:
+    """Whether a text about the eggs means that they are intact, or is empty. A count does not mean that."""
+    said = eggs.strip().casefold()
+    for word in ("all", "both", "eggs", "egg"):
+        said = said.removeprefix(f"{word} ")
+    return said in ("", "-", *WHOLE_EGGS)

@@ -1,11 +1,13 @@
 """A season's limits on the pad, line by line: mass, impulse, length, the motor list, and rules to check by eye."""
 
+import re
 from pathlib import Path
 
 from fieldkit import files
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
-from fieldkit.motors.names import squeeze
+from fieldkit.motors.motor import Motor
+from fieldkit.motors.names import parse, squeeze
 from fieldkit.planning.check import SafetyCheck, Verdict
 from fieldkit.planning.contest import Season
 from fieldkit.planning.rules import MARKS
@@ -13,14 +15,19 @@ from fieldkit.planning.rules import MARKS
 ROUNDING = 1e-9
 """Excess over a limit that is only the rounding of a sum, as a fraction of the limit. [1]"""
 
+_DELAYS = re.compile(r"[\d.,]")
+"""Characters of a list of delays that are read with the letters: `3,6,9T`."""
+LOADABLE = "L"
+"""Last letter of a motor that is sold loaded too: `F42T/L`."""
+
 
 def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
-    """The motors on a season's approved list, in the user's file `2027_motors.txt`, one per line; None without it."""
+    """The lines of a season's approved list, in the user's file `2027_motors.txt`, one motor each; None without it."""
     file = own / f"{year}_motors.txt" if own is not None else None
     if file is None or not file.exists():
         return None
     lines = (line.partition("#")[0].strip() for line in files.read_own(file).splitlines())
-    return frozenset(squeeze(line) for line in lines if line)
+    return frozenset(line for line in lines if line)
 
 
 def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> SafetyCheck:
@@ -31,9 +38,25 @@ def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> S
         kept = "impulse within the limit; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
         where = f"{rule.year}_motors.txt among your own seasons"
         return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's motor list ({where})", "")
-    listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved
+    listed = any(_is_listed(motor, line) for line in approved)
     text = f"{name} is {'on' if listed else 'not on'} your copy of the list"
     return SafetyCheck("contest motor list", "ok" if listed else "unsafe", text, f"{rule.year}_motors.txt")
+
+
+def _is_listed(motor: Motor, line: str) -> bool:
+    """Whether a line names a motor, with or without its maker, letters and delays: `AeroTech F39-3,6,9T`.
+
+    A line without maker and letters, `F50`, names only the motor that is called so.
+    """
+    if squeeze(line) in (squeeze(motor.designation), squeeze(f"{motor.maker} {motor.designation}")):
+        return True
+    told, own = parse(line), parse(motor.designation)
+    letters = _DELAYS.sub("", told.letters)
+    if told.core != motor.name or told.prefix not in ("", own.prefix) or told.maker not in ("", motor.maker):
+        return False
+    if not (letters or told.maker):
+        return False
+    return letters in ("", own.letters) or letters + LOADABLE == own.letters
 
 
 def allowed(
@@ -61,7 +84,9 @@ def allowed(
             continue
         well = value <= limit * (1 + ROUNDING) if how == "at most" else value >= limit * (1 - ROUNDING)
         verdict: Verdict = "ok" if well else "unsafe"
-        lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+        shown = (f"{value * scale:.{digits}g}" for digits in range(4, 8))
+        own = next((one for one in shown if well or float(one) != limit * scale), f"{value * scale:.9g}")
+        lines.append(SafetyCheck(name, verdict, f"{own} {unit}, {wanted}", source))
     for name, text in rule.by_hand:
         look = f"check it yourself: {text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))

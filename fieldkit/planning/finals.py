@@ -23,8 +23,8 @@ MASSES = 13
 """Number of masses simulated; values between them are interpolated. [1]"""
 FINE_MASSES = 97
 """Number of masses evaluated. [1]"""
-AREAS = tuple(np.exp(np.linspace(np.log(0.3), np.log(2.5), 22)))
-"""Areas of the parachute that are evaluated, as a ratio to the current area. [1]"""
+AREAS = tuple(np.exp(0.1 * np.arange(-12, 10)))
+"""Areas of the parachute that are evaluated, the current one among them, as a ratio to it. [1]"""
 MIN_MASS_RATIO = 0.6
 """Lowest dry mass evaluated, as a ratio to the current mass. [1]"""
 DRAWS = 300

@@ -29,6 +29,8 @@ from fieldkit.units import DEGREE
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
 networks, and of its direction [rad], a judgment."""
+CALM = 0.3
+"""Wind below which air is called calm, Beaufort force 0: only that much is known of it. [m/s]"""
 CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
 """Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
 margin: root mean square over 51 RocketPy flights with 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]
@@ -63,8 +65,7 @@ class Landing:
     @property
     def drift(self) -> Float[Array, "draw"]:
         """Drift of the descent per m/s of wind at the pad. [s]"""
-        calm, breeze = (self.down_in(WindProfile(wind)).along for wind in (0.0, 1.0))
-        return breeze - calm
+        return _drift(self.down_in)
 
     @property
     def away(self) -> Float[Array, "draw"]:
@@ -149,7 +150,22 @@ def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
     along = climb * np.nan_to_num(said.drift) + stronger * (down.along * np.cos(turned) - down.across * np.sin(turned))
     sideways = np.broadcast_to(np.nan_to_num(said.across), (count,))
     across = climb * sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
+    if said.plan.wind is not None and said.plan.wind < CALM:
+        drift, (ahead, aside) = _drift(down_in), _within_calm(rng, count)
+        along, across = along + ahead * drift, across + aside * drift
     return Landing(along, across, said.rise_time + down.time, down, down_in, said.plan.wind)
+
+
+def _drift(down_in: Callable[[WindProfile], DescentResult]) -> Float[Array, "draw"]:
+    """Drift of a descent per m/s of wind at the pad. [s]"""
+    calm, breeze = (down_in(WindProfile(wind)).along for wind in (0.0, 1.0))
+    return breeze - calm
+
+
+def _within_calm(rng: np.random.Generator, count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+    """Components of the wind in calm air: evenly spread over a disk of radius `CALM`. [m/s]"""
+    speed, angle = CALM * np.sqrt(rng.uniform(size=count)), rng.uniform(0, 2 * np.pi, count)
+    return speed * np.cos(angle), speed * np.sin(angle)
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,6 +27,7 @@ QUANTITIES = {
     "lb": "mass",
     "N": "force",
     "N s": "impulse",
+    "J": "energy",
 }
 
 

@@ -34,7 +34,7 @@ SLANTED_PATH_DRAWS = 40
 """The same if wind or rail angle make the paths slanted, which take several times as long: accurate to a third."""
 RAIL_CHECK = "rail exit speed"
 EJECTION_CHECK = "ejection speed"
-FIT_CHECKS = (RAIL_CHECK, "thrust to weight", EJECTION_CHECK, "ceiling")
+FIT_CHECKS = (RAIL_CHECK, "thrust to weight", EJECTION_CHECK, "ceiling", "field size")
 """Checks that a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0
 """Thrust-to-weight ratio below which a motor is not offered at all: the rocket would not leave the rod. [1]"""
@@ -122,7 +122,7 @@ class MotorChoice:
 
     @property
     def why_not(self) -> list[SafetyCheck]:
-        """Why a motor does not fit: it is too weak, slow off the rail, has no suitable delay, or flies too high."""
+        """Why a motor does not fit: too weak, slow off the rail, no suitable delay, too high, or too small a field."""
         return [line for line in self.lines if line.name in FIT_CHECKS and line.verdict == "unsafe"]
 
     @property

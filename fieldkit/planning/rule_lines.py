@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from fieldkit.flight.site import Site
-from fieldkit.planning.check import SafetyCheck, Verdict, figure, length, lengths, speed, worst
+from fieldkit.planning.check import SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
 from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
@@ -134,8 +134,9 @@ def mass_line(held: Governed) -> SafetyCheck:
         for rule in held.rules(name):
             limit = rule.rows[0].value
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
-            shown = f"{name} unknown" if math.isnan(value) else f"{figure(value, unit)}{what}"
-            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {figure(limit, unit)}{what}", rule))
+            own, most = compared(value, limit, unit)
+            shown = f"{name} unknown" if math.isnan(value) else f"{own}{what}"
+            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {most}{what}", rule))
     if not lines:
         return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
     last = worst(lines)
@@ -147,12 +148,11 @@ def weight_line(held: Governed) -> SafetyCheck | None:
     """Liftoff weight against the certified average thrust, if a code limits it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
-        ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
+        found = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
         least = 1 / rule.rows[0].value
-        verdict: Verdict = "unknown" if math.isnan(ratio) else "ok" if ratio >= least - 1e-6 else "unsafe"
-        return _check(
-            "thrust to weight", verdict, f"{ratio:.1f} from the certified thrust, needs at least {least:.0f}", rule
-        )
+        verdict: Verdict = "unknown" if math.isnan(found) else "ok" if found >= least - 1e-6 else "unsafe"
+        text = f"{ratio(found, least - 1e-6)} from the certified thrust, needs at least {least:.0f}"
+        return _check("thrust to weight", verdict, text, rule)
 
     rules = held.rules("weight over thrust")
     return _line("thrust to weight", rules, judge) if rules else None
@@ -244,7 +244,7 @@ def class_line(held: Governed) -> SafetyCheck:
     law = held.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""
-    name = f"class {held.legal}" if held.legal else "no legal class"
+    name = f"class {held.legal}" if held.legal else "no air law in the chosen sets"
     if held.legal == 3:
         return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
     if not held.why and held.legal in (None, 1):

@@ -34,12 +34,15 @@ from fieldkit.planning.check import (
     length,
     of_column,
     per_wind,
+    ratio,
     speed,
     worst,
 )
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.landing import landing
+from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.landing import Landing, landing
+from fieldkit.planning.landing_speed import landing_speed_line
 from fieldkit.planning.limits import Limit, Limits
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.rules import RuleSet, rule_sets
@@ -103,16 +106,18 @@ def safety_lines(
     day = plan.date_time.date() if plan.date_time else None
     sets = known_rules() if rules is None else rules
     held = rule_lines.governed(build, three(said.true_apogee)[2], site, sets, day)
+    down = landing(said, fall)
     lines = [
         _rail(said.rail_speed, plan, limits),
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(held)),
         _stricter(rule_lines.wind_line(held, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(held, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
         _ceiling(said.true_apogee, site),
-        _field(said, site, fall, rule_lines.field_line(held, site.size)),
+        _field(down, site, rule_lines.field_line(held, site.size)),
         rule_lines.distance_line(held, site.people),
         rule_lines.bystander_line(held, site.bystanders),
         _ejection(said, limits),
+        landing_speed_line(down.down, recovery_of(plan).device, landing_mass(plan, said.found), fall, limits),
         _temperature(plan, limits),
         rule_lines.mass_line(held),
         rule_lines.class_line(held),
@@ -161,8 +166,9 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     first, average = thrust_to_weight(motor, dry_mass)
     least = min(first, average)
     verdict: Verdict = "ok" if least >= good.value else "caution" if least >= unsafe.value else "unsafe"
+    shown = [ratio(one, good.value, unsafe.value) for one in (first, average)]
     text = (
-        f"{first:.1f} in the first half second, {average:.1f} on average; "
+        f"{shown[0]} in the first half second, {shown[1]} on average; "
         f"good above {good.value:g}, unsafe below {unsafe.value:g}"
     )
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
@@ -178,14 +184,13 @@ def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     return SafetyCheck("ceiling", verdict, f"{text}; ceiling {length(site.ceiling)}", source)
 
 
-def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> SafetyCheck:
+def _field(down: Landing, site: Site, code: SafetyCheck) -> SafetyCheck:
     """The code's requirement for the field, and whether the landing stays on it, with the pad in its center."""
-    found = landing(said, fall)
-    if said.plan.wind is None:
+    if down.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        drifts = f"drifts {per_wind(three(found.drift)[1])} on the way down"
+        drifts = f"drifts {per_wind(three(down.drift)[1])} on the way down"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
-    _, usual, reach = three(found.away)
+    _, usual, reach = three(down.away)
     text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
         return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")

@@ -1,13 +1,15 @@
 """The table of finals: mass and parachute for each target, on one card."""
 
+import datetime
 from collections.abc import Iterator, Sequence
 
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season
 from fieldkit.planning.finals import Together, TrialFlights
-from fieldkit.presentation.forecast_text import rests_in_words
+from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits
 from fieldkit.units import FOOT
@@ -37,15 +39,15 @@ def finals_rows(table: Sequence[Together], found: Found, system: str = "SI") -> 
 
 
 def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI") -> Iterator[str]:
-    """Rocket, motor, season and the day's weather in the units of a system, above the table."""
+    """Rocket, motor, season, and the day with its weather in the units of a system, above the table."""
     shown = ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     opens, closes = rule.window
-    motor = f"{found.motor.maker} {found.motor.designation}"
-    yield f"{name} on {motor}, season {rule.year}, window {opens:g} to {closes:g} s"
+    yield f"{name} on {motor_in_words(plan, found)}, season {rule.year}, window {opens:g} to {closes:g} s"
     temperature = "standard" if plan.temperature is None else shown.temperature(plan.temperature)
     wind = "not given" if plan.wind is None else shown.speed(plan.wind)
-    yield f"temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
+    day = (plan.date_time or datetime.datetime.now()).date().isoformat()
+    yield f"{day}, temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
 
 
 def finals_basis(flown: TrialFlights, table: Sequence[Together]) -> Iterator[str]:
@@ -56,6 +58,12 @@ def finals_basis(flown: TrialFlights, table: Sequence[Together]) -> Iterator[str
     descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""
     if narrower := " and ".join(part for part in (apogee, descent) if part):
         yield f"one more flight with a duration would narrow {narrower}"
+
+
+def finals_failures(lines: Sequence[SafetyCheck]) -> str:
+    """The checks of the table that failed, for the card, which has no room for all; empty if none did."""
+    failed = ", ".join(f"{line.name} ({line.verdict})" for line in lines if line.failed)
+    return f"checks that are not ok: {failed}" if failed else ""
 
 
 FINALS_NOTES = (

@@ -4,19 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import PLUGGED_DELAY
+from fieldkit.motors import PLUGGED_DELAY, Found
+from fieldkit.motors.names import parse, with_delay
 from fieldkit.quantities import ShownUnits, counted
 
 
 def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     """A prediction, one line per quantity, in the units of a system."""
-    plan, motor = prediction.plan, prediction.found.motor
+    plan = prediction.plan
     p05, p50, p95 = (float(x) for x in prediction.apogee_quantiles())
     name = " ".join(part for part in (plan.rocket, plan.config) if part) or "this rocket"
     shown = ShownUnits(system)
-    yield f"{name} on {motor.maker} {plan.motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
+    motor = motor_in_words(plan, prediction.found, plan.motor)
+    yield f"{name} on {motor}, {shown.mass(plan.dry_mass or 0.0)} without the motor"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {ejection_in_words(prediction)}"
@@ -29,6 +32,22 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
             f"            the interval is {prediction.stretched_by:.2f} times the model's own, calibrated on "
             f"{counted(prediction.earlier_forecasts, 'earlier forecast')}"
         )
+
+
+def motor_in_words(plan: Flight, found: Found, written: str = "") -> str:
+    """Maker and motor with the delay of the flight, `AeroTech F24W-4`, or as `written` with that delay."""
+    motor, delay = found.motor, plan.delay if plan.delay is not None else found.delay
+    name = written or (plan.motor if motor.parts else "") or motor.designation
+    if delay is not None and not motor.parts and parse(name).delay != delay:
+        name = with_delay(name, delay)
+    return name if parse(name).maker else f"{motor.maker} {name}"
+
+
+def build_in_words(prediction: Prediction) -> str:
+    """Rocket, configuration and motor: `Astra A on AeroTech F24W-4`."""
+    plan = prediction.plan
+    build = " ".join(part for part in (plan.rocket, plan.config) if part)
+    return f"{build} on {motor_in_words(plan, prediction.found)}"
 
 
 def ejection_in_words(prediction: Prediction) -> str:

@@ -10,7 +10,7 @@ from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
-from fieldkit.presentation.forecast_text import rests_in_words
+from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.quantities import ShownUnits, counted
 from fieldkit.units import DEGREE
 
@@ -35,8 +35,7 @@ def landing_in_words(
     `holds` is the wind that keeps landings on the field, as in `PlannedFlight` [m/s].
     """
     plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
-    name = " ".join(part for part in (plan.rocket, plan.config) if part)
-    yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
+    yield build_in_words(said)
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"

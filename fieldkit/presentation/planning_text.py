@@ -6,7 +6,6 @@ from math import isfinite
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.recovery import rail_direction
 from fieldkit.flight.start import Start, start_among
-from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
@@ -14,7 +13,7 @@ from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.motor_advice import MotorAdvice
 from fieldkit.planning.quantiles import three
-from fieldkit.presentation.forecast_text import rests_in_words
+from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits, measure
 from fieldkit.units import DEGREE, FOOT, parse
@@ -58,7 +57,9 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     shown = ShownUnits(system)
     said = judged.forecast
     p05, p50, p95 = judged.coast
-    yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
+    build = " ".join(part for part in (said.plan.rocket, said.plan.config) if part)
+    motor = f"{said.found.motor.maker} {said.found.motor.designation}"
+    yield f"{build} on {motor}: coasts {p50:.1f} s from burnout to apogee"
     yield f"  90% interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
     if judged.delays:
         yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95%':>12}  {'speed':>8}  {'too fast':>8}"
@@ -76,7 +77,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     in the units of a system, except the points and feet of a contest."""
     said, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
-    yield f"{_named(said)}, target {shown.length(goal.target)}"
+    yield f"{build_in_words(said)}, target {shown.length(goal.target)}"
     if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
         yield f"  too heavy: the season allows at most {shown.mass(goal.rule.mass)} on the pad"
     if not best.clear:
@@ -115,7 +116,8 @@ def outlook_in_words(
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
     least, _, most = three(sums)
-    yield f"{_named(said)}, {ShownUnits(system).mass(said.plan.dry_mass or 0.0)} without the motor, season {rule.year}"
+    mass = ShownUnits(system).mass(said.plan.dry_mass or 0.0)
+    yield f"{build_in_words(said)}, {mass} without the motor, season {rule.year}"
     if rule.caveat:
         yield f"  {rule.caveat}"
     yield (
@@ -177,8 +179,3 @@ def _delay(one: Delay, shown: ShownUnits) -> str:
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
         f"  {shown.speed(one.speed[1], 0):>8}  {one.too_fast:>8.0%}"
     )
-
-
-def _named(said: Prediction) -> str:
-    name = " ".join(part for part in (said.plan.rocket, said.plan.config) if part)
-    return f"{name} on {said.found.motor.maker} {said.found.motor.designation}"

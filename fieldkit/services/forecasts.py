@@ -21,6 +21,7 @@ from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.manual_entry import PLAN, setup_answers
+from fieldkit.services.names import same_name
 from fieldkit.services.plausible_flights import followed, implausible_flights
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
@@ -49,6 +50,8 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     Raises NoFlights with the list of rockets.
     """
     rockets = ledger.names("rocket")
+    if wanted is not None and not ledger.starts(wanted):
+        wanted = same_name(wanted, rockets)
     if wanted is not None and (wanted in rockets or ledger.starts(wanted)):
         return wanted
     if not rockets:

@@ -8,6 +8,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.flight.plausibility import check
 from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
+from fieldkit.services.names import same_name
 
 SITES = "sites"
 """Name under which the ledger saves them."""
@@ -24,11 +25,12 @@ def sites(ledger: Ledger) -> list[Site]:
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
-    """The known properties of a site; only the name of a new one."""
+    """The known properties of a site, whatever the case of its letters; only the name of a new one."""
     saved = (ledger.draft(SITES) or {}).get(name, {})
     if not name or "elevation" in saved:
         return Site(name, **saved)
-    return next((site for site in sites(ledger) if site.name == name), Site(name))
+    found = {site.name: site for site in sites(ledger)}
+    return found.get(same_name(name, found), Site(name))
 
 
 def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
+from fieldkit.cli.main import main
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
 from fieldkit.motors import PLUGGED_DELAY, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
@@ -195,7 +196,7 @@ def test_any_text_finds_a_motor_or_says_what_is_wrong(text: str) -> None:
 
 def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
     assert catalogue().find("F24-4").notes == ()
-    assert catalogue().find("F24-6").notes == ("AeroTech F24W is not sold a delay of 6 s, only with 4, 7",)
+    assert catalogue().find("F24-6").notes == ("AeroTech F24W is not sold with a delay of 6 s, only with 4, 7",)
     assert catalogue().find("F24-P").notes == ("AeroTech F24W is not sold plugged, only with 4, 7",)
 
 
@@ -342,3 +343,24 @@ def test_the_catalog_loads_from_its_file(benchmark: BenchmarkFixture) -> None:
 def test_a_name_is_found(benchmark: BenchmarkFixture) -> None:
     motors = catalogue()
     assert benchmark(motors.find, "F24-4W").delay == 4
+
+
+@pytest.mark.parametrize("text", ["Q99", "AeroTech Q99-7", "P49", "p4935", "Z1"])
+def test_a_class_that_nobody_sells_is_not_answered_by_another_motor(
+    text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert not catalogue().search(text)
+    assert main(["motors", text]) == 1
+    assert "above O" in capsys.readouterr().err
+
+
+def test_motors_with_near_names_alone_are_named_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert catalogue().search("J9999")[0].name.startswith("J")
+    assert not catalogue().knows("J9999")
+    assert main(["motors", "J9999"]) == 0
+    assert "nearest names" in capsys.readouterr().err
+    for strict in (["--json"], ["--shortlist-for", "Astra"]):
+        assert main(["--ledger", str(tmp_path / "ledger.db"), "motors", "J9999", *strict]) == 1
+        out, err = capsys.readouterr()
+        assert not out
+        assert "nearest: AeroTech J1799N" in err

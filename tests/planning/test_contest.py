@@ -21,7 +21,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, season_of, seasons
 from fieldkit.planning.contest_day import Day, read_window
-from fieldkit.planning.contest_flight import judged_duration
+from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
 from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of
 from fieldkit.planning.finals import finals_table, finals_targets, trials
@@ -481,3 +481,52 @@ def test_the_landing_of_a_contest_plan_has_the_area_of_its_parachute(
         lands[area] = float(re.findall(r"lands (\d+) m", field)[0])
     assert lands["50%"] < 0.85 * lands["100%"]
     assert lands["200%"] > 1.15 * lands["100%"]
+
+
+@pytest.mark.parametrize(
+    ("motor", "line", "listed"),
+    [
+        ("F24-4W", "F24-4W", True),
+        ("F24-4W", "AeroTech F24-4,7W", True),
+        ("F39T", "F39-3,6,9T", True),
+        ("F51NT", "AeroTech F51-6NT", True),
+        ("F42T/L", "F42-4,8T", True),
+        ("68F240", "68F240-15A", True),
+        ("AeroTech F50T", "AeroTech F50", True),
+        ("Estes F50", "F50T", False),
+        ("AeroTech F50T", "F50", False),
+        ("F24-4W", "Estes F24-4W", False),
+        ("F24-4W", "F24C", False),
+    ],
+)
+def test_a_motor_list_may_have_delays(tmp_path: Path, motor: str, line: str, listed: bool) -> None:
+    (tmp_path / "2027_motors.txt").write_text(f"E16W\n{line}\n")
+    found = catalogue().resolve(motor)
+    assert motor_line(season(2027), found, approved_motors(2027, tmp_path)).verdict == ("ok" if listed else "unsafe")
+
+
+@pytest.mark.parametrize(
+    ("extra", "why"),
+    [
+        ({"eggs": "both intact"}, ""),
+        ({"eggs": "Not cracked"}, ""),
+        ({"eggs": "all OK"}, ""),
+        ({"eggs": "one cracked"}, "eggs: one cracked"),
+        ({"eggs": "2"}, "eggs: 2"),
+        ({"disqualified": "N"}, ""),
+        ({"disqualified": "yes"}, "disqualified"),
+    ],
+)
+def test_eggs_and_disqualification_as_teams_write_them(extra: dict[str, str], why: str) -> None:
+    assert why_no_score(Flight(apogee=240.0, extra=extra)) == why
+
+
+def test_a_score_without_a_duration_says_that_it_counts_the_altitude_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "flights.csv"
+    table.write_text("flight_id,rocket,motor,apogee_ft,duration_s\n1,Egg,F39T-6,801,38\n2,Egg,F39T-6,805,\n")
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(table)]) == 0
+    assert main([*ledger, "contest", "--season", "2027", "--declared", "1,2"]) == 0
+    assert "6.0 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out

@@ -1,9 +1,12 @@
 """A rocket that weighs exactly what a limit allows keeps it, whatever the rounding of the sum with its motor."""
 
+import math
+
 import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.motors import Found, catalogue
+from fieldkit.planning.check import compared, in_units, ratio
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
 from fieldkit.planning.contest import season
 from fieldkit.planning.contest_limits import allowed
@@ -21,6 +24,7 @@ def test_a_contest_rocket_of_exactly_the_most_mass_is_within_it(over: float, ver
         plan = Flight(dry_mass=rule.mass - motor.loaded_mass + over)
         lines = {line.name: line for line in allowed(rule, plan, Found(motor, None))}
         assert lines["contest mass"].verdict == verdict, motor
+        assert lines["contest mass"].text.startswith("650 g") is not bool(over), motor
 
 
 @pytest.mark.parametrize(("over", "least"), [(0.0, 1), (1e-5, 2)])
@@ -31,3 +35,10 @@ def test_a_rocket_of_exactly_1500_g_is_a_model_rocket(over: float, least: int) -
         build = build_of(motor, round(1500 - motor.loaded_mass * 1e3, 4) * 1e-3 + over)
         assert legal_class(build, law.classes) == least, motor
         assert over or "at lift-off" not in why_high_power(build, sets), motor
+
+
+def test_a_value_beyond_a_limit_never_looks_like_the_limit() -> None:
+    assert [in_units(one, "SI") for one in compared(1.50002, 1.5, "g")] == ["1500.02 g", "1500.00 g"]
+    assert [in_units(one, "SI") for one in compared(1.4, 1.5, "g")] == ["1400 g", "1500 g"]
+    assert in_units(compared(math.nan, 1.5, "g")[1], "SI") == "1500 g"
+    assert (ratio(4.96, 5.0, 3.0), ratio(2.999, 5.0, 3.0), ratio(5.04, 5.0)) == ("4.96", "2.99", "5.0")

@@ -109,15 +109,16 @@ def test_a_guide_without_a_rail_or_a_ceiling_says_that_neither_was_judged(
 ) -> None:
     command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "80g"]
     command += ["--diameter", "42mm", "--mount", "18mm", "--class", "C"]
-    open_ones = {}
-    for name, more in (("open", []), ("given", ["--rail-length", "1m", "--waiver", "300m"])):
+    open_ones, field = {}, ["--field-size", "1000m", "--wind", "1m/s"]
+    for name, more in (("open", []), ("given", [*field, "--rail-length", "1m", "--waiver", "300m"])):
         assert main([*command, *more, "--json"]) == 0
         motors = json.loads(capsys.readouterr().out)["motors"]
         open_ones[name] = {check for one in motors for check in one["not_judged"]} - {"ejection speed"}
-    assert open_ones == {"open": {"rail exit speed", "ceiling"}, "given": set()}
+    assert open_ones == {"open": {"rail exit speed", "ceiling", "field size"}, "given": set()}
     assert main(command) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "excluded by its speed off the rail" in text
+    assert "field not given" in text
     assert "excluded by its height" in text
 
 
@@ -211,3 +212,36 @@ def test_every_motor_of_the_guide_is_named_so_that_its_name_means_that_motor(
     read = (catalogue().resolve(name.strip(" *")).motor for name in rows)
     assert {(motor.maker, motor.designation) for motor in read} == fitting
     assert ("Quest", "C6") in fitting
+
+
+def test_a_plan_says_what_looks_mistyped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0
+    assert main([*ledger, "sites", "Moor", "--field-size", "100m"]) == 0
+    capsys.readouterr()
+
+    def plan(*options: str) -> tuple[str, str]:
+        assert main([*ledger, "landing", "--motor", "F24-4W", "--wind", "3m/s", *options]) == 0
+        out, err = capsys.readouterr()
+        return out, err
+
+    body = ["--dry-mass", "400g", "--diameter", "66mm"]
+    out, err = plan("--rocket", "astra", "--site", "moor")
+    assert out.startswith("Astra")
+    assert "this field is 100 m" in out
+    assert not err
+    assert "did you mean Astra?" in plan("--rocket", "Asrta", *body)[1]
+    assert "did you mean Moor?" in plan("--rocket", "Astra", "--site", "Mooor")[1]
+    assert "dry mass 0.4 g is unusual" in plan("--rocket", "Astra", "--dry-mass", "0.4")[1]
+    assert "expected a diameter of 21.6 mm" in plan("--rocket", "Astra", "--diameter", "6.6")[1]
+    assert not plan("--rocket", "Zephyr", "--site", "Fen", *body)[1]
+
+
+def test_a_motor_that_needs_a_larger_field_does_not_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "40g"]
+    command += ["--diameter", "25mm", "--mount", "18mm", "--class", "B-C", "--field-size", "300ft", "--json"]
+    assert main(command) == 0
+    found = json.loads(capsys.readouterr().out)["motors"]
+    too_small = {one["motor"][0]: "field size" in one["why_not"] for one in found}
+    assert too_small == {"B": False, "C": True}  # 200 and 400 ft by the safety code
+    assert not any(one["fits"] for one in found if one["motor"].startswith("C"))

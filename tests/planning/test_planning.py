@@ -46,6 +46,7 @@ NAMES = [
     "pad distance",
     "bystanders",
     "ejection speed",
+    "landing speed",
     "motor temperature",
     "mass and impulse",
     "class",

@@ -363,3 +363,43 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
     body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--wind", "3m/s"]
     assert main(["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-60", *body]) == 0
     assert "recommended rail: none: the rocket hits the ground" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("typed", "verdict", "said_of_it"),
+    [
+        ({}, "unknown", "assumed"),
+        ({"main_speed_mps": "1.5"}, "caution", "0.5 times as wide lands at 3.0 m/s"),
+        ({"main_speed_mps": "5"}, "ok", "usual 3.0 m/s to 7.0 m/s"),
+        ({"main_speed_mps": "8.5"}, "ok", "at most 9.1 m/s"),
+        ({"main_speed_mps": "10.5"}, "caution", "1.5 times as wide lands at 7.0 m/s"),
+        ({"main_speed_mps": "35"}, "unsafe", "J if it lands in one piece"),
+        ({"recovery": "streamer", "main_speed_mps": "10.5"}, "caution", "at most 9.1 m/s"),
+    ],
+)
+def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
+    typed: dict[str, str], verdict: str, said_of_it: str
+) -> None:
+    plan = PLAN.with_changes(extra=typed)
+    line = next(one for one in planned_flight(NEW, plan, FOUND, Site(), limits()).lines if one.name == "landing speed")
+    assert line.verdict == verdict, line.text
+    assert said_of_it in line.text
+    assert ("as wide" in line.text) == (verdict in ("caution", "unsafe") and "recovery" not in typed)
+
+
+def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> None:
+    late = PLAN.with_changes(delay=40.0, extra={"main_speed_mps": "5"})
+    lines = planned_flight(NEW, late, FOUND, Site(), limits()).lines
+    line = next(one for one in lines if one.name == "landing speed")
+    assert line.verdict == "unsafe"
+    assert "before anything opens" in line.text
+
+
+def test_a_landing_in_calm_air_is_not_known_to_the_meter() -> None:
+    """Less than 0.3 m/s is calm: drift up to that much is possible in every direction."""
+    down = planned_flight(NEW, PLAN.with_changes(wind=0.0), FOUND, Site(), limits()).down
+    reach = np.quantile(down.away, 0.95)
+    assert 0.2 * np.median(down.drift) < reach < 0.3 * np.quantile(down.drift, 0.99)
+    ellipse = down.ellipse()
+    assert ellipse.short > 0.7 * ellipse.long
+    assert np.hypot(ellipse.along, ellipse.across) < 0.2 * ellipse.short

@@ -1,5 +1,6 @@
 """The day sheet: a row for each plan, and every check that did not pass."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -111,3 +112,13 @@ def test_the_column_of_the_charge_says_what_opens_the_parachute(tmp_path: Path) 
         assert f"<!-- {charge} -->" in sheet, plan
         assert "nan" not in sheet.replace("nance", "")
         assert ("recommended rail" in sheet) == (plan.split(",")[-2] != "60" and "C6-3" not in plan)
+
+
+def test_a_calm_row_is_not_given_the_wind_of_the_day(tmp_path: Path) -> None:
+    table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
+    header = "flight_id,rocket,dry_mass_g,diameter_mm,motor,wind_mps\n"
+    table.write_text(f"{header}1,Calm,400,66,F39T-6,0\n2,Rest,400,66,F39T-6,\n")
+    ledger = ["--ledger", str(tmp_path / "a.db")]
+    assert main([*ledger, "daysheet", "--flights", str(table), "--wind", "6", "--out", str(out)]) == 0
+    calm, windy = (int(one) for one in re.findall(r"(\d+) m away", text_of(out.read_bytes()))[:2])
+    assert calm < windy / 3

@@ -66,7 +66,6 @@ class Decision:
         """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
         from fieldkit.motors import Found
         from fieldkit.planning.ballast import Goal, ballast
-        from fieldkit.planning.contest_limits import allowed
         from fieldkit.presentation.planning_text import ballast_in_words
 
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
@@ -76,7 +75,7 @@ class Decision:
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
-        more = allowed(rule, said.plan, said.found, day.length) if rule else ()
+        more = _limits_of(rule, said, day) if rule else ()
         answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
         return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
@@ -85,14 +84,13 @@ class Decision:
         qualify, and the points of the flights flown."""
         from fieldkit.motors import Found
         from fieldkit.planning.contest import outlook
-        from fieldkit.planning.contest_limits import allowed
         from fieldkit.presentation.planning_text import outlook_in_words
 
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
-        answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length), area))
+        answer = Answer(words, self._beside(said, _limits_of(rule, said, day), area))
         return decision_plots.of_points(answer, ahead.points.ravel())
 
     def landing(self) -> Answer:
@@ -188,6 +186,13 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
         yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
     yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
+
+
+def _limits_of(rule: "Season", said: "Prediction", day: "Day") -> "list[SafetyCheck]":
+    """The season's limits on a plan, with the flyer's own list of approved motors."""
+    from fieldkit.planning.contest_limits import allowed, approved_motors
+
+    return allowed(rule, said.plan, said.found, day.length, approved_motors(rule.year, data_file("seasons")))
 
 
 def rule_of(year: int) -> "Season":

@@ -1,0 +1,51 @@
+"""The safety line of the speed at landing: whether the parachute is too small or too large.
+
+Derivation: drag balances weight, so the speed is inversely proportional to the parachute's diameter.
+"""
+
+import numpy as np
+
+from fieldkit.flight.recovery import Device
+from fieldkit.physics.descent import DescentResult
+from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, speed
+from fieldkit.planning.descent_rate import Fall
+from fieldkit.planning.limits import Limits
+
+NAME = "landing speed"
+
+
+def landing_speed_line(down: DescentResult, device: Device, mass: float, fall: Fall, limits: Limits) -> SafetyCheck:
+    """The median speed under the last device of a rocket of a landing mass [kg] against guidance; unknown if no flight
+    shows it and none is entered."""
+    opened, slow, most = down.ballistic < 1, limits["landing_speed_slow"], limits["landing_speed"]
+    if down.ballistic.mean() >= UNSAFE_RISK:
+        return SafetyCheck(NAME, "unsafe", "probably hits the ground before anything opens", most.source)
+    found = float(np.median(down.landing_speed[opened]))
+    bounds = f"at most {speed(most.value)}"
+    if device == "parachute":
+        bounds = f"usual {speed(slow.value)} to {speed(limits['landing_speed_usual'].value)}, {bounds}"
+    if not (fall.flights or fall.typed):
+        text = f"not known, {speed(found)} assumed: enter the parachute or a descent speed; {bounds}"
+        return SafetyCheck(NAME, "unknown", text, most.source)
+    if slow.value <= found <= most.value:
+        return SafetyCheck(NAME, "ok", f"{speed(found)}; {bounds}", most.source)
+    text = f"{speed(found)}; {bounds}{_remedy(found, limits) if device == 'parachute' else ''}"
+    if found < slow.value:
+        return SafetyCheck(NAME, "caution", text, slow.source)
+    return _too_fast(text, mass * found**2 / 2, limits)
+
+
+def _remedy(found: float, limits: Limits) -> str:
+    """The width of the parachute that lands at the nearer end of the usual speeds, relative to the current one."""
+    slow, usual = limits["landing_speed_slow"].value, limits["landing_speed_usual"].value
+    end, more = (slow, " and drifts less") if found < slow else (usual, "")
+    return f": a parachute {found / end:.2g} times as wide lands at {speed(end)}{more}"
+
+
+def _too_fast(text: str, energy: float, limits: Limits) -> SafetyCheck:
+    """Unsafe with too much energy [J] in all, which assumes that the rocket lands in one piece."""
+    hard = limits["landing_energy"]
+    if energy <= hard.value:
+        return SafetyCheck(NAME, "caution", text, limits["landing_speed"].source)
+    text += f"; {energy:.0f} J if it lands in one piece, at most {hard.value:.0f} J"
+    return SafetyCheck(NAME, "unsafe", text, hard.source)

@@ -1,0 +1,19 @@
+"""Names that flyers give to rockets and sites, as typed again later."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def same_name(typed: str, names: Iterable[str]) -> str:
+    """The known name that a typed one means: the same, or the only one that differs by the case of its letters; else
+    the typed one."""
+    known = list(names)
+    alike = [name for name in known if name.casefold() == typed.strip().casefold()]
+    return alike[0] if typed not in known and len(alike) == 1 else typed
+
+
+def similar_name(typed: str, names: Iterable[str]) -> str:
+    """The known name most similar to a typed one that is not known; empty if none is similar."""
+    known = {name.casefold(): name for name in names}
+    near = get_close_matches(typed.casefold(), known, n=1)
+    return known[near[0]] if near else ""
