@@ -107,7 +107,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     if person and conversation.units != before:
         ledger.keep_draft(UNITS, conversation.units)
     if not finished and person:
-        complain("saved as a draft; run `fieldkit add` to continue it")
+        complain("Saved as a draft; run `fieldkit add` to continue it")
         raise typer.Exit(1)
     flight = with_offers(ledger, conversation.flight, set(conversation.answers))
     if typed := conversation.answers.get(LIFT_OFF_MASS.name):  # in the draft of the app
@@ -158,7 +158,7 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
-        complain("duplicate: it is already in the ledger")
+        complain("Duplicate: it is already in the ledger")
         return
     try:
         _print(ledger, flight, added.new[0])

@@ -205,7 +205,7 @@ def _tell(end: "Ended") -> None:
     kept = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')} in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
-        complain(f"incomplete; run `fieldkit capture --resume {end.file.name}` to continue")
+        complain(f"Incomplete; run `fieldkit capture --resume {end.file.name}` to continue")
 
 
 def _received(
@@ -218,7 +218,7 @@ def _received(
     if wanted is None and end.whole and sys.stdin.isatty() and not json:
         wanted = typer.confirm("Import it now?", default=True, err=True)
     if not (end.whole if wanted is None else wanted):
-        complain(f"not imported; run `fieldkit import {end.file}` to import it")
+        complain(f"Not imported; run `fieldkit import {end.file}` to import it")
         return None
     with open_ledger(context) as ledger:
         check = MotorCheck()

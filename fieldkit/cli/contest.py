@@ -80,7 +80,7 @@ def finals(
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
         files.write(card, finals_card(heading, rows, card.suffix.lower(), notes, chosen), force=force)
-        complain(f"{card}: the card")
+        complain(f"Wrote the card to {card}")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
         document |= {"flights": said.rests_on, "timed_flights": flown.fall.flights}
@@ -150,7 +150,7 @@ def contest(
 
     if own:
         season = season_year(season)
-        complain(f"your own rule, in use from now on: {copy_season(season, data_file('seasons'))}")
+        complain(f"Copied the rule to {copy_season(season, data_file('seasons'))}; it is used from now on")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     announced = length("--target", target), read_window(window) if window else None

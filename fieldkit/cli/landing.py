@@ -68,7 +68,7 @@ def landing(
             complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
         content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from)
         files.write(kml, content, force=replaces[kml])
-        complain(f"{kml}: the landing ellipse")
+        complain(f"Wrote the landing ellipse to {kml}")
     if card is not None:
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.planning_text import conditions_in_words
@@ -82,7 +82,7 @@ def landing(
         name, *forecast = in_words(said, system())
         told = [name, _day(said.plan), *forecast, *more, *around][:CARD_LINES]
         files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
-        complain(f"{card}: the range card")
+        complain(f"Wrote the range card to {card}")
     if json:
         document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation} | one.json()
         print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(said, lines))
@@ -128,6 +128,6 @@ def track(
         if clock.latitude is not None and clock.longitude is not None:
             content = track_kml(f"flight {flight}", clock.latitude, clock.longitude, clock.gps_altitude_msl)
             files.write(out, content, force=force)
-            say(f"{out}: the track of flight {flight}")
+            say(f"Wrote the track of flight {flight} to {out}")
             return
     raise BadValue(f"{flight}: found no GPS positions, expected a flight with the log of a tracker")

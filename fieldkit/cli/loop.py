@@ -71,7 +71,7 @@ def loop(
             )
     if page is not None:
         write_page(found, page, force=force, system=system())
-        complain(f"report written to {page}")
+        complain(f"Wrote the report to {page}")
     if json:
         print_json(loop_document(found))
         return

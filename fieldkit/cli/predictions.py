@@ -39,7 +39,7 @@ def predictions(
         print_json({"predictions": [one.json() for one in shown]})
         return
     if not found:
-        complain(f"no forecasts saved in {where} yet; `fieldkit predict` saves one")
+        complain(f"No forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())

@@ -48,7 +48,7 @@ def flights(
             return
         pages = ledger.summaries(rocket, tag)
         if (first := next(pages, None)) is None:
-            complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
+            complain(f"No matching flights in {ledger.name}" if rocket or tag else f"No flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
             chosen = system()
@@ -155,7 +155,7 @@ def edit(
         before = ledger.flight(flight)
         after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
-    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"flight {id} unchanged")
+    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"Flight {id} unchanged")
 
 
 @app.command()

@@ -82,4 +82,4 @@ def _hand_out(page: str, out: Path | None, force: bool) -> None:
         say_lines(page)
         return
     write(out, page.encode(), force=force)
-    complain(f"page written to {out}")
+    complain(f"Wrote the page to {out}")
