@@ -115,10 +115,10 @@ def read(log: bytes) -> list[Found]:
     unread = Counter(packets[:, 4].tolist()) - Counter({kind: len(packets) for kind in (*PACKETS, 4, 6, 7, 11)})
     if unread:
         found.append(Note(f"packets of types {', '.join(map(str, sorted(unread)))} are not read"))
-    heard = [reading for reading in readings if reading.series]
-    if not heard:
+    with_samples = [reading for reading in readings if reading.series]
+    if not with_samples:
         raise DamagedLog("found no packet with a height, a pressure or a position", row=1)
-    return [*heard, *found]
+    return [*with_samples, *found]
 
 
 def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:

@@ -162,8 +162,8 @@ def _row(name: str, sd: float) -> tuple[str, str, str]:
 
 
 def _scored(row: dict[str, float | str | int]) -> tuple[str, ...]:
-    shares = (row["median_share"], row["mean_share"], row["crps"])
-    percents = tuple(f"{100 * float(value):.1f}%" for value in shares)
+    fractions = (row["median_share"], row["mean_share"], row["crps"])
+    percents = tuple(f"{100 * float(value):.1f}%" for value in fractions)
     return (
         str(row["name"]),
         str(row["flights"]),

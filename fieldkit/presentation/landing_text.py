@@ -22,7 +22,7 @@ short half axis. [1]"""
 
 
 def landing_in_words(
-    said: Prediction,
+    prediction: Prediction,
     down: Landing,
     fall: Fall,
     rail: Sequence[RailChoice],
@@ -34,9 +34,9 @@ def landing_in_words(
 
     `holds` is the wind that keeps landings on the field, as in `PlannedFlight` [m/s].
     """
-    plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
+    plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
-    yield f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
+    yield f"{name} on {prediction.found.motor.maker} {prediction.found.motor.designation}"
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
@@ -45,7 +45,7 @@ def landing_in_words(
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall)}"
-    yield f"  based on  {rests_in_words(said)}"
+    yield f"  based on  {rests_in_words(prediction)}"
     if plan.wind is None:
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
         return

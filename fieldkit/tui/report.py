@@ -45,4 +45,6 @@ def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
         )
 
     page.show_notice("Writing the report ...")
-    page.ask(work, lambda files: page.show_notice(f"Wrote the report to {path if path in files else files[0]}"), "report")
+    page.ask(
+        work, lambda files: page.show_notice(f"Wrote the report to {path if path in files else files[0]}"), "report"
+    )
