@@ -138,7 +138,7 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                     )
                     left_out[f"packets {form} are not read"] += 1
                 elif not frame[-2] & CHECKSUM_BIT:
-                    left_out["packets came with a bad radio checksum"] += 1
+                    left_out["packets with a bad radio checksum"] += 1
                 else:
                     good += frame[1 : 1 + PACKET]
             elif line.strip():

@@ -87,8 +87,8 @@ class Agreement:
     def why(self) -> str:
         """The reason if they do not agree."""
         if self.is_off:
-            return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
-        return f"makes a climb of {100 / self.scale:.0f}% of that by the heights"
+            return f"is {abs(self.late):.1f} s {'late' if self.late > 0 else 'early'}"
+        return f"gives {100 / self.scale:.0f}% of the climb that the heights show"
 
 
 def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:

@@ -92,7 +92,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     lags = possible_lags(track, seen, lift)
     ascents = _ascents(track, shape, seen, *moments, sighted, lags)
     if ascents and ascents[0].ascent.fused and _misses_the_top(ascents[0].ascent, seen, track):
-        trust, felt = _Trust(None, notes=(REJECTED_NOTE.format("and the heights are of different climbs"),)), None
+        trust, felt = _Trust(None, notes=(REJECTED_NOTE.format("is from a different climb than the heights"),)), None
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
     if not ascents:
         return Recorded(notes=(NO_FLIGHT,))

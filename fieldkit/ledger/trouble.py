@@ -25,7 +25,7 @@ _SQLITE = {
     "nothing was changed, try again",
     "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
     "SQLITE_CANTOPEN": "cannot open the file, expected one in an existing, readable folder",
-    "SQLITE_IOERR_READ": "the disk failed to read; nothing was changed",
+    "SQLITE_IOERR_READ": "the disk cannot be read; nothing was changed",
     "SQLITE_IOERR": "the disk failed; check `fieldkit history` for the change before trying again",
     "SQLITE_PERM": "no permission to use the file",
 }

@@ -140,7 +140,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
                 yield from link.drain(TAIL)
                 return True
             link.damaged += 1
-            yield Instruction("the record is damaged; switch the unit on again, it sends once each time")
+            yield Instruction("the record is damaged; switch the unit off and on to receive it again")
         if stream.start >= 0 and len(stream.digits) > before:
             useful = time.monotonic()
             link.samples = base + max(0, len(stream.digits) - 20) // 4
@@ -148,7 +148,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
         elif stream.start >= 0 and time.monotonic() - useful > PAUSE:
             stream = Stream()
             link.damaged += 1
-            yield Instruction("the record stopped in the middle; switch the unit on again, it sends once each time")
+            yield Instruction("the record stopped in the middle; switch the unit off and on to receive it again")
     return False
 
 
