@@ -100,8 +100,8 @@ def _document(
                 "flight": one.id,
                 "changes": {
                     column_header(name): {
-                        "there": _at_the_edge(name, old, one.flight),
-                        "now": _at_the_edge(name, new, one.renewed),
+                        "there": _in_column_unit(name, old, one.flight),
+                        "now": _in_column_unit(name, new, one.renewed),
                     }
                     for name, (old, new) in one.changes.items()
                 },
@@ -117,7 +117,7 @@ def _document(
     }
 
 
-def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
+def _in_column_unit(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
     """A readout and its standard deviation in the unit of the flight table, None if there is none."""
     from fieldkit.analysis.labels import in_column_unit
 
