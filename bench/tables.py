@@ -99,17 +99,17 @@ def summary(results: Sequence[Result]) -> str:
 def _forecasts(results: Sequence[Result]) -> Iterator[str]:
     """Forecasts after the loop compared with the plain model's, with the truth given, and with the ideal."""
     kinds = list(dict.fromkeys(sorted(r.scenario for r in results)))
-    told = {
+    ratios = {
         k: _geometric(r.after.mae / r.given.mae for r in results if r.scenario == k and r.after and r.given)
         for k in kinds
     }
-    told = {kind: ratio for kind, ratio in told.items() if np.isfinite(ratio)}
-    if told:
+    ratios = {kind: ratio for kind, ratio in ratios.items() if np.isfinite(ratio)}
+    if ratios:
         every = _geometric(r.after.mae / r.given.mae for r in results if r.after and r.given)
-        worst = max(told, key=lambda kind: told[kind])
+        worst = max(ratios, key=lambda kind: ratios[kind])
         yield (
             f"error after relative to the fit with the true effect: {every:.2f} (geometric mean), "
-            f"highest {told[worst]:.2f} ({worst})"
+            f"highest {ratios[worst]:.2f} ({worst})"
         )
     pairs = [(r.before, r.after, r.ideal) for r in results if r.before and r.after]
     yield (

@@ -181,7 +181,7 @@ def _into_stream(file: Path) -> int:
     try:
         pipe = os.open(file, os.O_WRONLY | os.O_NONBLOCK)
     except OSError as error:
-        nobody = "nobody reads this pipe" if error.errno == errno.ENXIO else error.strerror
+        nobody = "no program reads this pipe" if error.errno == errno.ENXIO else error.strerror
         raise OSError(error.errno, nobody) from error
     os.set_blocking(pipe, True)
     return pipe

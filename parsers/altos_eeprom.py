@@ -124,9 +124,9 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
     events = entered(number_at(records[states], 0, 2), time[states], STATES)
     start = events.get("liftoff", float(time[samples][0]))
     head = records[records[:, 0] == FLIGHT][:1]
-    series = [_samples(records[samples], _onward(time[samples] - start), head, settings, layout)]
+    series = [_samples(records[samples], _increasing(time[samples] - start), head, settings, layout)]
     if layout.positions and (fixes := records[:, 0] == POSITION).any():
-        series.append(_positions(records[fixes], _onward(time[fixes] - start)))
+        series.append(_positions(records[fixes], _increasing(time[fixes] - start)))
     flight = str(number_at(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -138,7 +138,7 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
     )
 
 
-def _onward(time: Float[Array, "record"]) -> Float[Array, "record"]:
+def _increasing(time: Float[Array, "record"]) -> Float[Array, "record"]:
     """Times in which a tick just before its predecessor is replaced by the predecessor. [s]"""
     return np.maximum.accumulate(time)
 
@@ -168,8 +168,8 @@ def _samples(
         acceleration = net_acceleration(counts, ground, *_gravities(settings))
     if not layout.counts:
         return Series(time, pressure=_real(mp3h6115(number_at(samples, 2, 2))), acceleration=acceleration)
-    raw, warmth = (number_at(samples, place, layout.counts) for place in (0, layout.counts))
-    pressure, temperature = ms5607(raw, warmth, _coefficients(settings))
+    raw, raw_temperature = (number_at(samples, place, layout.counts) for place in (0, layout.counts))
+    pressure, temperature = ms5607(raw, raw_temperature, _coefficients(settings))
     return Series(time, pressure=_real(pressure), temperature=temperature, acceleration=acceleration)
 
 

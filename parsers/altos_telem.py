@@ -115,10 +115,10 @@ def read(log: bytes) -> list[Found]:
     unread = Counter(packets[:, 4].tolist()) - Counter({kind: len(packets) for kind in (*PACKETS, 4, 6, 7, 11)})
     if unread:
         found.append(Note(f"packets of types {', '.join(map(str, sorted(unread)))} are not read"))
-    heard = [reading for reading in readings if reading.series]
-    if not heard:
+    with_samples = [reading for reading in readings if reading.series]
+    if not with_samples:
         raise DamagedLog("found no packet with a height, a pressure or a position", row=1)
-    return [*heard, *found]
+    return [*with_samples, *found]
 
 
 def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
@@ -138,7 +138,7 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                     )
                     left_out[f"packets {form} are not read"] += 1
                 elif not frame[-2] & CHECKSUM_BIT:
-                    left_out["packets came with a bad radio checksum"] += 1
+                    left_out["packets with a bad radio checksum"] += 1
                 else:
                     good += frame[1 : 1 + PACKET]
             elif line.strip():

@@ -33,8 +33,8 @@ def _interpreted(head: bytes) -> tuple[int, str | None] | None:
     for row, line in enumerate(lines, start=1):
         if match := _INTERPRETED.match(line):
             below = next((one for one in lines[row:] if one.strip() and not one.startswith("#")), "")
-            parted = [mark for mark in SEPARATORS if below.count(mark) == len(NAMES) - 1]
-            return row, parted[0] if parted else None if below else match[1].strip() or None
+            separators = [mark for mark in SEPARATORS if below.count(mark) == len(NAMES) - 1]
+            return row, separators[0] if separators else None if below else match[1].strip() or None
     return None
 
 

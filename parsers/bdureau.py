@@ -56,8 +56,8 @@ def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
         if check.strip().isdigit() and checksum(body + comma) == int(check):
             yield row, body.split(b",")
         else:
-            said = shown(check.decode("ascii", "replace"))
-            yield row, DamagedLog(f"found the checksum {said}, expected {checksum(body + comma)}", row=row)
+            found = shown(check.decode("ascii", "replace"))
+            yield row, DamagedLog(f"found the checksum {found}, expected {checksum(body + comma)}", row=row)
 
 
 def read(log: bytes) -> list[Found]:
@@ -103,8 +103,8 @@ def _numbers(cells: Sequence[bytes], least: int, width: int, row: int) -> list[f
     except ValueError:
         numbers = []
     if len(numbers) < least or not all(map(math.isfinite, numbers)):
-        said = shown(b",".join(cells).decode("ascii", "replace"))
-        raise DamagedLog(f"found {said}, expected at least {least} numbers", row=row)
+        found = shown(b",".join(cells).decode("ascii", "replace"))
+        raise DamagedLog(f"found {found}, expected at least {least} numbers", row=row)
     return numbers + [math.nan] * (width - len(numbers))
 
 

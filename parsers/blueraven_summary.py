@@ -48,12 +48,12 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     stated: dict[str, object] = {}
     events: dict[str, float] = {}
-    said: dict[str, str] = {}
+    fields: dict[str, str] = {}
     found: list[Found] = []
     for row, spelled, key, value in _lines(log):
-        if key in said:
+        if key in fields:
             continue
-        said[key] = value
+        fields[key] = value
         try:
             if key in STATED_READOUTS:
                 name, quantity, unit = STATED_READOUTS[key]
@@ -65,7 +65,7 @@ def read(log: bytes) -> list[Found]:
             found.append(DamagedLog(str(error), row=row, column=printable(spelled)))
     if "apogee" not in stated and not events:
         raise DamagedLog("found no figure of a flight, expected one such as Max Altitude,1234.5 feet")
-    return [_reading(stated, events, said), *found]
+    return [_reading(stated, events, fields), *found]
 
 
 def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
@@ -76,20 +76,20 @@ def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
             yield row, key.strip(), " ".join(key.lower().split()), values[0].lstrip().rstrip(_PADDING)
 
 
-def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[str, str]) -> Reading:
+def _reading(stated: dict[str, object], events: dict[str, float], fields: Mapping[str, str]) -> Reading:
     """The flight, with the times of day from its lines."""
-    lift_off, landing = _moment(said, "launch time"), _moment(said, "landing time")
+    lift_off, landing = _moment(fields, "launch time"), _moment(fields, "landing time")
     if lift_off:
         stated["date_time"] = lift_off
     if lift_off and landing:
         events["landing"] = (landing - lift_off) % timedelta(days=1) / timedelta(seconds=1)
-    serial = said.get("searial number") or said.get("serial number") or ""
+    serial = fields.get("searial number") or fields.get("serial number") or ""
     return Reading(
         stated,
-        {printable(k): printable(v) for k, v in said.items() if k not in STATED_READOUTS},
+        {printable(k): printable(v) for k, v in fields.items() if k not in STATED_READOUTS},
         events=events,
         device="Blue Raven",
-        firmware=said.get("firmware", ""),
+        firmware=fields.get("firmware", ""),
         serial=serial.split()[0] if serial else "",
         part="summary",
     )

@@ -226,9 +226,9 @@ def _fall(
         return nothing
     middle = float(clock[inside].mean())
     curve = np.polynomial.polynomial.polyfit(clock[inside] - middle, height[inside], 2)
-    rough = height[inside] - np.polynomial.polynomial.polyval(clock[inside] - middle, curve)
+    residual = height[inside] - np.polynomial.polynomial.polyval(clock[inside] - middle, curve)
     fall, speed = -2 * float(curve[2]), float(curve[1])
-    if np.sqrt((rough**2).mean()) > 0.01 * np.ptp(height[inside]) + 1 or fall <= 0:
+    if np.sqrt((residual**2).mean()) > 0.01 * np.ptp(height[inside]) + 1 or fall <= 0:
         return nothing
     return fall, speed, middle + speed / fall
 

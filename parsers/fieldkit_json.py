@@ -63,8 +63,8 @@ def _reading(row: int, flight: object) -> Found:
         except BadValue as error:
             return DamagedLog(str(error), row=row, column=name)
     columns = {column.name: header for header, column in HEADERS.items()}
-    told = {part: values for part, values in (("sd", sd), ("source", source)) if values}
-    return Reading(stated | told, extra, columns, row)
+    annotations = {part: values for part, values in (("sd", sd), ("source", source)) if values}
+    return Reading(stated | annotations, extra, columns, row)
 
 
 def _beside(

@@ -125,14 +125,14 @@ def _events(lines: Iterable[str]) -> dict[str, float]:
 
 def _description(lines: Sequence[str], mark: str) -> dict[str, str]:
     """The description of the simulation in the comments above the header."""
-    said = [line.removeprefix(mark).rstrip(' ",;\t').strip() for line in lines]
+    texts = [line.removeprefix(mark).rstrip(' ",;\t').strip() for line in lines]
     extra: dict[str, str] = {}
-    for line in said:
+    for line in texts:
         if match := _STATE.match(line):
             extra = {"simulation": match["name"][:200], "state": match["state"]}
             break
-    if "Simulation warnings:" in said:
-        rest = said[said.index("Simulation warnings:") + 1 :]
+    if "Simulation warnings:" in texts:
+        rest = texts[texts.index("Simulation warnings:") + 1 :]
         warnings = rest[: rest.index("")] if "" in rest else rest
         if warnings:
             extra["warnings"] = "; ".join(warnings)[:1000]

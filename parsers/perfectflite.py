@@ -58,9 +58,9 @@ def read(log: bytes) -> list[Found]:
     written = table.pick(slice(_written(table)))
     if len(written) < len(table):
         remarks.append(Note("has no power from here on, left out", int(table.rows[len(written)])))
-    promised = header.get("NumSamps", "")
-    if promised.isdecimal() and promised.lstrip("0") != str(len(table)):
-        remarks.append(Note(f"found {counted(len(table), 'sample')}, expected {promised[:9]} as NumSamps says"))
+    stated_count = header.get("NumSamps", "")
+    if stated_count.isdecimal() and stated_count.lstrip("0") != str(len(table)):
+        remarks.append(Note(f"found {counted(len(table), 'sample')}, expected {stated_count[:9]} as NumSamps says"))
     parts, found = written.flights()
     first = Reading(
         stated=_stated(header, remarks),

@@ -90,10 +90,10 @@ def _layout(log: bytes) -> ExportLayout | None:
 def _kind(line: str, separator: str) -> tuple[str, str] | None:
     """The suffixes of the temperature and voltage cells in a row; None if it is not a row of an export."""
     cells = _cells(line, separator)
-    warmth = TEMPERATURE_WORDS.match(cells[2]) if len(cells) == 4 else None
-    if not warmth or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):
+    temperature = TEMPERATURE_WORDS.match(cells[2]) if len(cells) == 4 else None
+    if not temperature or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):
         return None
-    return warmth[1], "V" if cells[3].endswith("V") else ""
+    return temperature[1], "V" if cells[3].endswith("V") else ""
 
 
 def _cells(line: str, separator: str) -> list[str]:

@@ -89,15 +89,15 @@ def _whole_rows(log: bytes, starts: Sequence[int], width: int, mark: bytes) -> I
         if len(cells) > starts[-1] + 2 and not any(cells[start + 2].strip(b" b01") for start in starts):
             yield line
             continue
-        row, place, torn = list[bytes](), 0, True
+        row, place, is_cut = list[bytes](), 0, True
         while len(row) < width:
             size = 3 if len(row) in starts else 1
             ended = size == 3 and place < len(cells) and not cells[place].strip()
             row += [b""] * 3 if ended else cells[place : place + size] or [b""]
             place += 2 if ended else size
             if len(row) == starts[-1] + 3:
-                torn = place > len(cells)
-        fits = not torn and not any(map(bytes.strip, cells[place:]))
+                is_cut = place > len(cells)
+        fits = not is_cut and not any(map(bytes.strip, cells[place:]))
         yield mark.join(row) if fits else line
 
 
@@ -128,8 +128,8 @@ def _events(table: LogTable) -> dict[str, float]:
     for place, (known, which) in table.words.items():
         time = table.values[f"time {place}"]
         for event, digit in EVENTS.items():
-            said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
-            times = time[np.isin(which, said) & (np.abs(time) < MAX_CLOCK)]
+            places = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
+            times = time[np.isin(which, places) & (np.abs(time) < MAX_CLOCK)]
             if len(times):
                 events[event] = min(float(times.min()), events.get(event, np.inf))
     return events

@@ -38,11 +38,11 @@ def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "seconds,feet before the samples")
     table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, widths={2})
     notes = list(table.found)
-    heard = ~np.isnan(table.values["altitude"])
+    is_number = ~np.isnan(table.values["altitude"])
     time, height = table.values["time"], table.values["altitude"]
-    if not heard.all():
-        time, height = time[heard], height[heard]
-        lost = table.rows[~heard]
+    if not is_number.all():
+        time, height = time[is_number], height[is_number]
+        lost = table.rows[~is_number]
         notes.append(Note(f"is not a number, left out; {counted(len(lost), 'such line')} in all", int(lost[0])))
     stated: dict[str, object] = {}
     began = _began(log, head)
@@ -70,8 +70,8 @@ def _fits(names: Sequence[str]) -> bool:
 def _began(log: bytes, head: Header) -> str:
     """When the capture began according to the lines above the table; empty if they do not state it."""
     above = lines_of(decode(log[:HEAD]))[: head.row - 1]
-    parted = (line.replace('"', "").partition(head.separator) for line in above)
-    return next((value.strip(head.separator) for name, _, value in parted if name == "began"), "")
+    split = (line.replace('"', "").partition(head.separator) for line in above)
+    return next((value.strip(head.separator) for name, _, value in split if name == "began"), "")
 
 
 PARSER = Parser(

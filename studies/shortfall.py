@@ -175,7 +175,7 @@ def _apogee_slopes(
 
 def page(found: Shortfall, *, unnamed: bool = False) -> str:
     """The shortfall as a page of Markdown; `unnamed` numbers the rockets."""
-    return "\n".join([*_causes(found), "", *_apart(found), "", *_rockets(found, unnamed)]) + "\n"
+    return "\n".join([*_causes(found), "", *_common_table(found), "", *_rockets(found, unnamed)]) + "\n"
 
 
 def _causes(found: Shortfall) -> Iterator[str]:
@@ -201,7 +201,7 @@ def _causes(found: Shortfall) -> Iterator[str]:
         yield f"| {step.cause} | {len(logs)} | {bias} | {np.median(error):.1%} | {error.mean():.1%} | {covered} |"
 
 
-def _apart(found: Shortfall) -> Iterator[str]:
+def _common_table(found: Shortfall) -> Iterator[str]:
     """What all rockets have in common, and what cannot be distinguished."""
     yield "## What all rockets have in common"
     yield ""

@@ -39,7 +39,7 @@ NEVER_ONE = {
     "self._last_row": "rows beyond a limit",
     "self._last_column": "cells beyond a limit",
     "rule.declared": "flights that a season lets a team declare",
-    "len(held.build.motors)": "motors of a cluster",
+    "len(governed_by.build.motors)": "motors of a cluster",
     "found.forecasts": "the window of recent forecasts",
     "len(found.flights)": "the flights of the demo",
     "found.predictions[0].rests_on": "the flights of the demo",

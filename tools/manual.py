@@ -150,8 +150,8 @@ body, fins and base included. Forecasts are advice: at the field the range safet
 
 
 def _card(name: str, card: Mapping[str, Any]) -> str:
-    first = [f"| {key} | {_told(card[key])} |" for key in CARD if key in card]
-    priors = [f"| {key} | {_told(law)} |" for key, law in card["priors"].items()]
+    first = [f"| {key} | {_text(card[key])} |" for key in CARD if key in card]
+    priors = [f"| {key} | {_text(law)} |" for key, law in card["priors"].items()]
     return f"""## `{name}`
 
 | | |
@@ -164,7 +164,7 @@ def _card(name: str, card: Mapping[str, Any]) -> str:
 {chr(10).join(priors)}"""
 
 
-def _told(value: Any) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{key} {item}" for key, item in value.items())
     if isinstance(value, list):

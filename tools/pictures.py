@@ -39,11 +39,11 @@ def picture(text: str) -> str:
 def tidied(svg: str) -> str:
     """A picture without fonts to download, each word at its position."""
     svg = re.sub(r"@font-face\s*\{.*?\}\s*", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'(<text [^>]*?x=")([\d.]+)("[^>]*?textLength=")([\d.]+)("[^>]*>)([^<]*)</text>', _apart, svg)
+    svg = re.sub(r'(<text [^>]*?x=")([\d.]+)("[^>]*?textLength=")([\d.]+)("[^>]*>)([^<]*)</text>', _spaced, svg)
     return "".join(f"{line.rstrip()}\n" for line in svg.splitlines())
 
 
-def _apart(run: re.Match[str]) -> str:
+def _spaced(run: re.Match[str]) -> str:
     """A run of text as its words, each at its position, because some viewers drop leading spaces."""
     start, x, middle, length, end, content = run.groups()
     text = html.unescape(content)

@@ -67,7 +67,7 @@ def main() -> None:
         mass = f"{known.dry_mass:.3f} kg" if known.dry_mass else "unknown"
         rows.append(f"| {path.stem} | {push} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
         if isinstance(shown, FlightForce):
-            laws += ["", *told(shown)]
+            laws += ["", *section(shown)]
     arguments.out.write_text("\n".join([*HEAD, *rows, *laws, ""]), encoding="utf-8")
 
 
@@ -119,7 +119,7 @@ def drag_area(forces: Forces) -> str:
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
-def told(one: FlightForce) -> list[str]:
+def section(one: FlightForce) -> list[str]:
     """The law from one flight, and its points."""
     terms = [
         f"{found.term.name} {found.value:+.3f} ± {found.sd:.3f} {found.term.unit}"

@@ -21,7 +21,7 @@ def contents(archive: Path) -> Iterator[tuple[str, int]]:
         yield from ((one.name.partition("/")[2], one.size) for one in source if one.isfile())
 
 
-def told(archive: Path) -> str:
+def report(archive: Path) -> str:
     """An archive's size, and its largest folders unpacked."""
     folders: Counter[str] = Counter()
     for path, size in contents(archive):
@@ -32,4 +32,4 @@ def told(archive: Path) -> str:
 
 if __name__ == "__main__":
     for file in sorted(Path(sys.argv[1]).glob("fieldkit-*")):
-        print(told(file))
+        print(report(file))

@@ -107,12 +107,6 @@ def _named(tree: ast.Module) -> Iterator[ast.Constant]:
         yield from (one for value in of for one in ast.walk(value) if isinstance(one, ast.Constant))
 
 
-def _counted_noun(call: ast.Call) -> str | None:
-    """The noun of `counted(number, "flight")`."""
-    noun = call.args[1] if len(call.args) == 2 and _name(call.func) == "counted" else None
-    return str(noun.value) if isinstance(noun, ast.Constant) else None
-
-
 def _types(tree: ast.Module) -> Iterator[ast.AST]:
     """Everything in annotations and in `__all__`, whose strings are names of code."""
     for node in ast.walk(tree):

@@ -57,8 +57,8 @@ def scatter(tests: Iterable[Test]) -> float:
         if rank(test) < OTHER:
             by_motor[test["manufacturer"], test["designation"]].add(math.log(float(test["tested_impulse_ns"])))
     several = [sorted(values) for values in by_motor.values() if len(values) > 1]
-    apart = [abs(v - fmean(ones)) * math.sqrt(len(ones) / (len(ones) - 1)) for ones in several for v in ones]
-    return 1.4826 * median(apart)
+    deviations = [abs(v - fmean(ones)) * math.sqrt(len(ones) / (len(ones) - 1)) for ones in several for v in ones]
+    return 1.4826 * median(deviations)
 
 
 def replacement(motor: Motor, tests: Sequence[Test], sd: float) -> Test | None:

@@ -40,12 +40,12 @@ def restores_beside_writers(folder: Path, writers: int, each: int, restores: int
 
 
 def _add(file: Path, writer: int, each: int) -> None:
-    with file.with_name(f"writer-{writer}.txt").open("a", encoding="ascii") as told:
+    with file.with_name(f"writer-{writer}.txt").open("a", encoding="ascii") as acknowledged:
         for number in range(each):
             id = f"{writer}-{number}"
             if fieldkit(file, "add", "--rocket", "Astra", "--flight-id", id, "--apogee", "100m")[0] == 0:
-                told.write(f"{id}\n")
-                told.flush()
+                acknowledged.write(f"{id}\n")
+                acknowledged.flush()
 
 
 def _restore(file: Path, restores: int) -> None:
@@ -56,7 +56,11 @@ def _restore(file: Path, restores: int) -> None:
 
 
 def _acknowledged(folder: Path) -> list[str]:
-    return [id for told in sorted(folder.glob("writer-*.txt")) for id in told.read_text(encoding="ascii").split()]
+    return [
+        id
+        for acknowledged in sorted(folder.glob("writer-*.txt"))
+        for id in acknowledged.read_text(encoding="ascii").split()
+    ]
 
 
 def _flights(file: Path) -> list[str]:
@@ -64,17 +68,22 @@ def _flights(file: Path) -> list[str]:
         return [id for (id,) in raw.execute("SELECT flight_id FROM flights")]
 
 
-def _judged(outcome: Outcome, file: Path, told: list[str]) -> Outcome:
+def _judged(outcome: Outcome, file: Path, acknowledged: list[str]) -> Outcome:
     copies = backups.backups(file)
     held = [_flights(one) for one in (file, *(copy.file for copy in copies))]
-    outcome.tried = len(told)
+    outcome.tried = len(acknowledged)
     there = {id for flights in held for id in flights}
-    if lost := [id for id in told if id not in there]:
-        outcome.faults.append(f"{len(lost)} of {len(told)} acknowledged flights are nowhere: {', '.join(lost[:5])}")
+    if lost := [id for id in acknowledged if id not in there]:
+        outcome.faults.append(
+            f"{len(lost)} of {len(acknowledged)} acknowledged flights are nowhere: {', '.join(lost[:5])}"
+        )
     if twice := [id for flights in held for id, times in Counter(flights).items() if times > 1]:
         outcome.faults.append(f"there twice: {', '.join(twice[:5])}")
     if same := [number for number, times in Counter(one.number for one in copies).items() if times > 1]:
         outcome.faults.append(f"copies of the same number: {same}")
     outcome.faults += [f"{one.name}: {found}" for one in (file, *(c.file for c in copies)) if (found := unsound(one))]
-    outcome.counts = {"acknowledged": len(told), "in the ledger at the end": len(set(told) & set(held[0]))}
+    outcome.counts = {
+        "acknowledged": len(acknowledged),
+        "in the ledger at the end": len(set(acknowledged) & set(held[0])),
+    }
     return outcome

@@ -50,8 +50,8 @@ def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[See
             return
         was_there = True
         if (seen := trials()) is not None:
-            with os.fdopen(pipe, "w") as told:
-                json.dump(seen, told)
+            with os.fdopen(pipe, "w") as output:
+                json.dump(seen, output)
             raise _Enough
 
     def hear(event: str, arguments: tuple[object, ...]) -> None:

@@ -122,7 +122,7 @@ def standby(ours: Server, folder: Path) -> Iterator[Server]:
 
 
 @contextmanager
-def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
+def recovered_server(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
     """Allows killing a server process in the block; call the returned function to wait until the server has recovered.
 
     A connection opened before detects when the server has noticed the kill, which ends that connection too: until then
@@ -130,16 +130,16 @@ def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
     """
     import psycopg
 
-    witness = psycopg.connect(url, autocommit=True)
+    probe = psycopg.connect(url, autocommit=True)
 
     def recovered() -> None:
-        _await(lambda: not _answers(lambda: witness.execute("SELECT 1")), patience)
+        _await(lambda: not _answers(lambda: probe.execute("SELECT 1")), patience)
         _await(lambda: _answers(lambda: psycopg.connect(url).close()), patience)
 
     try:
         yield recovered
     finally:
-        witness.close()
+        probe.close()
 
 
 def _answers(ask: Callable[[], object]) -> bool:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, event
 
 from bench.faults.ledgers import Outcome, state
-from bench.faults.servers import emptied, witnessed
+from bench.faults.servers import emptied, recovered_server
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start
@@ -46,7 +46,7 @@ def process_killed(url: str, counts: Iterable[int]) -> Outcome:
         for name, change in CHANGES.items():
             before = state(url)
             for count in counts:
-                with witnessed(url) as recovered:
+                with recovered_server(url) as recovered:
                     with _killed_after(ledger, count) as killed:
                         said = _failure(ledger, change)
                     if not killed:

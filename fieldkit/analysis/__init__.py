@@ -3,7 +3,7 @@
 from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import measure, rises
 from fieldkit.analysis.notes import NO_FLIGHT
-from fieldkit.analysis.possible import doubted
+from fieldkit.analysis.possible import widened_by_contradictions
 from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
 from fieldkit.analysis.simulated import simulated
 
@@ -16,8 +16,8 @@ __all__ = [
     "MeasuredClimb",
     "Recorded",
     "columns",
-    "doubted",
     "measure",
     "rises",
     "simulated",
+    "widened_by_contradictions",
 ]

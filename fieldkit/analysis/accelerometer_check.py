@@ -32,7 +32,7 @@ delays what a mass feels. [s]"""
 MAX_DERIVED_DELAY = 0.05
 """Largest delay of an acceleration that shows no gravity on the way down. It was derived from heights or from several
 sensors rather than measured in the airframe, and is trusted only if it is on time. [s]"""
-_HANGS, _LEVEL, _QUIET = 3.0, 0.7, 3.0
+_HANGING_TIME, _LEVEL, _QUIET = 3.0, 0.7, 3.0
 """How long after apogee the rocket hangs or lies, with its axis anywhere but upright [s]. If an acceleration has
 gravity removed, its median from then on is near zero and its spread is small [m/s^2]."""
 _PAD = 0.1
@@ -45,9 +45,9 @@ _CORRELATION_TIME = 0.5
 """Correlation time of the errors of heights. [s]"""
 _SPARSE = 0.2
 """Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
-_REACH, _STEP = 1.5, 0.02
+_MAX_SHIFT, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
-_SCALE, _RAM, _ROUGH = 0.3, 0.05, 0.01
+_SCALE, _RAM, _HEIGHT_ERROR = 0.3, 0.05, 0.01
 """Standard deviations: of the scale; of the airframe's pressure error, relative to dynamic pressure; of heights,
 relative to themselves. [1]
 """
@@ -72,7 +72,7 @@ class Agreement:
     derived: bool = False
 
     @property
-    def believed(self) -> bool:
+    def is_consistent(self) -> bool:
         """Whether both recorded the same flight. Widely spaced samples constrain the clock less."""
         same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
         return same_scale and self.missed >= 0 and self.misfit < _MAX_MISFIT
@@ -87,8 +87,8 @@ class Agreement:
     def why(self) -> str:
         """The reason if they do not agree."""
         if self.is_off:
-            return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
-        return f"makes a climb of {100 / self.scale:.0f}% of that by the heights"
+            return f"is {abs(self.late):.1f} s {'late' if self.late > 0 else 'early'}"
+        return f"gives {100 / self.scale:.0f}% of the climb that the heights show"
 
 
 def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flags | None = None) -> Agreement | None:
@@ -102,7 +102,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     inside = (track.time > lift.time) & (track.time < end)
     if net is None or push.time[0] > lift.time - _PAD or push.time[-1] < end:
         return None
-    felt = (push.time > lift.time - _REACH) & (push.time < end + _REACH)
+    felt = (push.time > lift.time - _MAX_SHIFT) & (push.time < end + _MAX_SHIFT)
     time, net = push.time[felt], net[felt]
     if time.size < _MIN_SAMPLES or inside.sum() < _MIN_SAMPLES or np.diff(time).max() > _SPARSE:
         return None
@@ -115,7 +115,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
     beyond = None if full is None else _summed(_summed(full[felt].astype(float), time), time)
-    shifts = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+    shifts = np.arange(-_MAX_SHIFT, _MAX_SHIFT + _STEP / 2, _STEP)
     found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
     cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
     scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
@@ -127,8 +127,10 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
 
 def _is_derived(push: Push, seen: Outline) -> bool:
     """Whether an acceleration lacks the gravity that a sensor along the axis measures on the way down."""
-    hangs = push.felt[push.time > seen.top + _HANGS] - GRAVITY
-    return bool(hangs.size >= _MIN_SAMPLES and abs(np.median(hangs)) < _LEVEL and mad_sd(hangs) < _QUIET)
+    after_apogee = push.felt[push.time > seen.top + _HANGING_TIME] - GRAVITY
+    return bool(
+        after_apogee.size >= _MIN_SAMPLES and abs(np.median(after_apogee)) < _LEVEL and mad_sd(after_apogee) < _QUIET
+    )
 
 
 def _fit(
@@ -147,15 +149,15 @@ def _fit(
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
-    spread = np.hypot(noise, _ROUGH * height)
+    spread = np.hypot(noise, _HEIGHT_ERROR * height)
     columns, sds = [felt, ram], [_SCALE if beyond is None else _FILLED_SCALE, _RAM]
     if beyond is not None:
         columns, sds = [*columns, np.interp(when, time, beyond)], [*sds, _MISSED]
     prior = np.diag(1 / np.array(sds))
     design = np.concatenate([np.stack(columns, axis=1) / spread[:, None], prior])
-    wanted = np.concatenate([height / spread, prior[0]])
-    values, *_ = np.linalg.lstsq(design, wanted, rcond=None)
-    cost = float(((wanted - design @ values) ** 2).sum())
+    target = np.concatenate([height / spread, prior[0]])
+    values, *_ = np.linalg.lstsq(design, target, rcond=None)
+    cost = float(((target - design @ values) ** 2).sum())
     if beyond is None:
         return cost, float(values[0]), 0.0, 0.0
     spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))

@@ -21,7 +21,7 @@ _LEAST_GPS = 2.0
 """Smallest error of a satellite apogee: the drift of one receiver's height within a minute. [m]"""
 _MAX_HEARD_GAP = 2.0
 """Longest gap between samples in which an apogee can still be located. [s]"""
-_REST, _MAX_WANDER = 10.0, 20.0
+_REST, _MAX_REST_MOVEMENT = 10.0, 20.0
 """Length of the end of a log that is searched for a rest [s], and the largest movement of heights in a rest [m]."""
 _MIN_APOGEE_ERROR = 0.15
 """Smallest error of any apogee: variation of the air and sensor drift within a flight. [m]"""
@@ -37,19 +37,19 @@ def falls(ascent: Ascent) -> bool:
 
 def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
     """The top of the curve, or None if it is still rising when the log ends."""
-    heard = _heard(ascent.time, track)
-    place = int(np.argmax(np.where(heard, ascent.height, -np.inf)))
+    has_samples = _has_samples(ascent.time, track)
+    place = int(np.argmax(np.where(has_samples, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
         return None
-    drawn = np.where(heard, ascent.heights, -np.inf)
+    drawn = np.where(has_samples, ascent.heights, -np.inf)
     tops = drawn.max(axis=1)
     moments = ascent.time[np.argmax(drawn, axis=1)]
     near = np.abs(track.time - ascent.time[place]) < 1.0
-    left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
-    rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
+    residual = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
+    fit_error = mad_sd(residual) / 2 if mad_sd(residual) > 3 * track.noise else 0.0
     satellites = track.source == CHANNEL_TITLES["gps_altitude_msl"]
     least = max(_LEAST_GPS, drift_of_receiver(track, seen)) if satellites else _MIN_APOGEE_ERROR
-    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
+    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + fit_error**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(
         float(ascent.time[place]),
@@ -59,12 +59,12 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 
-def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
+def _has_samples(time: Float[Array, "knot"], track: Heights) -> Flags:
     """Which knots of a curve lie among samples rather than in a long gap, in which the curve is unconstrained."""
     after = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
     gap = track.time[after] - track.time[after - 1]
-    heard = np.asarray(gap <= _MAX_HEARD_GAP)
-    return heard if heard.any() else np.ones(time.size, bool)
+    has_samples = np.asarray(gap <= _MAX_HEARD_GAP)
+    return has_samples if has_samples.any() else np.ones(time.size, bool)
 
 
 def drift_of_receiver(track: Heights, seen: Outline) -> float:
@@ -77,8 +77,8 @@ def drift_of_receiver(track: Heights, seen: Outline) -> float:
         track.height[(track.time < (seen.lift or first) - 0.5)],
         track.height[(track.time > max(seen.top + 5, last - _REST))],
     )
-    still = [_spread(one) for one in rests if one.size >= 8 and np.ptp(one) < _MAX_WANDER]
-    return float(np.sqrt(2)) * max(still, default=0.0)
+    spreads = [_spread(one) for one in rests if one.size >= 8 and np.ptp(one) < _MAX_REST_MOVEMENT]
+    return float(np.sqrt(2)) * max(spreads, default=0.0)
 
 
 def _spread(values: Float[Array, "_"]) -> float:

@@ -115,14 +115,14 @@ def ascend(
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         start = _fit_start(track, seen, grid, slow, push, marks, sighted)
-    found = _fitted(start, marks, lags, STATIC_SD if track.pressed else 0.0)
+    found = _fitted(start, marks, lags, STATIC_SD if track.is_barometric else 0.0)
     return [replace(one, ascent=replace(one.ascent, sighted=sighted)) for one in found]
 
 
 def _grid(begin: float, end: float, step: float) -> Grid:
     """Knots spaced about as widely as the samples, within a minimum and a maximum number. [s]"""
-    pace = float(np.clip(step, max(0.02, (end - begin) / _KNOTS), 0.1))
-    return Grid(begin, pace, int(np.ceil((end - begin) / pace)))
+    spacing = float(np.clip(step, max(0.02, (end - begin) / _KNOTS), 0.1))
+    return Grid(begin, spacing, int(np.ceil((end - begin) / spacing)))
 
 
 def _released(seen: Outline, blow: float | None, marked: float | None) -> float:

@@ -57,11 +57,11 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
         evidence[place] = found.evidence(start.samples, guess, replace(marks, burnout=burnout), lag.lag, static)
     if not np.isfinite(evidence.max()):
         return Burnout(marks, 0.0, lag.lag, -np.inf)
-    share = np.exp(evidence - evidence.max())
-    total = float(evidence.max() + np.log(share.sum() * (every[1] - every[0]) * lag.prior))
-    share /= share.sum()
-    mean = float(share @ every)
-    return Burnout(replace(marks, burnout=mean), float(np.sqrt(share @ (every - mean) ** 2)), lag.lag, total)
+    probability = np.exp(evidence - evidence.max())
+    total = float(evidence.max() + np.log(probability.sum() * (every[1] - every[0]) * lag.prior))
+    probability /= probability.sum()
+    mean = float(probability @ every)
+    return Burnout(replace(marks, burnout=mean), float(np.sqrt(probability @ (every - mean) ** 2)), lag.lag, total)
 
 
 def guess_for(start: FitStart, marks: Marks, lag: float) -> Guess:

@@ -64,7 +64,7 @@ class Heights:
     lag: float = 0.0
 
     @property
-    def pressed(self) -> bool:
+    def is_barometric(self) -> bool:
         """Whether these heights are derived from pressure, which is biased in a fast airframe."""
         return self.source in BAROMETRIC
 
@@ -119,8 +119,8 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             if name == "inertial_speed":
                 values = np.gradient(values, time)
-            believed = np.abs(values) < _MAX_ACCELERATION
-            time, values = time[believed], values[believed]
+            plausible = np.abs(values) < _MAX_ACCELERATION
+            time, values = time[plausible], values[plausible]
             if time.size < MIN_SAMPLES:
                 continue
             weighs = name == "felt"
@@ -196,21 +196,21 @@ def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool)
     """
     if time.size <= 2 * _MANY_SAMPLES:
         return time, values
-    rough_time, rough = _blocks(time, values, time.size // _MANY_SAMPLES + 1)
-    height = pressure_height(rough) if pressure else rough
+    coarse_time, coarse_values = _blocks(time, values, time.size // _MANY_SAMPLES + 1)
+    height = pressure_height(coarse_values) if pressure else coarse_values
     usual = running_median(height, 5)
     calm = np.abs(height - usual) <= 5 * max(mad_sd(height - usual), 0.5) + 50
-    moving = np.abs(np.gradient(usual[calm], rough_time[calm])) > _CLIMB_SPEED
+    moving = np.abs(np.gradient(usual[calm], coarse_time[calm])) > _CLIMB_SPEED
     if moving.any():
-        lift, top = rough_time[calm][moving][0], rough_time[calm][int(np.argmax(usual[calm]))]
+        lift, top = coarse_time[calm][moving][0], coarse_time[calm][int(np.argmax(usual[calm]))]
     else:
-        lift, top = rough_time[0], rough_time[-1]
+        lift, top = coarse_time[0], coarse_time[-1]
     first, last = np.searchsorted(time, (min(lift, top) - 30, top + 30))
     step = median_step(time[first:last]) if last - first > 2 else median_step(time)
     fine, coarse = max(1, int(1 / (_FINE_RATE * step))), max(1, int(1 / (_COARSE_RATE * step)))
     parts = [(slice(0, first), coarse), (slice(first, last), fine), (slice(last, None), coarse)]
-    thin = [_blocks(time[part], values[part], size) for part, size in parts]
-    return np.concatenate([one[0] for one in thin]), np.concatenate([one[1] for one in thin])
+    thinned = [_blocks(time[part], values[part], size) for part, size in parts]
+    return np.concatenate([one[0] for one in thinned]), np.concatenate([one[1] for one in thinned])
 
 
 def _blocks(time: Float[Array, "_"], values: Float[Array, "_"], size: int) -> tuple[Array, Array]:

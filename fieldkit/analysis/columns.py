@@ -24,9 +24,9 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     sd: dict[str, float] = {}
     source: dict[str, str] = {}
     for column in MEASURED:
-        said, figure = stated.get(column.name), recorded.figures.get(column.name)
-        if isinstance(said, float):
-            extra[column.stated_header] = column.render(said)
+        value, figure = stated.get(column.name), recorded.figures.get(column.name)
+        if isinstance(value, float):
+            extra[column.stated_header] = column.render(value)
             source[column.name] = "stated"
             if NO_FLIGHT in recorded.notes:
                 del fields[column.name], source[column.name]

@@ -18,14 +18,14 @@ _REACH = 3.0
 
 @dataclass(frozen=True, slots=True)
 class FigureDifference:
-    """The second figure minus the first, with the `sd` of both combined; `apart` is the difference divided by `sd`.
+    """The second figure minus the first, with the `sd` of both combined; `in_sd` is the difference divided by `sd`.
 
-    `apart` is None if neither has an uncertainty. [SI], [1]
+    `in_sd` is None if neither has an uncertainty. [SI], [1]
     """
 
     value: float
     sd: float
-    apart: float | None
+    in_sd: float | None
 
 
 @dataclass(frozen=True, slots=True)

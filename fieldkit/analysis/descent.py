@@ -38,10 +38,10 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     if time.size < 8:
         return None
     away = np.minimum(np.abs(felt - np.median(felt)), np.abs(felt - _before(time, felt)))
-    blow = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
-    if blow.size == 0:
+    shocks = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
+    if shocks.size == 0:
         return None
-    return Event(float(time[blow[0]]), float(np.hypot(median_step(time) / 2, _RISE)), push.source)
+    return Event(float(time[shocks[0]]), float(np.hypot(median_step(time) / 2, _RISE)), push.source)
 
 
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
@@ -52,14 +52,14 @@ def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float
 
 
 def ejection(
-    stated: Mapping[str, float], blow: Event | None, track: Heights, apogee: Event, landed: Event | None
+    stated: Mapping[str, float], shocks: Event | None, track: Heights, apogee: Event, landed: Event | None
 ) -> Event | None:
     """When the first charge fired: as the logger marked it, as it was felt, or when the fall was braked in the air."""
     for name in _CHARGES:
         if name in stated:
             return Event(float(stated[name]), 0.1, f"{name} event of the logger")
-    if blow and (landed is None or blow.time < landed.time - 3 * landed.sd):
-        return blow
+    if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
+        return shocks
     return _braked(track, apogee, landed.time - 1 if landed else np.inf)
 
 
@@ -82,12 +82,12 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     middle = even[width // 2 : -(width // 2)]
     after = middle > apogee.time
     fall, when = -speed[after], middle[after]
-    steady = float(np.median(fall[-len(fall) // 3 :]))
+    steady_speed = float(np.median(fall[-len(fall) // 3 :]))
     fastest = int(np.argmax(fall))
     blur = 3 * track.noise / (width * (even[1] - even[0]))
     late = when[fastest] - apogee.time
     if (
-        fall[fastest] < 1.5 * steady + max(2.0, blur)
+        fall[fastest] < 1.5 * steady_speed + max(2.0, blur)
         or fall[fastest] < 0.55 * GRAVITY * late
         or fastest > 0.8 * fall.size
     ):
@@ -106,17 +106,17 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     even = np.arange(apogee, time[-1], max(0.25, (time[-1] - apogee) / 2000))
     smooth = np.interp(even, time[fall], calm[fall])
-    reach = max(1, round(2.0 / (even[1] - even[0]))) if even.size > 2 else 1
-    if even.size < 4 * reach:
+    half_width = max(1, round(2.0 / (even[1] - even[0]))) if even.size > 2 else 1
+    if even.size < 4 * half_width:
         return None, None
-    speed = (smooth[:-reach] - smooth[reach:]) / (reach * (even[1] - even[0]))
+    speed = (smooth[:-half_width] - smooth[half_width:]) / (half_width * (even[1] - even[0]))
     typical = float(np.median(speed[speed > max(0.5, 0.1 * np.quantile(speed, 0.9))])) if (speed > 0.5).any() else 0.0
     going = np.flatnonzero(
-        speed > max(0.12 * typical, min(0.5 * typical, max(1.0, _restless(track, seen, reach, even))))
+        speed > max(0.12 * typical, min(0.5 * typical, max(1.0, _speed_noise(track, seen, half_width, even))))
     )
     if typical < 0.5 or going.size == 0:
         return None, None
-    about = float(even[min(_last_fall(going, speed, typical) + reach, even.size - 1)])
+    about = float(even[min(_last_fall(going, speed, typical) + half_width, even.size - 1)])
     rest = (time > about + 0.5) & (time < about + 8)
     if rest.sum() < 4 or time[-1] - about < 2.0:
         return None, None
@@ -141,14 +141,14 @@ def _last_fall(going: Int[Integers, "_"], speed: Float[Array, "_"], typical: flo
     return int((falls or stretches)[-1][-1])
 
 
-def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:
+def _speed_noise(track: Heights, seen: Outline, half_width: int, even: Float[Array, "time"]) -> float:
     """Apparent rate of change of heights when nothing moves, from wind and noise: three standard deviations. [m/s]"""
     step = even[1] - even[0]
     pad = np.arange(max(track.time[0], even[0] - 60), seen.lift - 1, step) if seen.lift is not None else even[:0]
-    if pad.size < 4 * reach:
+    if pad.size < 4 * half_width:
         return 1.5 * track.noise
     smooth = np.interp(pad, track.time, seen.calm)
-    return 3 * mad_sd((smooth[reach:] - smooth[:-reach]) / (reach * step))
+    return 3 * mad_sd((smooth[half_width:] - smooth[:-half_width]) / (half_width * step))
 
 
 def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[float, float]:

@@ -57,7 +57,7 @@ def _steps(track: Heights) -> Flags:
     place = 0
     while place < len(jumps):
         begin, size = jumps[place]
-        back = next((n for n in range(place + 1, len(jumps)) if _takes_back(track, jumps[place], jumps[n])), None)
+        back = next((n for n in range(place + 1, len(jumps)) if _cancels(track, jumps[place], jumps[n])), None)
         if back is not None:
             wrong[begin + 1 : jumps[back][0] + 1] = True
             place = back + 1
@@ -68,7 +68,7 @@ def _steps(track: Heights) -> Flags:
     return wrong
 
 
-def _takes_back(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
+def _cancels(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
     """Whether a later step reverses an earlier one. Disturbances by shocks in a fast climb do not count."""
     before, after = there[0], back[0] + 1
     lasts = track.time[after] - track.time[before]

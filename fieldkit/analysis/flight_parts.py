@@ -74,14 +74,14 @@ class _FlightPart:
 def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     """Results from a fitted ascent and the descent after it."""
     begin = lift.time if lift else float(log.ascent.time[0])
-    hole = silence(log.track, log.seen)
-    unseen = unseen_apogee(log.track, log.seen, log.ascent, hole) if hole else None
+    gap = silence(log.track, log.seen)
+    unseen = unseen_apogee(log.track, log.seen, log.ascent, gap) if gap else None
     notes: tuple[str, ...] = ()
-    if hole and accelerates(log.ascent, hole[0]):
-        return _lost_in_boost(log, lift, hole)
-    if unseen and hole:
+    if gap and accelerates(log.ascent, gap[0]):
+        return _lost_in_boost(log, lift, gap)
+    if unseen and gap:
         apogee: tuple[Event, Figure] | None = unseen[:2]
-        notes = (UNSEEN_TOP_NOTE.format(hole[1] - hole[0], *unseen[2]),)
+        notes = (UNSEEN_TOP_NOTE.format(gap[1] - gap[0], *unseen[2]),)
     else:
         apogee = apogee_of(log.ascent, log.seen, log.track) if log.seen.down or falls(log.ascent) else None
     end = apogee[0].time if apogee else float(log.ascent.time[-1])
@@ -89,7 +89,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     burnt = boost.events.get("burnout")
     burnout = burnt.time if burnt else begin
     top = _top(log, lift, burnt, apogee)
-    down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _FlightPart()
+    down = _down(log, apogee[0], lift, burnout, gap[1] if unseen and gap else None) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
     coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
@@ -112,12 +112,12 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     )
 
 
-def _lost_in_boost(log: FittedLog, lift: Event | None, hole: tuple[float, float]) -> Recorded:
+def _lost_in_boost(log: FittedLog, lift: Event | None, gap: tuple[float, float]) -> Recorded:
     """Results from a log with a gap from the boost to the descent: without a coast, nothing bounds the apogee.
 
     The time of apogee is anywhere in the gap, with equal probability.
     """
-    begin, end = hole
+    begin, end = gap
     apogee = Event((begin + end) / 2, (end - begin) / float(np.sqrt(12)), log.track.source)
     down = _down(log, apogee, lift, begin, end)
     known, unknown = known_well({name: one for name, one in down.figures.items() if np.isfinite(one.sd)})
@@ -169,13 +169,15 @@ def _top(log: FittedLog, lift: Event | None, burnout: Event | None, apogee: tupl
     return _FlightPart({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
 
 
-def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _FlightPart:
-    """Results from the descent; `heard` is when samples resume if the top fell in a gap. [s]"""
+def _down(
+    log: FittedLog, apogee: Event, lift: Event | None, burnout: float, resumed: float | None = None
+) -> _FlightPart:
+    """Results from the descent; `resumed` is when samples resume if the top fell in a gap. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
     if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:
-        sinks = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
-        landed = replace(landed, sd=float(np.hypot(landed.sd, drift_of_receiver(track, seen) / sinks)))
+        sink_rate = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
+        landed = replace(landed, sd=float(np.hypot(landed.sd, drift_of_receiver(track, seen) / sink_rate)))
     ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
     events: dict[str, Event] = {}
     figures: dict[str, Figure] = {}
@@ -188,8 +190,8 @@ def _down(log: FittedLog, apogee: Event, lift: Event | None, burnout: float, hea
     if landed and lift:
         figures["duration"] = _between(lift, landed, track.source)
     begin = ejected or replace(apogee, sd=2.0)
-    if heard is not None and begin.time < heard:
-        begin = Event(heard, 0.1 if ejected else begin.sd, track.source)
+    if resumed is not None and begin.time < resumed:
+        begin = Event(resumed, 0.1 if ejected else begin.sd, track.source)
     speed = descent_speed(track, seen, begin, landed, level, known=ejected is not None or begin.time > apogee.time)
     if speed:
         figures["descent_speed"] = speed

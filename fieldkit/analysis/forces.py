@@ -130,14 +130,14 @@ def boost_event(
             ),
         )
     else:
-        pressed, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
-        share = _LATEST_DISTURBED if pressed and disturbed else _BURN_TIME_ERROR
-        late = float(np.linalg.norm([late, 0.03 + share * (time[place] - begin), ascent.burnout_sd]))
-        blurred = _moved_by_pressure(ascent, inside) if pressed else 0.0
+        is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
+        fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
+        late = float(np.linalg.norm([late, 0.03 + fraction * (time[place] - begin), ascent.burnout_sd]))
+        blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
         static = (
-            pressed
+            is_barometric
             * min(
                 (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * brakes / GRAVITY,
                 _MAX_SPEED_ERROR,
@@ -157,6 +157,6 @@ def _moved_by_pressure(ascent: Ascent, inside: Flags) -> float:
     Heights that are low by k v²/2g show the speed v (1 - k a/g). A sudden burnout stays where it is, but thrust that
     fades crosses zero net acceleration slowly, and the apparent crossing moves by up to k v/g.
     """
-    time, speed, tilt = ascent.time[inside], ascent.speed[inside], ascent.acceleration[inside] / GRAVITY
-    usual, *moved = (time[int(np.argmax(speed * (1 + k * tilt)))] for k in (0.0, -STATIC_SD, STATIC_SD))
+    time, speed, acceleration = ascent.time[inside], ascent.speed[inside], ascent.acceleration[inside] / GRAVITY
+    usual, *moved = (time[int(np.argmax(speed * (1 + k * acceleration)))] for k in (0.0, -STATIC_SD, STATIC_SD))
     return float(np.sqrt(np.mean((np.array(moved) - usual) ** 2)))

@@ -72,10 +72,10 @@ def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
     climb."""
     if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
-    sooner = _lift_by_climb(corner, track, seen)
-    if sooner is None or sooner >= corner.time:
+    earlier = _lift_by_climb(corner, track, seen)
+    if earlier is None or earlier >= corner.time:
         return corner
-    return replace(corner, sd=float(np.hypot(corner.sd, corner.time - sooner)))
+    return replace(corner, sd=float(np.hypot(corner.sd, corner.time - earlier)))
 
 
 def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
@@ -98,7 +98,7 @@ def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None
     climb = _Climb(time, height, _errors(time, free, corner, seen, track.noise), seen.fastest)
     top = int(np.argmax(free.height))
     start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
-    starts = [start - sooner * np.eye(6)[4] for sooner in _START_OFFSETS]
+    starts = [start - offset * np.eye(6)[4] for offset in _START_OFFSETS]
     found = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in starts]
     costs = [float(np.sqrt(1 + climb.misfit(values) ** 2).sum()) for values in found]
     return float(found[int(np.argmin(costs))][4])

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.liftoff import sooner
+from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well
 from fieldkit.analysis.records import Event, Figure, Recorded
@@ -43,11 +43,11 @@ NO_LAG = Lag(0.0, 1.0)
 
 def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag]:
     """The lags that heights may have if only they show the boost; near the speed of sound shocks hide them."""
-    if lift is None or not track.pressed or seen.transonic:
+    if lift is None or not track.is_barometric or seen.transonic:
         return [replace(NO_LAG, lift=lift)]
     edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
     prior = np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
-    lifts = sooner(lift, track, seen, _LAGS)
+    lifts = earlier_liftoffs(lift, track, seen, _LAGS)
     return [Lag(*one) for one in zip(_LAGS, prior.tolist(), lifts, strict=True)]
 
 
@@ -66,11 +66,11 @@ def averaged(every: Sequence[Recorded], weights: Sequence[float]) -> Recorded:
 def _mean(every: Sequence[Figure | None], weights: Sequence[float]) -> Figure:
     """Mean and standard deviation of a mixture of figures; those that lack it do not count."""
     known = [(one, weight) for one, weight in zip(every, weights, strict=True) if one is not None and weight > 0]
-    share = np.array([weight for _, weight in known]) / sum(weight for _, weight in known)
+    probability = np.array([weight for _, weight in known]) / sum(weight for _, weight in known)
     value, sd = (np.array([getattr(one, part) for one, _ in known]) for part in ("value", "sd"))
-    mean = float(share @ value)
+    mean = float(probability @ value)
     source = max(known, key=lambda pair: pair[1])[0].source
-    return Figure(mean, float(np.sqrt(share @ (sd**2 + (value - mean) ** 2))), source)
+    return Figure(mean, float(np.sqrt(probability @ (sd**2 + (value - mean) ** 2))), source)
 
 
 def _moment(every: Sequence[Event | None], weights: Sequence[float]) -> Event:

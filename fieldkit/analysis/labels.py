@@ -28,18 +28,18 @@ def sensor_of(source: str) -> str:
     return "+".join(dict.fromkeys(sensor for word, sensor in _SENSORS.items() if word in source)) or "device"
 
 
-def edge_header(name: str) -> str:
+def column_header(name: str) -> str:
     """Column name of a figure with its unit, such as `apogee_m`."""
     return BY_NAME[name].header if name in BY_NAME else f"{name}_s"
 
 
-def at_the_edge(name: str, value: float) -> float:
+def in_column_unit(name: str, value: float) -> float:
     """An SI value, or a difference of two, in the unit of its column; no unit here has an offset."""
     column = BY_NAME.get(name)
     return value if column is None else units.unit(column.quantity, column.unit).from_si(value)
 
 
-def spoken(name: str, value: float, sd: float, system: str = "SI") -> str:
+def figure_text(name: str, value: float, sd: float, system: str = "SI") -> str:
     """A figure [SI] as text in the units of a system: `553.7 ± 0.7 m`."""
     column = BY_NAME.get(name)
     unit = unit_of(column, system) if column else "s"

@@ -30,10 +30,10 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     corner = _by_rise(track, seen)
     if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
         return None
-    return checked_by_climb(corner, track, seen) if corner is not None and track.pressed else corner
+    return checked_by_climb(corner, track, seen) if corner is not None and track.is_barometric else corner
 
 
-def sooner(lift: Event, track: Heights, seen: Outline, lags: Sequence[float]) -> list[Event]:
+def earlier_liftoffs(lift: Event, track: Heights, seen: Outline, lags: Sequence[float]) -> list[Event]:
     """A lift-off from heights, corrected for each of some lags by which they may be late. [s]"""
     if lift.source != track.source:
         return [lift] * len(lags)
@@ -69,9 +69,9 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
     if crossing.size == 0:
         return None
     first = crossing[_sustained(crossing, felt, bar)]
-    share = (bar - felt[first]) / (felt[first + 1] - felt[first])
+    fraction = (bar - felt[first]) / (felt[first + 1] - felt[first])
     return Event(
-        float(time[first] + share * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
+        float(time[first] + fraction * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
     )
 
 
@@ -83,7 +83,7 @@ def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float
     return len(crossing) - 1
 
 
-def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, pace: float = _STEP) -> Event | None:
+def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, spacing: float = _STEP) -> Event | None:
     """The corner at which a flat pad becomes a rise with acceleration and jerk, by least squares.
 
     A log that begins low in the boost is extrapolated back to the pad's level if the logger recorded it.
@@ -101,7 +101,9 @@ def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, pace: float = _STE
     time, height = track.time[near], track.height[near] - seen.pad
     if time.size < 5 or (not known and height[0] > rise):
         return None
-    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), pace)
+    corners = np.arange(
+        about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), spacing
+    )
     misfit = _misfits(time, height, corners, known, lag)
     sigma = max(np.sqrt(misfit.min() / max(time.size - 4, 1)), track.noise)
     weight = np.exp(-0.5 * (misfit - misfit.min()) / sigma**2)
@@ -111,8 +113,8 @@ def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, pace: float = _STE
     if not known and (mean < time[0] - 1.2 or sd > 0.4):
         return None
     early = max(0.0, float(track.time[0]) - mean) / 2
-    seldom = track.time[(track.time >= about) & (track.time <= until)]
-    blind = max(step, hole_at(track.time, mean), np.diff(seldom).max(initial=0.0)) / 4
+    near_times = track.time[(track.time >= about) & (track.time <= until)]
+    blind = max(step, hole_at(track.time, mean), np.diff(near_times).max(initial=0.0)) / 4
     return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2)), track.source)
 
 

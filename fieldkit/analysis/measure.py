@@ -14,13 +14,21 @@ from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
 from fieldkit.analysis.height_lag import averaged, possible_lags
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
-from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
-from fieldkit.analysis.notes import CLIPPED_NOTE, DISBELIEVED, ENDS_IN_BOOST, FILLED_NOTE, LEANED, NO_FLIGHT, NO_HEIGHT
+from fieldkit.analysis.notes import (
+    CLIPPED_NOTE,
+    ENDS_IN_BOOST,
+    FILLED_NOTE,
+    NO_FLIGHT,
+    NO_HEIGHT,
+    REJECTED_NOTE,
+    SLANTED_NOTE,
+)
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import sightings
+from fieldkit.analysis.slanted_flight import SlantedFlight, slanted_flight
 from fieldkit.analysis.unseen_top import silence
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -69,22 +77,22 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     push = pushes(clocks, start - 15, seen.top + 20)
     full = at_its_end(push, start, seen.fastest) if push is not None else None
     trust = _trusted(push, full, track, seen)
-    felt = trust.push or trust.blows
-    leaning = trust.leaning
+    felt = trust.push or trust.clock_only
+    slanted = trust.slanted
     track, seen = _sooner(trust.lag, track, seen)
-    if leaning is not None:
-        track, seen = _without(~leaning.agrees(track, seen.pad), track, seen)
+    if slanted is not None:
+        track, seen = _without(~slanted.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, felt, seen)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(felt, seen.fastest, seen.top)
-    shape = leaning.upward if leaning is not None else trust.push
+    shape = slanted.upward if slanted is not None else trust.push
     sighted = sightings(clocks, track, seen)
     moments = (lift.time if lift else None, blow.time if blow else None, stated.get("apogee"))
     lags = possible_lags(track, seen, lift)
     ascents = _ascents(track, shape, seen, *moments, sighted, lags)
     if ascents and ascents[0].ascent.fused and _misses_the_top(ascents[0].ascent, seen, track):
-        trust, felt = _Trust(None, notes=(DISBELIEVED.format("and the heights are of different climbs"),)), None
+        trust, felt = _Trust(None, notes=(REJECTED_NOTE.format("is from a different climb than the heights"),)), None
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
     if not ascents:
         return Recorded(notes=(NO_FLIGHT,))
@@ -124,10 +132,10 @@ class _Trust:
     """
 
     push: Push | None
-    leaning: LeaningFlight | None = None
+    slanted: SlantedFlight | None = None
     lag: float = 0.0
     notes: tuple[str, ...] = ()
-    blows: Push | None = None
+    clock_only: Push | None = None
 
 
 def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> _Trust:
@@ -136,20 +144,20 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     A saturated accelerometer is used except for the samples in `full`.
     """
     if push is not None and _ends_in_boost(push, seen):
-        return _Trust(None, notes=(ENDS_IN_BOOST,), blows=push)
+        return _Trust(None, notes=(ENDS_IN_BOOST,), clock_only=push)
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
     if push is None or rise is None:
         return _Trust(push)
     found = agreement(track, push, seen, rise)
-    if found is None or found.believed:
+    if found is None or found.is_consistent:
         lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
         return _Trust(replace(push, scale=found.scale) if found is not None else push, lag=lag)
-    leaning = None if found.derived else leaning_flight(track, push, seen, rise)
-    if leaning is not None:
-        return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
-    return _Trust(None, notes=(DISBELIEVED.format(found.why),))
+    slanted = None if found.derived else slanted_flight(track, push, seen, rise)
+    if slanted is not None:
+        return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))
+    return _Trust(None, notes=(REJECTED_NOTE.format(found.why),))
 
 
 def _ends_in_boost(push: Push, seen: Outline) -> bool:
@@ -160,8 +168,8 @@ def _ends_in_boost(push: Push, seen: Outline) -> bool:
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     """An accelerometer with the saturated samples filled in, if the rest of it agrees with the heights."""
-    if found is None or not found.believed or abs(found.late) > _MAX_FILLED_DELAY + found.step:
-        return _Trust(None, notes=(CLIPPED_NOTE,), blows=None if found and found.is_off else push)
+    if found is None or not found.is_consistent or abs(found.late) > _MAX_FILLED_DELAY + found.step:
+        return _Trust(None, notes=(CLIPPED_NOTE,), clock_only=None if found and found.is_off else push)
     felt = push.felt + np.where(full, found.missed, 0.0)
     lasts = float(full.sum()) * median_step(push.time)
     note = FILLED_NOTE.format(lasts, found.missed / GRAVITY)

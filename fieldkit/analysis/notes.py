@@ -16,6 +16,6 @@ FILLED_NOTE = (
     "the missing {:.1f} g on average are filled in from the heights"
 )
 ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
-DISBELIEVED = "the acceleration {}: it is not used; the boost is measured from heights only"
-LEANED = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
+REJECTED_NOTE = "the acceleration {}: it is not used; the boost is measured from heights only"
+SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
 NO_LANDING = "the log ends before landing: no duration"

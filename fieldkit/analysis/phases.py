@@ -140,8 +140,8 @@ def _drift(track: Heights, lift: float) -> float:
         return 0.0
     steps = np.diff([np.median(part) for part in np.array_split(height, _PARTS)])
     sure = abs(steps.sum()) > 4 * track.noise / np.sqrt(height.size / _PARTS)
-    steady = bool((np.sign(steps) == np.sign(steps[0])).all())
-    return float(np.median(np.abs(steps)) / (np.ptp(time) / _PARTS)) if sure and steady else 0.0
+    is_monotonic = bool((np.sign(steps) == np.sign(steps[0])).all())
+    return float(np.median(np.abs(steps)) / (np.ptp(time) / _PARTS)) if sure and is_monotonic else 0.0
 
 
 def _own_zero(track: Heights) -> float:

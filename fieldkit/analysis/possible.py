@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import hypot
 
-from fieldkit.analysis.labels import at_the_edge, spoken
+from fieldkit.analysis.labels import figure_text, in_column_unit
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
@@ -101,7 +101,7 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
     return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
 
 
-def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
+def widened_by_contradictions(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
     """The measurements, with larger errors if the device states a different apogee or top speed, and a note about it.
 
     Device and samples measure the same figure. If they differ by more than the samples' own error and more than device
@@ -109,14 +109,13 @@ def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
     """
     figures, notes = dict(recorded.figures), []
     for name, usual in _STATED_TOLERANCE.items():
-        said, figure = stated.get(name), figures.get(name)
-        if not isinstance(said, float) or figure is None:
+        device_value, figure = stated.get(name), figures.get(name)
+        if not isinstance(device_value, float) or figure is None:
             continue
-        apart = abs(said - figure.value)
-        if apart > max(_CONTRADICTION_SDS * figure.sd, usual * figure.value):
-            figures[name] = replace(figure, sd=hypot(figure.sd, apart / 2))
-            by_device = f"{at_the_edge(name, said):.4g}"
-            notes.append(
-                f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {spoken(name, figure.value, 0)}"
-            )
+        difference = abs(device_value - figure.value)
+        if difference > max(_CONTRADICTION_SDS * figure.sd, usual * figure.value):
+            figures[name] = replace(figure, sd=hypot(figure.sd, difference / 2))
+            by_device = f"{in_column_unit(name, device_value):.4g}"
+            by_samples = figure_text(name, figure.value, 0)
+            notes.append(f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {by_samples}")
     return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded

@@ -94,9 +94,9 @@ class FittedCurve:
 
         `error` is one that the samples may have in common. [m]
         """
-        wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening) + samples.hidden
+        variances = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening) + samples.hidden
         height, late = samples.above(guess, lag), lags(samples.grid, marks, lag)
-        return replace(self, curve=fit(samples.splines, height, 1 / self.variance, wander, late, error))
+        return replace(self, curve=fit(samples.splines, height, 1 / self.variance, variances, late, error))
 
     def evidence(self, samples: Samples, guess: Guess, marks: Marks, lag: float, static: float) -> float:
         """Log evidence of another guess and another lag of the samples [s], with the same settings; -inf if none fits.
@@ -125,17 +125,17 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: floa
     settings, weight = model.centre, np.ones(samples.time.size)
     for tries in (45, 30, 20):
         for _ in range(4):
-            left = model.left(settings, weight) / np.sqrt(model.variance(settings))
-            weight = (_STUDENT + 1) / (_STUDENT + left**2)
+            residual = model.residual(settings, weight) / np.sqrt(model.variance(settings))
+            weight = (_STUDENT + 1) / (_STUDENT + residual**2)
         settings = model.searched(settings, weight, tries)
-    left = model.left(settings, weight)
+    residual = model.residual(settings, weight)
     own = samples.is_own
-    lag1 = lag_one(left[(weight > 0.5) & ~model.early & own])
-    share = np.where(own, (1 - lag1) / (1 + lag1), 1.0)
+    lag1 = lag_one(residual[(weight > 0.5) & ~model.early & own])
+    independent = np.where(own, (1 - lag1) / (1 + lag1), 1.0)
     return FittedCurve(
-        model.curve(settings, share * weight),
-        max(float(np.exp(settings[2])), mad_sd(left[~model.early & own])),
-        model.variance(settings) / weight / share,
+        model.curve(settings, independent * weight),
+        max(float(np.exp(settings[2])), mad_sd(residual[~model.early & own])),
+        model.variance(settings) / weight / independent,
         float(np.exp(settings[0])),
         float(np.exp(settings[1])),
         model.opening,
@@ -163,18 +163,22 @@ class _Model:
 
     def variance(self, settings: Float[Array, "four"]) -> Float[Array, "time"]:
         """Variance of each sample. [m^2]"""
-        noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
-        own = np.exp(2 * settings[2]) * noisier + self.known
+        inflation = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
+        own = np.exp(2 * settings[2]) * inflation + self.known
         return np.where(self.samples.is_own, own, self.samples.variance)
 
     def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the residuals."""
-        wander = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
+        variances = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
         return fit(
-            self.samples.splines, self.rest, weight / self.variance(settings), wander + self.samples.hidden, self.late
+            self.samples.splines,
+            self.rest,
+            weight / self.variance(settings),
+            variances + self.samples.hidden,
+            self.late,
         )
 
-    def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
+    def residual(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
         """Residuals after the curve. [m]"""
         return self.rest - apply(self.samples.splines.rows, self.curve(settings, weight).mean)
 

@@ -48,9 +48,9 @@ def typical_line(x: Float[Array, "_"], y: Float[Array, "_"]) -> tuple[float, flo
     """Slope and intercept of a line robust to outliers: the median slope of all pairs (Theil-Sen estimator; Sen,
     Journal of the American Statistical Association 63, 1968), through the medians."""
     first, second = np.triu_indices(x.size, 1)
-    apart = x[second] - x[first]
-    told = apart != 0
-    slope = float(np.median((y[second] - y[first])[told] / apart[told]))
+    separation = x[second] - x[first]
+    distinct = separation != 0
+    slope = float(np.median((y[second] - y[first])[distinct] / separation[distinct]))
     return slope, float(np.median(y) - slope * np.median(x))
 
 

@@ -64,7 +64,7 @@ class _Receiver:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Alike:
+class _Alignment:
     """Alignment of a receiver's heights with the barometer.
 
     Cost, scale [1] and zero [m]; the fraction of the dynamic pressure by which the airframe's pressure is too high,
@@ -80,7 +80,7 @@ class _Alike:
     time: Float[Array, "sample"]
     climbs: Float[Array, "sample"]
     quiet: Flags
-    left: Float[Array, "compared"]
+    residual: Float[Array, "compared"]
 
 
 def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sightings | None:
@@ -90,18 +90,20 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
         return None
     pad = _pad(receiver, seen)
     height = receiver.height - pad
-    every = [_tried(track, seen, receiver.time - late, height, late) for late in _DELAYS]
+    every = [_aligned(track, seen, receiver.time - late, height, late) for late in _DELAYS]
     found = min(every, key=lambda one: one.cost)
-    time, left = found.time, found.left
-    if left.size < MIN_SAMPLES:
+    time, residual = found.time, found.residual
+    if residual.size < MIN_SAMPLES:
         return None
-    sd = max(float(np.sqrt(np.mean(np.clip(left, -4 * mad_sd(left), 4 * mad_sd(left)) ** 2))), track.noise)
+    sd = max(float(np.sqrt(np.mean(np.clip(residual, -4 * mad_sd(residual), 4 * mad_sd(residual)) ** 2))), track.noise)
     if abs(found.scale - 1) > _MAX_SCALE or sd > _MAX_SD:
         return None
     climbs = found.climbs
     pushed = np.where((time > _begin(seen)) & (time < seen.fastest + 0.5), _UNDER_THRUST, 1.0)
-    static, delay_sd = _known_over_delays(every, found)
-    heights_sd = np.hypot(_apart(left) * sd * pushed, np.hypot(_DELAY_SD, delay_sd) * np.abs(climbs) * pushed)
+    static, delay_sd = _static_error_over_delays(every, found)
+    heights_sd = np.hypot(
+        _correlation_factor(residual) * sd * pushed, np.hypot(_DELAY_SD, delay_sd) * np.abs(climbs) * pushed
+    )
     parts = [(time, found.scale * height + found.zero, 0, heights_sd**2)]
     speeds = _speeds(receiver, found, pushed)
     if speeds is not None:
@@ -116,12 +118,12 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
     )
 
 
-def _known_over_delays(every: Sequence[_Alike], best: _Alike) -> tuple[float, float]:
+def _static_error_over_delays(every: Sequence[_Alignment], best: _Alignment) -> tuple[float, float]:
     """The fraction of the dynamic pressure by which the airframe's pressure is off [1], 0 if the delay could explain
     the observations, and the standard deviation of the delay [s]."""
     fitted = [(delay, one) for delay, one in zip(_DELAYS, every, strict=True) if np.isfinite(one.cost)]
     costs = np.array([one.cost for _, one in fitted])
-    weight = np.exp(-(costs - best.cost) / _apart(best.left) ** 2)
+    weight = np.exp(-(costs - best.cost) / _correlation_factor(best.residual) ** 2)
     weight /= weight.sum()
     delays, static = np.array([delay for delay, _ in fitted]), np.array([one.static for _, one in fitted])
     mean = float(weight @ static)
@@ -141,9 +143,9 @@ def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
         there &= np.concatenate(([True], np.diff(series.time) > 0))
         speed = series.gps_speed if series.gps_speed is not None else np.full(height.size, np.nan)
         time, height, speed = series.time[there], height[there], speed[there]
-        fresh = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # no repeated fix
-        if fresh.sum() >= MIN_SAMPLES:
-            return _Receiver(time[fresh], height[fresh], speed[fresh])
+        is_new = np.concatenate(([True], (np.diff(height) != 0) | (np.diff(time) > _MAX_HOLE)))  # no repeated fix
+        if is_new.sum() >= MIN_SAMPLES:
+            return _Receiver(time[is_new], height[is_new], speed[is_new])
     return None
 
 
@@ -170,15 +172,15 @@ def _barometer(
 def _is_quiet(track: Heights, seen: Outline, time: Float[Array, "sample"], climbs: Float[Array, "sample"]) -> Flags:
     """Samples at which a barometer is trusted: within its log, slow enough, not in a gap, and not under thrust."""
     place = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
-    heard = track.time[place] - track.time[place - 1] < max(_MAX_HOLE, 3 * median_step(track.time))
+    has_samples = track.time[place] - track.time[place - 1] < max(_MAX_HOLE, 3 * median_step(track.time))
     inside = (time > track.time[0]) & (time < track.time[-1])
     pushed = (time > _begin(seen) - 0.5) & (time < seen.fastest + 1)
-    return np.asarray(heard & inside & ~pushed & (np.abs(climbs) < _QUIET * SPEED_OF_SOUND))
+    return np.asarray(has_samples & inside & ~pushed & (np.abs(climbs) < _QUIET * SPEED_OF_SOUND))
 
 
-def _tried(
+def _aligned(
     track: Heights, seen: Outline, time: Float[Array, "sample"], height: Float[Array, "sample"], late: float
-) -> _Alike:
+) -> _Alignment:
     """Scale and zero that map a receiver's heights to the barometer's for a given delay, fitted robustly.
 
     The airframe's pressure error, a fraction of the dynamic pressure that shifts heights by v²/2g, is fitted too.
@@ -186,39 +188,41 @@ def _tried(
     calm, climbs = _barometer(track, seen, time)
     quiet = _is_quiet(track, seen, time, climbs)
     rows = np.stack([height, np.ones(time.size), climbs * np.abs(climbs) / (2 * GRAVITY)], axis=1)[quiet]
-    wanted = (calm - height)[quiet]
-    if wanted.size < MIN_SAMPLES:
-        return _Alike(np.inf, 1.0, 0.0, 0.0, np.inf, time, climbs, quiet, wanted)
-    noise, weight = max(mad_sd(np.diff(wanted, 2)) / np.sqrt(6), track.noise, _LEAST_NOISE), np.ones(wanted.size)
+    target = (calm - height)[quiet]
+    if target.size < MIN_SAMPLES:
+        return _Alignment(np.inf, 1.0, 0.0, 0.0, np.inf, time, climbs, quiet, target)
+    noise, weight = max(mad_sd(np.diff(target, 2)) / np.sqrt(6), track.noise, _LEAST_NOISE), np.ones(target.size)
     prior = np.diag(1 / np.array(_PRIOR) ** 2)
     for _ in range(_ROUNDS):
         counted = rows.T * weight
-        values = np.linalg.solve(counted @ rows / noise**2 + prior, counted @ wanted / noise**2)
-        left = np.asarray(wanted - rows @ values)
-        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2)
-    cost = (_STUDENT_DOF + 1) / 2 * np.log1p((left / noise) ** 2 / _STUDENT_DOF).sum() + (late / _DELAY) ** 2 / 2
-    spread = np.linalg.inv(counted @ rows / (noise * _apart(left)) ** 2 + prior)[2, 2]
+        values = np.linalg.solve(counted @ rows / noise**2 + prior, counted @ target / noise**2)
+        residual = np.asarray(target - rows @ values)
+        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (residual / noise) ** 2)
+    cost = (_STUDENT_DOF + 1) / 2 * np.log1p((residual / noise) ** 2 / _STUDENT_DOF).sum() + (late / _DELAY) ** 2 / 2
+    spread = np.linalg.inv(counted @ rows / (noise * _correlation_factor(residual)) ** 2 + prior)[2, 2]
     scale, zero, static = 1 + float(values[0]), float(values[1]), -float(values[2])
-    return _Alike(float(cost), scale, zero, static, float(np.sqrt(spread)), time, climbs, quiet, left)
+    return _Alignment(float(cost), scale, zero, static, float(np.sqrt(spread)), time, climbs, quiet, residual)
 
 
-def _apart(left: Float[Array, "sample"]) -> float:
+def _correlation_factor(residual: Float[Array, "sample"]) -> float:
     """Factor by which the standard deviation of a sample grows because its neighbors' errors are correlated. [1]"""
-    correlation = lag_one(left)
+    correlation = lag_one(residual)
     return float(np.sqrt((1 + correlation) / (1 - correlation)))
 
 
-def _speeds(receiver: _Receiver, found: _Alike, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:
+def _speeds(receiver: _Receiver, found: _Alignment, pushed: Float[Array, "sample"]) -> Float[Array, "sample"] | None:
     """Variance of the receiver's own vertical speeds; None if it has none or they do not match this flight.
     [m^2/s^2]"""
     both = found.quiet & np.isfinite(receiver.speed)
     if both.sum() < MIN_SAMPLES:
         return None
-    left = (found.climbs - found.scale * receiver.speed)[both]
-    sd = max(float(np.sqrt(np.mean(np.clip(left, -4 * mad_sd(left), 4 * mad_sd(left)) ** 2))), 0.3)
+    residual = (found.climbs - found.scale * receiver.speed)[both]
+    sd = max(float(np.sqrt(np.mean(np.clip(residual, -4 * mad_sd(residual), 4 * mad_sd(residual)) ** 2))), 0.3)
     if sd > _MAX_SPEED_SD:
         return None
-    return np.asarray((np.hypot(_apart(left) * sd, _SPEED_SCALE_SD * np.abs(found.climbs)) * pushed) ** 2)
+    return np.asarray(
+        (np.hypot(_correlation_factor(residual) * sd, _SPEED_SCALE_SD * np.abs(found.climbs)) * pushed) ** 2
+    )
 
 
 def sighted_speed(
@@ -235,15 +239,15 @@ def sighted_speed(
         return 0.0, static, 0.0
     top = float(ascent.time[int(np.argmax(ascent.height))])
     near = (sighted.time > fastest) & (sighted.time < fastest + _FAST_COAST * (top - fastest))
-    told, weight = 0.0, static**-2
+    weighted_sum, weight = 0.0, static**-2
     for order, curve in enumerate((ascent.height, ascent.speed)):
         those = near & (sighted.order == order)
         if those.sum() < _MIN_FAST:
             continue
-        left = sighted.value[those] - np.interp(sighted.time[those], ascent.time, curve)
+        residual = sighted.value[those] - np.interp(sighted.time[those], ascent.time, curve)
         counts = 1 / sighted.variance[those]
         since = sighted.time[those] - counts @ sighted.time[those] / counts.sum()
         leverage = since if order == 0 else np.ones(since.size)
-        told += float((counts * leverage) @ left)
+        weighted_sum += float((counts * leverage) @ residual)
         weight += float(counts @ leverage**2)
-    return told / weight, weight**-0.5, 1 - static**-2 / weight
+    return weighted_sum / weight, weight**-0.5, 1 - static**-2 / weight

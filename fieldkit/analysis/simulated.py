@@ -34,15 +34,15 @@ def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded
         return Recorded(notes=(NO_FLIGHT,))
     speed = _channel(series, "speed", there)
     speed = np.gradient(height, _rising(time)) if speed is None else speed
-    pull = _channel(series, "acceleration", there)
-    pull = np.gradient(speed, _rising(time)) if pull is None else pull
+    acceleration = _channel(series, "acceleration", there)
+    acceleration = np.gradient(speed, _rising(time)) if acceleration is None else acceleration
     moments = {"apogee": float(time[np.argmax(height)]), **stated}
     moments.setdefault("liftoff", _first(time, speed > _MOVING))
     moments.setdefault("burnout", _burnout(series, there, time, speed, moments["apogee"]))
     events = {name: Event(when, _step(time, when), SOURCE) for name, when in moments.items()}
-    figures = _figures(time, height, speed, pull, events)
+    figures = _figures(time, height, speed, acceleration, events)
     climbs = (time >= moments["liftoff"]) & (time <= moments["apogee"])
-    climb = _climb(time[climbs], height[climbs], speed[climbs], pull[climbs], moments["burnout"])
+    climb = _climb(time[climbs], height[climbs], speed[climbs], acceleration[climbs], moments["burnout"])
     return Recorded(events, figures, climb, track=HeightTrack(time, height, SOURCE))
 
 
@@ -85,7 +85,7 @@ def _figures(
     time: Float[Array, "time"],
     height: Float[Array, "time"],
     speed: Float[Array, "time"],
-    pull: Float[Array, "time"],
+    acceleration: Float[Array, "time"],
     events: Mapping[str, Event],
 ) -> dict[str, Figure]:
     """The readouts for which there is an event."""
@@ -98,7 +98,7 @@ def _figures(
     if burn.value > 0 and burns.any():
         mean = top / burn.value
         figures["avg_accel"] = Figure(mean, mean * burn.sd / burn.value, SOURCE)
-        figures["peak_accel"] = Figure(float(pull[burns].max()), 0.0, SOURCE)
+        figures["peak_accel"] = Figure(float(acceleration[burns].max()), 0.0, SOURCE)
     figures |= {"time_to_apogee": _between(liftoff, apogee), "coast_to_apogee": _between(burnout, apogee)}
     if ejected := events.get("ejection"):
         at = float(np.interp(ejected.time, time, height))
@@ -121,11 +121,11 @@ def _climb(
     time: Float[Array, "time"],
     height: Float[Array, "time"],
     speed: Float[Array, "time"],
-    pull: Float[Array, "time"],
+    acceleration: Float[Array, "time"],
     burnout: float,
 ) -> MeasuredClimb | None:
     """The simulated climb; None if it has too few rows."""
     if time.size < MIN_SAMPLES:
         return None
     none = np.zeros(time.size)
-    return MeasuredClimb(time, height, speed, none, pull, none, time <= burnout, SOURCE)
+    return MeasuredClimb(time, height, speed, none, acceleration, none, time <= burnout, SOURCE)

@@ -150,7 +150,7 @@ def _windows() -> Float[Array, "part band first"]:
     still, change = np.array((0, *_THIRD), float), np.array(_FOURTH, float)
     mixed = np.outer(still, change)
     every = (np.outer(still, still), mixed + mixed.T, np.outer(change, change))
-    return np.array([[np.pad(np.diag(one, apart), (0, apart)) for apart in range(still.size)] for one in every])
+    return np.array([[np.pad(np.diag(one, offset), (0, offset)) for offset in range(still.size)] for one in every])
 
 
 _WINDOWS = _windows()

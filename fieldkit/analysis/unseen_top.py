@@ -55,13 +55,13 @@ def accelerates(ascent: Ascent, moment: float) -> bool:
 
 
 def unseen_apogee(
-    track: Heights, seen: Outline, ascent: Ascent, hole: tuple[float, float]
+    track: Heights, seen: Outline, ascent: Ascent, gap: tuple[float, float]
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
     """Apogee in a gap, and the heights that it lies between [m]; None if the rocket had reached its top before.
 
     The figure assumes a coast with the last measured drag; its standard deviation covers both bounds.
     """
-    begin, end = hole
+    begin, end = gap
     until = ascent.time <= begin
     burnout = ascent.time[int(np.argmax(np.where(until, ascent.speed, -np.inf)))]
     before = until & (ascent.time > max(begin - _DRAG_WINDOW, min(burnout, begin - _THRUST_WINDOW)))

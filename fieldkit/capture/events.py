@@ -68,7 +68,7 @@ class Progress:
     """Samples, or lines of samples, received intact. [1]"""
     damaged: int = 0
     """Pieces received damaged: a wrong checksum, a torn line, noise. [1]"""
-    share: float | None = None
+    fraction: float | None = None
     """Fraction received, if the total is known. [1]"""
     sample: Sample | None = None
 

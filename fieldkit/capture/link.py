@@ -46,7 +46,7 @@ class Link:
     damaged: int = 0
     open_ended: bool = False
     """Whether only the user knows when the capture is over; stopping it then loses nothing."""
-    share: float | None = None
+    fraction: float | None = None
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)
     heard: int = 0
@@ -67,7 +67,7 @@ class Link:
 
     def progress(self) -> Progress:
         """Progress of the capture."""
-        return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
+        return Progress(self.heard, self.samples, self.damaged, self.fraction, self.sample)
 
     def hear(self) -> Dialogue[bytes]:
         """The bytes that have arrived, possibly none. Raises Stopped, PortLost."""

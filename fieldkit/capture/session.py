@@ -204,7 +204,7 @@ def _reopened(
 
 def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until the bytes can come from only one protocol, and continue with it. Raises PortTrouble."""
-    yield Instruction("listening for a unit that sends unprompted; if yours must be asked, name it with --device")
+    yield Instruction("listening for a unit that sends unprompted; name one that only answers commands with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
     heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0

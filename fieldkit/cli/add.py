@@ -98,16 +98,16 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     from fieldkit.importing.manual_entry import LIFT_OFF_MASS
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
-    person = sys.stdin.isatty()
-    conversation = Conversation(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
-    _take_up(conversation, ledger.draft(DRAFT), resume=resume)
-    conversation.units |= (ledger.draft(UNITS) or {}) if person else {}
+    interactive = sys.stdin.isatty()
+    conversation = Conversation(ledger, _ask_in_terminal if interactive else _read_from_pipe, interactive, MotorCheck())
+    _resume_draft(conversation, ledger.draft(DRAFT), resume=resume)
+    conversation.units |= (ledger.draft(UNITS) or {}) if interactive else {}
     before = dict(conversation.units)
     finished = converse(conversation)
-    if person and conversation.units != before:
+    if interactive and conversation.units != before:
         ledger.keep_draft(UNITS, conversation.units)
-    if not finished and person:
-        complain("saved as a draft; run `fieldkit add` to continue it")
+    if not finished and interactive:
+        complain("Saved as a draft; run `fieldkit add` to continue it")
         raise typer.Exit(1)
     flight = with_offers(ledger, conversation.flight, set(conversation.answers))
     if typed := conversation.answers.get(LIFT_OFF_MASS.name):  # in the draft of the app
@@ -115,15 +115,15 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     return flight, DRAFT if conversation.keeps else None
 
 
-def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
+def _resume_draft(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
     """Continue a draft if the user wants to; without a terminal it is continued only on request."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)
     if resume:
         conversation.answers |= draft
-    elif conversation.patient:
-        answer = conversation.listen(f"A flight is unfinished ({named}). Continue it? [Y/n]: ")
+    elif conversation.interactive:
+        answer = conversation.read_answer(f"A flight is unfinished ({named}). Continue it? [Y/n]: ")
         if answer is None:
             raise typer.Exit(1)
         if not answer.strip().lower().startswith("n"):
@@ -133,7 +133,7 @@ def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resu
         conversation.keeps = False
 
 
-def _listen_to_person(prompt: str) -> str | None:
+def _ask_in_terminal(prompt: str) -> str | None:
     import contextlib
 
     with contextlib.suppress(ImportError):
@@ -146,7 +146,7 @@ def _listen_to_person(prompt: str) -> str | None:
         return None
 
 
-def _listen_to_pipe(_prompt: str) -> str | None:
+def _read_from_pipe(_prompt: str) -> str | None:
     import sys
 
     return sys.stdin.readline() or None
@@ -158,7 +158,7 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
-        complain("duplicate: it is already in the ledger")
+        complain("Duplicate: it is already in the ledger")
         return
     try:
         _print(ledger, flight, added.new[0])

@@ -31,7 +31,7 @@ def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", h
         ]
         print_table(("no.", "made", "flights", "changes", "size"), rows, numbers=["no.", "flights", "changes", "size"])
     else:
-        complain(f"no backups of {file} yet; the first is made before the first change of the day")
+        complain(f"No backups of {file} yet; the first is made before the first change of the day")
 
 
 @backups.command()
@@ -55,9 +55,9 @@ def restore(
             err=True,
         )
     left = restore(file, chosen)
-    say(f"restored the ledger of {when}, with {_content(chosen)}")
+    say(f"Restored the ledger of {when}, with {_content(chosen)}")
     if left:
-        complain(f"the previous ledger is saved as {left}")
+        complain(f"The previous ledger is saved as {left}")
 
 
 def _flights(backup: "Backup") -> str:

@@ -75,9 +75,9 @@ def capture(
     with _interrupt() as stop, View() as view:
         hertz = None if frequency is None else frequency * 1e6
         choose = _chooser(flight or (), view.pause, asks=sys.stdin.isatty() and not json)
-        wishes = CaptureOptions(choose, live, hertz, baud, wait, silence, seconds, reconnect)
-        end = _followed(_events(where or (), device, resume, wishes, stop), view.show)
-    _tell(end)
+        options = CaptureOptions(choose, live, hertz, baud, wait, silence, seconds, reconnect)
+        end = _followed(_events(where or (), device, resume, options, stop), view.show)
+    _print_end(end)
     empty = not end.bytes or (end.whole and not end.samples and not resume)
     receipt = None if empty else _received(context, end, import_, defaults, json)
     if json:
@@ -94,7 +94,7 @@ def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "En
 
 
 def _events(
-    where: Sequence[str], device: str | None, resume: bool, wishes: "CaptureOptions", stop: Callable[[], bool]
+    where: Sequence[str], device: str | None, resume: bool, options: "CaptureOptions", stop: Callable[[], bool]
 ) -> "Iterator[Event]":
     """The events of the requested capture. Raises PortTrouble, CaptureTrouble; otherwise wrong usage."""
     from fieldkit import capture
@@ -103,13 +103,13 @@ def _events(
     if not resume:
         if len(where) > 1:
             raise typer.BadParameter(f"found {len(where)} ports, expected one")
-        return capture.capture(_port(where, device), device, folder=capture_folder(), wishes=wishes, stop=stop)
+        return capture.capture(_port(where, device), device, folder=capture_folder(), wishes=options, stop=stop)
     files = [file for text in where if (file := _capture_of(text)) is not None]
     names = [text for text in where if _capture_of(text) is None]
     if len(files) > 1 or len(names) > 1:
         raise typer.BadParameter(f"found {' '.join(where)!r}, expected one capture and one port at most")
     file = files[0] if files else _unfinished()
-    return capture.resume(file, _port(names, device) if names else None, device, wishes=wishes, stop=stop)
+    return capture.resume(file, _port(names, device) if names else None, device, wishes=options, stop=stop)
 
 
 def _capture_of(text: str) -> Path | None:
@@ -158,21 +158,21 @@ def _chooser(
     def choose(flights: "Sequence[Stored]") -> Sequence[int]:
         from fieldkit.errors import BadValue
 
-        there = [flight.number for flight in flights]
+        numbers_found = [flight.number for flight in flights]
         if wanted:
-            if missing := set(wanted) - set(there):
+            if missing := set(wanted) - set(numbers_found):
                 raise BadValue(
-                    f"found no flight {min(missing)} in memory, expected one of {', '.join(map(str, there))}"
+                    f"found no flight {min(missing)} in memory, expected one of {', '.join(map(str, numbers_found))}"
                 )
             return wanted
         if not asks or len(flights) == 1:
-            return there
+            return numbers_found
         pause()
         for flight in flights:
             complain(f"  {flight.number:3d}  {flight.about}")
         typed = typer.prompt("Which flights, by number? Enter for all", default="", show_default=False, err=True)
         numbers = map(whole_number, typed.replace(",", " ").split())
-        return [number for number in numbers if number is not None] or there
+        return [number for number in numbers if number is not None] or numbers_found
 
     return choose
 
@@ -200,12 +200,12 @@ def _interrupt() -> "Iterator[Callable[[], bool]]":
         signal.signal(signal.SIGINT, before)
 
 
-def _tell(end: "Ended") -> None:
+def _print_end(end: "Ended") -> None:
     """Print how a capture ended and, if it is incomplete, how to continue."""
     kept = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')} in {end.file}"
     complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing received")
     if not end.whole and end.bytes:
-        complain(f"incomplete; run `fieldkit capture --resume {end.file.name}` to continue")
+        complain(f"Incomplete; run `fieldkit capture --resume {end.file.name}` to continue")
 
 
 def _received(
@@ -218,7 +218,7 @@ def _received(
     if wanted is None and end.whole and sys.stdin.isatty() and not json:
         wanted = typer.confirm("Import it now?", default=True, err=True)
     if not (end.whole if wanted is None else wanted):
-        complain(f"not imported; run `fieldkit import {end.file}` to import it")
+        complain(f"Not imported; run `fieldkit import {end.file}` to import it")
         return None
     with open_ledger(context) as ledger:
         check = MotorCheck()

@@ -51,7 +51,7 @@ def compare(
 
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     """A table of figures, a column per recording, with their differences."""
-    from fieldkit.analysis.labels import TITLES, spoken
+    from fieldkit.analysis.labels import TITLES, figure_text
     from fieldkit.quantities import ShownUnits
 
     chosen = system()
@@ -60,9 +60,15 @@ def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     for name, title in TITLES.items():
         figures = [recording.recorded.figures.get(name) for recording in found]
         if any(figures):
-            apart = [comparison.differences.get(name) for comparison in compared]
-            cells = [spoken(name, figure.value, figure.sd, chosen) if figure else "" for figure in figures]
-            rows.append((title, *cells, *(_apart(name, one.value, one.apart, chosen) if one else "" for one in apart)))
+            differences = [comparison.differences.get(name) for comparison in compared]
+            cells = [figure_text(name, figure.value, figure.sd, chosen) if figure else "" for figure in figures]
+            rows.append(
+                (
+                    title,
+                    *cells,
+                    *(_difference_text(name, one.value, one.in_sd, chosen) if one else "" for one in differences),
+                )
+            )
     print_table(headers, rows)
     for recording, comparison in zip(found[1:], compared, strict=True):
         if comparison.rms is not None and comparison.shift is not None:
@@ -74,16 +80,16 @@ def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
             say(f"{recording.name}: no samples to compare with those of {found[0].name}")
 
 
-def _apart(name: str, value: float, apart: float | None, system: str) -> str:
-    from fieldkit.analysis.labels import spoken
+def _difference_text(name: str, value: float, in_sd: float | None, system: str) -> str:
+    from fieldkit.analysis.labels import figure_text
 
     sign = "+" if value >= 0 else ""
-    return sign + spoken(name, value, 0.0, system) + (f", {abs(apart):.1f} sd" if apart is not None else "")
+    return sign + figure_text(name, value, 0.0, system) + (f", {abs(in_sd):.1f} sd" if in_sd is not None else "")
 
 
 def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[str, object]:
     """Recordings and comparisons as JSON, in the units of the flight table."""
-    from fieldkit.analysis.labels import at_the_edge, edge_header
+    from fieldkit.analysis.labels import column_header, in_column_unit
 
     return {
         "recordings": [{"name": one.name, "kind": one.kind} | document(one) for one in found],
@@ -95,10 +101,10 @@ def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[st
                 "rms_height_m": comparison.rms,
                 "ascent_s": comparison.seconds,
                 "differences": {
-                    edge_header(name): {
-                        "difference": at_the_edge(name, one.value),
-                        "sd": at_the_edge(name, one.sd),
-                        "in_sd": one.apart,
+                    column_header(name): {
+                        "difference": in_column_unit(name, one.value),
+                        "sd": in_column_unit(name, one.sd),
+                        "in_sd": one.in_sd,
                     }
                     for name, one in comparison.differences.items()
                 },
@@ -110,19 +116,19 @@ def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[st
 
 def document(recording: "Recording") -> dict[str, object]:
     """What was measured in a recording as JSON, in the units of the flight table."""
-    from fieldkit.analysis.labels import at_the_edge, edge_header
+    from fieldkit.analysis.labels import column_header, in_column_unit
 
     recorded = recording.recorded
     return {
         "figures": {
-            edge_header(name): {
-                "value": at_the_edge(name, one.value),
-                "sd": at_the_edge(name, one.sd),
+            column_header(name): {
+                "value": in_column_unit(name, one.value),
+                "sd": in_column_unit(name, one.sd),
                 "source": one.source,
             }
             for name, one in recorded.figures.items()
         },
-        "stated": {edge_header(name): at_the_edge(name, value) for name, value in recording.stated.items()},
+        "stated": {column_header(name): in_column_unit(name, value) for name, value in recording.stated.items()},
         "events": {
             name: {"time_s": one.time, "sd_s": one.sd, "source": one.source} for name, one in recorded.events.items()
         },

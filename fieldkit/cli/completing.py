@@ -48,8 +48,8 @@ def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     sold = (
         with_delay(motor.designation, delay) for motor in motors.motors for delay in motor.delays if isfinite(delay)
     )
-    fitting = sorted({name for name in sold if name.startswith(incomplete)})
-    return list(dict.fromkeys([*_flown(context, "motor", incomplete), *fitting]))[:MAX_MOTORS]
+    matching = sorted({name for name in sold if name.startswith(incomplete)})
+    return list(dict.fromkeys([*_flown(context, "motor", incomplete), *matching]))[:MAX_MOTORS]
 
 
 def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:

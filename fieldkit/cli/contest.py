@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.motors import Found
     from fieldkit.planning.contest import Outlook, Season
-    from fieldkit.planning.finals import Together
+    from fieldkit.planning.finals import FinalsRow
 
 app = typer.Typer()
 
@@ -75,18 +75,18 @@ def finals(
         lines = strictest(
             *([*plan.safety(one, area), *allowed(rule, one.plan, found, approved=approved)] for one, area in ends)
         )
-        said = ends[-1][0]
+        prediction = ends[-1][0]
     chosen = system()
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
     if card is not None:
         below = [*filter(None, [finals_failures(lines)]), *notes]
         files.write(card, finals_card(heading, rows, card.suffix.lower(), below, chosen), force=force)
-        complain(f"{card}: the card")
+        complain(f"Wrote the card to {card}")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
-        document |= {"flights": said.rests_on, "timed_flights": flown.fall.flights}
-        print_json(document | about_plan(said, lines))
+        document |= {"flights": prediction.rests_on, "timed_flights": flown.fall.flights}
+        print_json(document | about_plan(prediction, lines))
         return
     for line in heading:
         say_wrapped(line)
@@ -94,10 +94,10 @@ def finals(
     print_table(headers, rows, numbers=headers)
     for line in (*FINALS_NOTES, *notes, ENDS_NOTE):
         say_wrapped(line)
-    print_safety(said.plan, lines, plan.rocket.starts)
+    print_safety(prediction.plan, lines, plan.rocket.starts)
 
 
-def table_of(table: "Sequence[Together]", found: "Found") -> list[dict[str, Any]]:
+def table_of(table: "Sequence[FinalsRow]", found: "Found") -> list[dict[str, Any]]:
     """The rows of the table of finals, with the unit in the key."""
     from fieldkit.planning.quantiles import named
     from fieldkit.units import FOOT
@@ -152,13 +152,13 @@ def contest(
 
     if own:
         season = season_year(season)
-        complain(f"your own rule, in use from now on: {copy_season(season, data_file('seasons'))}")
+        complain(f"Copied the rule to {copy_season(season, data_file('seasons'))}; it is used from now on")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     announced = length("--target", target), read_window(window) if window else None
-    if (reefed := _share(reef, 0.0)) >= 1:
+    if (reefed := _fraction(reef, 0.0)) >= 1:
         raise typer.BadParameter(f"found --reef {reef}, expected less than 100%: that leaves no parachute")
-    area = _share(parachute, 1.0) * (1 - reefed)
+    area = _fraction(parachute, 1.0) * (1 - reefed)
     ahead, lines = None, []
     with planning(context, given) as plan:
         last = None if plan.flight.motor else plan.ledger.latest(plan.flight.rocket)
@@ -167,10 +167,10 @@ def contest(
         scored = score(rule, plan.ledger.flights(plan.flight.rocket))
         if plan.flight.motor:
             ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
-            said = ahead.forecast
+            prediction = ahead.forecast
             approved = approved_motors(rule.year, data_file("seasons"))
-            lines = plan.safety(said, area) + allowed(
-                rule, said.plan, said.found, length("--rocket-length", rocket_length, "mm"), approved
+            lines = plan.safety(prediction, area) + allowed(
+                rule, prediction.plan, prediction.found, length("--rocket-length", rocket_length, "mm"), approved
             )
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
@@ -214,16 +214,16 @@ def _flown(flight: "Flight") -> str:
     return f"{whole_feet(flight.apogee or 0.0):.0f} ft, {lasted}"
 
 
-def _share(text: str | None, default: float) -> float:
+def _fraction(text: str | None, default: float) -> float:
     """A fraction typed as `85%` or `0.85`. Raises BadValue, BadParameter."""
     from fieldkit.units import parse
 
     if text is None:
         return default
-    share = parse(text, "fraction", "fraction")
-    if not 0 <= share < 10 or (share == 0 and default):
+    fraction = parse(text, "fraction", "fraction")
+    if not 0 <= fraction < 10 or (fraction == 0 and default):
         raise typer.BadParameter(f"found {text!r}, expected a percentage such as 85%")
-    return share
+    return fraction
 
 
 def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[str, Any]:
@@ -245,17 +245,17 @@ def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[
 def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, object]:
     from fieldkit.planning.quantiles import named, three
 
-    said = ahead.forecast
+    prediction = ahead.forecast
     return {
-        "motor": said.found.motor.designation,
-        "apogee_m": named(three(said.apogee)),
-        "true_apogee_m": named(three(said.true_apogee)),
+        "motor": prediction.found.motor.designation,
+        "apogee_m": named(three(prediction.apogee)),
+        "true_apogee_m": named(three(prediction.true_apogee)),
         "duration_s": named(three(ahead.duration.ravel())),
         "points": {"mean": float(ahead.points.mean()), **named(three(ahead.points.ravel()))},
         "score": {"mean": float(rule.sums(ahead.points).mean()), **named(three(rule.sums(ahead.points)))},
         "timed": ahead.fall.flights > 0,
         "timed_flights": ahead.fall.flights,
         "parachute": {"area": area, "best_area": ahead.area, "points_there": ahead.points_there},
-        "flights": said.rests_on,
-        "model": said.model,
+        "flights": prediction.rests_on,
+        "model": prediction.model,
     }

@@ -60,7 +60,7 @@ def daysheet(
         planned = [planned_flight(one.rocket, one.flight, one.motor(), one.site, one.limits) for one in plans]
     heading = title or f"Day sheet, {datetime.date.today().isoformat()}"
     files.write(out, day_sheet(heading, plans[0].site, planned, out.suffix.lower(), system()), force=force)
-    complain(f"{out}: the day sheet of {counted(len(planned), 'flight')}")
+    complain(f"Wrote the day sheet of {counted(len(planned), 'flight')} to {out}")
 
 
 takes_plan(daysheet)

@@ -136,13 +136,13 @@ def _plan(
     return plan
 
 
-def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
+def _print_one(prediction: "Prediction", printed_before: "Sequence[str]") -> None:
     """Print a forecast, and the flights left out of it that were not reported yet."""
     from fieldkit.presentation.forecast_text import in_words
     from fieldkit.quantities import in_system
 
     for line in prediction.left_out:
-        if line not in said:
+        if line not in printed_before:
             complain(in_system(line, system()))
     for line in in_words(prediction, system()):
         say(line)

@@ -56,12 +56,12 @@ def print_guide(
     if json:
         _print_json(plan, wanted, target, choices, [motor.designation for motor in weak], advice)
         return
-    fitting = [choice for choice in choices if choice.fits]
-    shown = fitting or choices
+    motors_that_fit = [choice for choice in choices if choice.fits]
+    shown = motors_that_fit or choices
     _print(plan, wanted, shown, names, len(choices), every=every)
     _print_checks(shown, names, every=every)
-    if fitting:
-        _print_apart([choice for choice in choices if not choice.fits], names)
+    if motors_that_fit:
+        _print_excluded([choice for choice in choices if not choice.fits], names)
     else:
         say("  every one of these motors is excluded by a check")
     if advice is not None:
@@ -135,10 +135,10 @@ def _print_json(
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
 
-    said = choices[0].prediction
+    prediction = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
-    document |= {"flights": said.rests_on, "model": said.model, "decides": ADVICE_NOTE}
-    document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
+    document |= {"flights": prediction.rests_on, "model": prediction.model, "decides": ADVICE_NOTE}
+    document |= {"conditions": conditions(prediction.plan), "air": air_of(prediction.plan).json()}
     document |= {} if advice is None else {"contest": advice.json()}
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
@@ -149,9 +149,9 @@ def _print(
     from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK
     from fieldkit.presentation.forecast_text import rests_in_words
 
-    said, flight = choices[0].prediction, plan.flight
+    prediction, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
-    say(f"{name}, {ShownUnits(system()).mass(said.plan.dry_mass or 0.0)} without the motor")
+    say(f"{name}, {ShownUnits(system()).mass(prediction.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
     say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
@@ -171,8 +171,8 @@ def _print(
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
         )
-    say_wrapped(f"based on {rests_in_words(said)}")
-    print_conditions(said.plan, plan.rocket.starts)
+    say_wrapped(f"based on {rests_in_words(prediction)}")
+    print_conditions(prediction.plan, plan.rocket.starts)
     say()
     _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
 
@@ -187,15 +187,15 @@ def _print_checks(choices: "list[MotorChoice]", names: Names, *, every: bool) ->
                 if line.verdict != "ok":
                     say_wrapped(f"  {names[choice.motor]}: {line.words(system())}", "    ")
         return
-    concerned: "dict[tuple[Verdict, str], list[str]]" = {}
+    motors_by_check: "dict[tuple[Verdict, str], list[str]]" = {}
     for choice in choices:
         for line in choice.lines:
-            concerned.setdefault((line.verdict, line.name), []).append(names[choice.motor])
+            motors_by_check.setdefault((line.verdict, line.name), []).append(names[choice.motor])
     everywhere = [
-        name for (verdict, name), motors in concerned.items() if verdict == "unknown" and _all(motors, choices)
+        name for (verdict, name), motors in motors_by_check.items() if verdict == "unknown" and _all(motors, choices)
     ]
     for verdict in reversed(SEVERITY[1:]):
-        for (of, check), motors in concerned.items():
+        for (of, check), motors in motors_by_check.items():
             if of == verdict and check not in everywhere:
                 named = _in_short(motors, [names[one.motor] for one in choices])
                 say_wrapped(f"  {MARKS[verdict]} {check}: {verdict}: {named}", "    ")
@@ -216,10 +216,10 @@ def _in_short(motors: list[str], every: list[str]) -> str:
     return f"all but {', '.join(others)}" if len(others) < len(motors) else ", ".join(motors)
 
 
-def _print_apart(apart: "list[MotorChoice]", names: Names) -> None:
+def _print_excluded(excluded_motors: "list[MotorChoice]", names: Names) -> None:
     """Print a line for each reason that excludes motors, with these motors."""
     reasons: dict[str, list[str]] = {}
-    for choice in apart:
+    for choice in excluded_motors:
         for line in choice.why_not:
             reasons.setdefault(line.name, []).append(names[choice.motor])
     for reason, excluded in reasons.items():
@@ -247,19 +247,19 @@ def _table(choices: "list[MotorChoice]", names: Names, most: int) -> None:
     headers = ("motor", "shown", "90%", "true", "rail", "T/W", "avg", "top", "✗", "eject")
     rows = []
     for choice in choices:
-        said = choice.prediction
-        low, middle, high = three(said.apogee)
+        prediction = choice.prediction
+        low, middle, high = three(prediction.apogee)
         failed = len(choice.failed)
         rows.append(
             (
                 f"{names[choice.motor]}{'' if choice.flown else ' *'}",
                 shown.length(middle).split()[0],
                 "-".join(shown.length(end).split()[0] for end in (low, high)),
-                shown.length(three(said.true_apogee)[1]).split()[0],
-                shown.speed(three(said.rail_speed)[1], 0).split()[0],
+                shown.length(three(prediction.true_apogee)[1]).split()[0],
+                shown.speed(three(prediction.rail_speed)[1], 0).split()[0],
                 f"{choice.first_thrust:.1f}",
                 f"{choice.average_thrust:.1f}",
-                shown.speed(three(said.top_speed)[1], 0).split()[0],
+                shown.speed(three(prediction.top_speed)[1], 0).split()[0],
                 str(failed or ""),
                 _ejections(choice, most),
             )

@@ -192,10 +192,10 @@ def _forecast_lines(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
     from fieldkit.cli.session import known_motors
     from fieldkit.services.saved_forecasts import by_flight, in_words, list_forecasts
 
-    said = by_flight(list_forecasts(ledger, known_motors()))
+    forecasts = by_flight(list_forecasts(ledger, known_motors()))
     flights = ledger.flights(ids=ids)
     for id, flight in zip(ledger.ids(flights), flights, strict=True):
-        if one := said.get((flight.rocket, flight.flight_id)):
+        if one := forecasts.get((flight.rocket, flight.flight_id)):
             yield f"{id}: {'; '.join(in_words(one, system()))}"
 
 

@@ -15,7 +15,7 @@ def undo(context: typer.Context) -> None:
     """Undo the last change; can be repeated."""
     with open_ledger(context) as ledger:
         change = ledger.undo()
-    say(f"undone: {change.command} {change.what}")
+    say(f"Undone: {change.command} {change.what}")
 
 
 @app.command()
@@ -23,7 +23,7 @@ def redo(context: typer.Context) -> None:
     """Redo the last change that was undone."""
     with open_ledger(context) as ledger:
         change = ledger.redo()
-    say(f"redone: {change.command} {change.what}")
+    say(f"Redone: {change.command} {change.what}")
 
 
 @app.command()
@@ -53,4 +53,4 @@ def history(
         ]
         print_table(("no.", "when", "command", "what", ""), rows, numbers=["no."])
     else:
-        complain(f"no changes in {name} yet")
+        complain(f"No changes in {name} yet")

@@ -35,7 +35,7 @@ def kits(
         raise typer.BadParameter("use --delete or figures, not both")
     if name is not None and delete:
         delete_kit(name)
-        complain(f"deleted {name}")
+        complain(f"Deleted the kit {name}")
         return
     if name is not None and changes:
         old = next((one for one in own_kits() if one.name.casefold() == name.casefold()), None)
@@ -50,7 +50,7 @@ def kits(
         print_json({"kits": documents})
         return
     if not known:
-        complain("no kits yet; `fieldkit kits NAME --dry-mass 80g --diameter 41.6mm --mount 18mm` saves one")
+        complain("No kits yet; `fieldkit kits NAME --dry-mass 80g --diameter 41.6mm --mount 18mm` saves one")
         return
     metric = unit_of(BY_NAME["diameter"], system()) == "mm"
     rows = [

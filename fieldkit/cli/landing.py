@@ -61,15 +61,15 @@ def landing(
         if kml is not None and plan.flight.wind is None:
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
         one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
-    said, found, down, lines = one.said, one.said.found, one.down, one.lines
-    words = list(landing_in_words(said, down, one.fall, one.rail, plan.site, system(), one.holds))
+    prediction, found, down, lines = one.prediction, one.prediction.found, one.down, one.lines
+    words = list(landing_in_words(prediction, down, one.fall, one.rail, plan.site, system(), one.holds))
     if kml is not None and place is not None:
-        name = f"{said.plan.rocket} on {motor_in_words(said.plan, found)}"
+        name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:
             complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
         content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from)
         files.write(kml, content, force=replaces[kml])
-        complain(f"{kml}: the landing ellipse")
+        complain(f"Wrote the landing ellipse to {kml}")
     if card is not None:
         from fieldkit.presentation.forecast_text import in_words
         from fieldkit.presentation.planning_text import conditions_in_words
@@ -77,18 +77,18 @@ def landing(
 
         more = [line for line in words[1:] if not line.startswith("  based on")]
         around = [
-            *conditions_in_words(said.plan, plan.rocket.starts, system()),
+            *conditions_in_words(prediction.plan, plan.rocket.starts, system()),
             *(f"  note      {one}" for one in found.notes),
         ]
-        name, *forecast = in_words(said, system())
-        told = [name, _day(said.plan), *forecast, *more, *around][:CARD_LINES]
-        files.write(card, range_card(told, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
-        complain(f"{card}: the range card")
+        name, *forecast = in_words(prediction, system())
+        text = [name, _day(prediction.plan), *forecast, *more, *around][:CARD_LINES]
+        files.write(card, range_card(text, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
+        complain(f"Wrote the range card to {card}")
     if json:
-        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation} | one.json()
-        print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(said, lines))
+        document: dict[str, Any] = {"rocket": prediction.plan.rocket, "motor": found.motor.designation} | one.json()
+        print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(prediction, lines))
         return
-    print_plan(words, said.plan, lines, plan.rocket.starts)
+    print_plan(words, prediction.plan, lines, plan.rocket.starts)
 
 
 def _day(plan: "Flight") -> str:
@@ -129,6 +129,6 @@ def track(
         if clock.latitude is not None and clock.longitude is not None:
             content = track_kml(f"flight {flight}", clock.latitude, clock.longitude, clock.gps_altitude_msl)
             files.write(out, content, force=force)
-            say(f"{out}: the track of flight {flight}")
+            say(f"Wrote the track of flight {flight} to {out}")
             return
     raise BadValue(f"{flight}: found no GPS positions, expected a flight with the log of a tracker")

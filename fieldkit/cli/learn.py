@@ -109,12 +109,12 @@ def learn(
     text = dumps(found.json(), indent=1, sort_keys=False)
     if out:
         write(out, (text + "\n").encode(), force=force)
-        complain(f"card written to {out}")
+        complain(f"Wrote the card to {out}")
     if keep:
         own = hyperprior_file()
         own.parent.mkdir(parents=True, exist_ok=True)
         replace_file(own, (text + "\n").encode())
-        complain(f"forecasts now start from it; delete {own} to go back")
+        complain(f"Forecasts now start from it; delete {own} to go back")
     if json:
         print_json(found.json())
     elif out is None:
@@ -162,8 +162,8 @@ def _row(name: str, sd: float) -> tuple[str, str, str]:
 
 
 def _scored(row: dict[str, float | str | int]) -> tuple[str, ...]:
-    shares = (row["median_share"], row["mean_share"], row["crps"])
-    percents = tuple(f"{100 * float(value):.1f}%" for value in shares)
+    fractions = (row["median_share"], row["mean_share"], row["crps"])
+    percents = tuple(f"{100 * float(value):.1f}%" for value in fractions)
     return (
         str(row["name"]),
         str(row["flights"]),

@@ -33,7 +33,7 @@ class View:
     highest: float = float("-inf")
     heights: deque[float] = field(default_factory=lambda: deque(maxlen=WIDTH))
     last: "Sample | None" = None
-    heard: float = 0.0
+    received_at: float = 0.0
     """When the last altitude arrived, on the monotonic clock. [s]"""
     _live: "Live | None" = None
 
@@ -81,7 +81,7 @@ class View:
 
     def _draw(self, progress: "Progress") -> None:
         if progress.sample is not None and progress.sample != self.last:
-            self.last, self.heard = progress.sample, time.monotonic()
+            self.last, self.received_at = progress.sample, time.monotonic()
             self.highest = max(self.highest, progress.sample.altitude)
             self.heights.append(progress.sample.altitude)
         if self._live is not None:
@@ -94,12 +94,12 @@ class View:
 
         from fieldkit.presentation.capture_text import counts
 
-        received = [*counts(progress), *([f"{progress.share:.0%}"] if progress.share is not None else [])]
+        received = [*counts(progress), *([f"{progress.fraction:.0%}"] if progress.fraction is not None else [])]
         lines = [f"{self.device or 'listening'} on {self.port}   {', '.join(received)}"]
         if progress.sample is not None:
             altitude = measured("apogee", progress.sample.altitude)
             lines.append(f"altitude {altitude}   highest {measured('apogee', self.highest)}")
-            lines.append(flight_line(progress.sample, time.monotonic() - self.heard))
+            lines.append(flight_line(progress.sample, time.monotonic() - self.received_at))
             lines.append(sparkline(self.heights))
         return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
 

@@ -64,14 +64,14 @@ def loop(
         force = settled(page, force)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
-        given, declined = (said.split("+") if said else [] for said in (effect, decline))
+        given, declined = (names.split("+") if names else [] for names in (effect, decline))
         with progress("searching for missing effects") as on_progress:
             found = close_loop.look(
                 ledger, known_motors(), name, on_progress, accept=not look, given=given, declined=declined
             )
     if page is not None:
         write_page(found, page, force=force, system=system())
-        complain(f"report written to {page}")
+        complain(f"Wrote the report to {page}")
     if json:
         print_json(loop_document(found))
         return

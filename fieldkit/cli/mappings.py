@@ -44,4 +44,4 @@ def mappings(
             [(str(number), *in_words(one)) for number, one in enumerate(known, start=1)],
         )
     else:
-        say("no saved mappings; `fieldkit import --map` saves one")
+        say("No saved mappings; `fieldkit import --map` saves one")

@@ -92,15 +92,15 @@ def motors(
     """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
     tasks = {"--fit": fit, "--compare": compare, "--corrections": corrections, "--import": import_, "--about": about}
     _check_one_task({**tasks, "a search": search})
-    guided: dict[str, object] = {
+    guide_options: dict[str, object] = {
         "--target": target,
         "--class": class_,
         "--mount": mount,
         "--adapter": adapter,
         "--season": season,
     }
-    guided |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
-    _check_needs_fit(fit, {**guided, "--shortlist": shortlist, "--all": every, **dashed(given)})
+    guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
+    _check_needs_fit(fit, {**guide_options, "--shortlist": shortlist, "--all": every, **dashed(given)})
     if shortlist_for is not None and (fit or compare or corrections or about):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one")
     if fit is not None:
@@ -256,8 +256,8 @@ def _about(json: bool) -> None:
         print_json(about)
         return
     for key, value in about.items():
-        said = "; ".join(_counted(*item) for item in value.items()) if isinstance(value, Mapping) else value
-        say(f"{ABOUT_TITLES.get(key, key.replace('_', ' '))}: {said}")
+        text = "; ".join(_counted(*item) for item in value.items()) if isinstance(value, Mapping) else value
+        say(f"{ABOUT_TITLES.get(key, key.replace('_', ' '))}: {text}")
 
 
 def _counted(what: str, value: object) -> str:

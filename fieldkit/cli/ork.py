@@ -48,7 +48,7 @@ def ork(
     for note in design.notes:
         complain(f"note: {note}")
     if not look:
-        complain(_done(start) if saved else "duplicate: it is already saved")
+        complain(_done(start) if saved else "Duplicate: it is already saved")
 
 
 def _lines(start: "Start", design: "Design") -> list[str]:

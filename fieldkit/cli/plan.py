@@ -34,14 +34,17 @@ def delay(
         takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
         left = tool.least_left if tool else 0.0
         judged = delays(plan.rocket, plan.flight, found, fast, takes_off, least_left=left)
-        said, lines = judged.forecast, plan.safety(judged.forecast)
+        prediction, lines = judged.forecast, plan.safety(judged.forecast)
     if json:
-        document = {"rocket": said.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}
-        document |= {"coast_s": dict(zip(("p05", "p50", "p95"), judged.coast, strict=True)), "flights": said.rests_on}
+        document = {"rocket": prediction.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}
+        document |= {
+            "coast_s": dict(zip(("p05", "p50", "p95"), judged.coast, strict=True)),
+            "flights": prediction.rests_on,
+        }
         document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
-        print_json(document | {"drill": tool.json() if tool else None} | about_plan(said, lines))
+        print_json(document | {"drill": tool.json() if tool else None} | about_plan(prediction, lines))
         return
-    print_plan(delays_in_words(judged, fast, tool, system()), said.plan, lines, plan.rocket.starts)
+    print_plan(delays_in_words(judged, fast, tool, system()), prediction.plan, lines, plan.rocket.starts)
 
 
 LONGEST_CUT = 10.0
@@ -103,15 +106,17 @@ def ballast(
     goal = Goal(wanted, band, "points" if rule else "error" if miss else "chance", rule)
     with planning(context, given) as plan:
         best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
-        said = best.forecast
+        prediction = best.forecast
         approved = approved_motors(rule.year, data_file("seasons")) if rule else None
-        lines = plan.safety(said) + (allowed(rule, said.plan, said.found, approved=approved) if rule else [])
+        lines = plan.safety(prediction) + (
+            allowed(rule, prediction.plan, prediction.found, approved=approved) if rule else []
+        )
     if json:
-        document = {"rocket": said.plan.rocket, "motor": said.found.motor.designation, "target_m": wanted}
-        document |= {"flights": said.rests_on, "model": said.model}
-        print_json(document | best.json() | about_plan(said, lines))
+        document = {"rocket": prediction.plan.rocket, "motor": prediction.found.motor.designation, "target_m": wanted}
+        document |= {"flights": prediction.rests_on, "model": prediction.model}
+        print_json(document | best.json() | about_plan(prediction, lines))
         return
-    print_plan(ballast_in_words(best, goal, system()), said.plan, lines, plan.rocket.starts)
+    print_plan(ballast_in_words(best, goal, system()), prediction.plan, lines, plan.rocket.starts)
 
 
 takes_plan(ballast)

@@ -58,13 +58,13 @@ class PlanContext:
             complain(f"note: {note}")
         return found
 
-    def safety(self, said: "Prediction", area: float = 1.0) -> "list[SafetyCheck]":
+    def safety(self, prediction: "Prediction", area: float = 1.0) -> "list[SafetyCheck]":
         """Every safety check of a forecast, with a fraction of the parachute's area. [1]"""
         from fieldkit.planning.descent_rate import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
-        return safety_lines(said, self.site, fall, self.limits)
+        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
+        return safety_lines(prediction, self.site, fall, self.limits)
 
 
 @contextmanager
@@ -193,7 +193,7 @@ def own_limits() -> "dict[str, Limit]":
 
 
 def safety_of(
-    ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given
+    ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
     """Every safety check of several forecasts."""
     from fieldkit.planning.descent_rate import fall_of
@@ -201,34 +201,34 @@ def safety_of(
     from fieldkit.services.forecasts import flown
 
     limits = own_limits()
-    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
-    sites = [field_of(ledger, one.plan, given) for one in said]
-    return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
+    sites = [field_of(ledger, one.plan, given) for one in predictions]
+    return [safety_lines(one, site, fall, limits) for one, site, fall in zip(predictions, sites, falls, strict=True)]
 
 
-def way_down(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]") -> list[dict[str, Any]]:
+def way_down(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]") -> list[dict[str, Any]]:
     """The JSON of the descent of forecasts: duration and landing, fitted to each rocket's flights."""
     from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.landing import landing
     from fieldkit.services.forecasts import flown
 
-    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in said]
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
     return [
         {"landing": landing(one, fall).json(), "timed_flights": fall.flights}
-        for one, fall in zip(said, falls, strict=True)
+        for one, fall in zip(predictions, falls, strict=True)
     ]
 
 
-def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
+def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """The JSON around a forecast: its conditions, the air, the safety checks and who decides."""
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
 
     return {
-        "conditions": conditions(said.plan),
-        "air": air_of(said.plan).json(),
+        "conditions": conditions(prediction.plan),
+        "air": air_of(prediction.plan).json(),
         "safety": [line.json() for line in lines],
         "decides": ADVICE_NOTE,
     }

@@ -38,7 +38,7 @@ def print_ports(json: bool) -> None:
     if rows:
         print_table(("port", "numbers", "identified as", "device"), rows)
     else:
-        say("no serial ports found; plug in the logger or its adapter")
+        say("No serial ports found; plug in the logger or its adapter")
     say()
     print_table(("device", "description"), [(name, one.title) for name, one in known_devices().items()])
     for name, text in NOT_PUBLIC.items():

@@ -39,7 +39,7 @@ def predictions(
         print_json({"predictions": [one.json() for one in shown]})
         return
     if not found:
-        complain(f"no forecasts saved in {where} yet; `fieldkit predict` saves one")
+        complain(f"No forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())
@@ -86,13 +86,13 @@ def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
     return of_flight(ledger, known_motors(), flight)
 
 
-def print_prediction(said: "SavedForecast | None") -> None:
+def print_prediction(forecast: "SavedForecast | None") -> None:
     """Print the forecast of a flight and its flown apogee, if there is a forecast."""
-    if said is None:
+    if forecast is None:
         return
     from fieldkit.services.saved_forecasts import in_words
 
-    first, *others = in_words(said, system())
+    first, *others = in_words(forecast, system())
     say_wrapped(f"Forecast    {first}", " " * 12)
     for line in others:
         say_wrapped(f"{'':12}{line}")

@@ -25,21 +25,21 @@ BACK = "<"
 WITH_MOTOR = "with motor"
 """The end of an answer that is a mass on the pad."""
 
-Listen = Callable[[str], str | None]
+ReadAnswer = Callable[[str], str | None]
 """Asks a question and returns the answer; None at the end of the input."""
 
 
 @dataclass(slots=True)
 class Conversation:
-    """A conversation: the answers so far, as typed and as a flight. `patient` means that a person answers.
+    """A conversation: the answers so far, as typed and as a flight. `interactive` means that a person answers.
 
     `units` are those typed last, by kind of column. They apply to later numbers only if a person answers, who sees
     them.
     """
 
     ledger: Ledger
-    listen: Listen
-    patient: bool
+    read_answer: ReadAnswer
+    interactive: bool
     motors: MotorCheck
     flight: Flight = field(default_factory=Flight)
     answers: dict[str, str] = field(default_factory=dict)
@@ -52,7 +52,7 @@ def converse(conversation: Conversation) -> bool:
     place = _caught_up(conversation)
     while place < len(QUESTIONS):
         question = QUESTIONS[place]
-        text = conversation.listen(_prompt(conversation, question))
+        text = conversation.read_answer(_prompt(conversation, question))
         if text is None:
             return False
         if text.strip() == BACK:
@@ -100,7 +100,7 @@ def _unit(conversation: Conversation, question: Question) -> str:
     column = question.column
     if column is None:
         return ""
-    return conversation.units.get(manual_entry.kind(column), column.unit) if conversation.patient else column.unit
+    return conversation.units.get(manual_entry.kind(column), column.unit) if conversation.interactive else column.unit
 
 
 def _answered(conversation: Conversation, question: Question, text: str) -> bool:
@@ -113,15 +113,19 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
             return False
-        odd = implausible_answers(
+        implausible = implausible_answers(
             conversation.flight,
             question.name,
             manual_entry.usual(conversation.ledger, conversation.flight),
             system(),
         )
-        for phrase in odd:
+        for phrase in implausible:
             complain(f"  unusual: {phrase}")
-        again = conversation.listen("  Enter to accept it, or type it again: ") if odd and conversation.patient else ""
+        again = (
+            conversation.read_answer("  Enter to accept it, or type it again: ")
+            if implausible and conversation.interactive
+            else ""
+        )
         if not again or not again.strip():
             break
         if again.strip() == BACK:

@@ -48,7 +48,7 @@ def flights(
             return
         pages = ledger.summaries(rocket, tag)
         if (first := next(pages, None)) is None:
-            complain(f"no matching flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
+            complain(f"No matching flights in {ledger.name}" if rocket or tag else f"No flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
             chosen = system()
@@ -75,18 +75,18 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
-        said = prediction_of(ledger, found)
+        forecast = prediction_of(ledger, found)
     if json:
         from fieldkit.cli.compare import document as measured
 
         print_json(
             document(found)
             | ({"recording": measured(recording)} if recording else {})
-            | ({"prediction": said.json()} if said else {})
+            | ({"prediction": forecast.json()} if forecast else {})
         )
         return
     print_card(found, id)
-    print_prediction(said)
+    print_prediction(forecast)
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):
@@ -120,7 +120,7 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
 
 def _print_events(recording: "Recording") -> None:
     """Print events on the log's clock, and the source of each figure."""
-    from fieldkit.analysis.labels import TITLES, spoken
+    from fieldkit.analysis.labels import TITLES, figure_text
 
     recorded = recording.recorded
     if recorded.events:
@@ -130,7 +130,9 @@ def _print_events(recording: "Recording") -> None:
     if recorded.figures:
         say()
         figures = [
-            (TITLES[n], spoken(n, f.value, f.sd, system()), f.source) for n in TITLES if (f := recorded.figures.get(n))
+            (TITLES[n], figure_text(n, f.value, f.sd, system()), f.source)
+            for n in TITLES
+            if (f := recorded.figures.get(n))
         ]
         print_table(("measured", "", "by"), figures)
     for note in recorded.notes:
@@ -155,7 +157,7 @@ def edit(
         before = ledger.flight(flight)
         after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
-    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"flight {id} unchanged")
+    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"Flight {id} unchanged")
 
 
 @app.command()

@@ -83,30 +83,30 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
     """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash if there is none."""
-    from fieldkit.analysis.labels import spoken
+    from fieldkit.analysis.labels import figure_text
     from fieldkit.cli.screen import system
 
-    return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0), system())
+    return "-" if value is None else figure_text(name, value, flight.sd.get(name, 0.0), system())
 
 
 def _document(
     found: "Sequence[Remeasured]", changed: int, without: int, errors: dict[str, str], dry_run: bool
 ) -> dict[str, object]:
-    from fieldkit.analysis.labels import edge_header
+    from fieldkit.analysis.labels import column_header
 
     return {
         "flights": [
             {
                 "flight": one.id,
                 "changes": {
-                    edge_header(name): {
-                        "there": _at_the_edge(name, old, one.flight),
-                        "now": _at_the_edge(name, new, one.renewed),
+                    column_header(name): {
+                        "there": _in_column_unit(name, old, one.flight),
+                        "now": _in_column_unit(name, new, one.renewed),
                     }
                     for name, (old, new) in one.changes.items()
                 },
                 "others": list(one.others),
-                "kept": [edge_header(name) for name in one.kept],
+                "kept": [column_header(name) for name in one.kept],
             }
             for one in found
         ],
@@ -117,11 +117,11 @@ def _document(
     }
 
 
-def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
+def _in_column_unit(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
     """A readout and its standard deviation in the unit of the flight table, None if there is none."""
-    from fieldkit.analysis.labels import at_the_edge
+    from fieldkit.analysis.labels import in_column_unit
 
     if value is None:
         return None
     sd = flight.sd.get(name)
-    return {"value": at_the_edge(name, value), "sd": None if sd is None else at_the_edge(name, sd)}
+    return {"value": in_column_unit(name, value), "sd": None if sd is None else in_column_unit(name, sd)}

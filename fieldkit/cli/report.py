@@ -34,4 +34,4 @@ def report(
     with open_ledger(context) as ledger, progress("report") as on_progress:
         made = book(ledger, known_motors(), what, part(on_progress, 0.0, 0.6), system())
         files = write_report(made, out, part(on_progress, 0.6, 0.4), force=force)
-    say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")
+    say(f"Wrote {made.title} to {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

@@ -60,7 +60,7 @@ def score(
         from fieldkit.presentation.report.score import write_picture
 
         write_picture(found, out, force=force)
-        complain(f"calibration plot: {out}")
+        complain(f"Wrote the calibration plot to {out}")
     if json:
         from fieldkit.presentation.json_documents import scores_document
 

@@ -140,6 +140,6 @@ def progress(title: str) -> Iterator[ReportProgress]:
 
     with Progress(console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
         task = bar.add_task(escape(title), total=1.0)
-        yield lambda text, share: bar.update(
-            task, description=escape(f"{title}: {printable(text)}"), completed=share, refresh=True
+        yield lambda text, fraction: bar.update(
+            task, description=escape(f"{title}: {printable(text)}"), completed=fraction, refresh=True
         )

@@ -60,16 +60,16 @@ def simulate(
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
 
-    said = {name: text for name, text in given.items() if text is not None}
+    options = {name: text for name, text in given.items() if text is not None}
     for name in BODY:
-        if name not in said:
+        if name not in options:
             raise typer.BadParameter(f"found no --{_dashed(name)}, expected one")
-    unused = [f"--{_dashed(name)}" for name in said if name not in BODY]
+    unused = [f"--{_dashed(name)}" for name in options if name not in BODY]
     if physics is Physics.paper and unused:
         raise BadValue(
             f"{', '.join(unused)}: found a value, expected none: the paper's physics has no delay and no conditions"
         )
-    plan = Flight().with_changes(**read_changes(Flight(), said))
+    plan = Flight().with_changes(**read_changes(Flight(), options))
     if physics is Physics.paper:
         result = paper_flight(plan, cd, alpha)
     else:

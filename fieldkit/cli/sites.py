@@ -59,7 +59,7 @@ def sites(
         print_json({"sites": [name | own for name, own in zip(names, lengths, strict=True)]})
         return
     if not known:
-        complain("no sites yet; `fieldkit sites NAME --elevation 212m` saves one")
+        complain("No sites yet; `fieldkit sites NAME --elevation 212m` saves one")
         return
     shown = ShownUnits(system())
     rows = [

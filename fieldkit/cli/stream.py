@@ -103,5 +103,5 @@ def stream_json(name: str, documents: Iterable[Mapping[str, object]]) -> None:
 
 def _flat(document: Mapping[str, object]) -> str:
     """One flat document; with line breaks as separators, json uses its fast encoder."""
-    said = json.dumps(document, separators=(",\n      ", ": "), allow_nan=False)
-    return f"    {{\n      {said[1:-1]}\n    }}"
+    text = json.dumps(document, separators=(",\n      ", ": "), allow_nan=False)
+    return f"    {{\n      {text[1:-1]}\n    }}"

@@ -27,7 +27,7 @@ def reference(out: Out = None, force: Force = False) -> None:
     from studies.paper.study_page import page
 
     force = out is not None and settled(out, force)
-    _hand_out(page(study()), out, force)
+    _write_or_print(page(study()), out, force)
 
 
 @study.command()
@@ -51,7 +51,7 @@ def rockets(
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
         found = histories(known, part(on_progress, 0.0, 0.7))
         forecasts = [row for row in replayed(ledger, motors, on_progress=part(on_progress, 0.7, 0.3)) if row.earlier]
-    _hand_out(page(found, forecasts, unnamed=unnamed), out, force)
+    _write_or_print(page(found, forecasts, unnamed=unnamed), out, force)
 
 
 @study.command()
@@ -71,10 +71,10 @@ def shortfall(
     force = out is not None and settled(out, force)
     with open_ledger(context) as ledger, progress("tracing the shortfall") as on_progress:
         found = trace(flown(ledger, known_motors()), on_progress)
-    _hand_out(page(found, unnamed=unnamed), out, force)
+    _write_or_print(page(found, unnamed=unnamed), out, force)
 
 
-def _hand_out(page: str, out: Path | None, force: bool) -> None:
+def _write_or_print(page: str, out: Path | None, force: bool) -> None:
     from fieldkit.cli.screen import complain, say_lines
     from fieldkit.files import write
 
@@ -82,4 +82,4 @@ def _hand_out(page: str, out: Path | None, force: bool) -> None:
         say_lines(page)
         return
     write(out, page.encode(), force=force)
-    complain(f"page written to {out}")
+    complain(f"Wrote the page to {out}")

@@ -90,8 +90,8 @@ def train(
         print_json(summary)
         return
     what = "rockets" if recipe is Recipe.history else "flights"
-    say(f"trained {summary['recipe']} on {summary['n_train']} simulated {what} in {summary['seconds']:.0f} s")
-    say(f"mean absolute error on held-out ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
+    say(f"Trained {summary['recipe']} on {summary['n_train']} simulated {what} in {summary['seconds']:.0f} s")
+    say(f"Mean absolute error on held-out ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)
     if report and recipe is Recipe.field:

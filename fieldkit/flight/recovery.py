@@ -31,9 +31,9 @@ RECOVERY_COLUMNS = {
         "Diameter of the parachute laid flat, the main if there are two: 450mm, 18in.",
     ),
     "opening_time": ("time", "s", "Time from the charge to an open parachute; default: half a second."),
-    "wind_aloft": ("speed", "mps", "Wind aloft, in addition to that at the pad: 10m/s, 20mph."),
+    "wind_aloft": ("speed", "mps", "Wind speed aloft; --wind is that at the pad: 10m/s, 20mph."),
     "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m, 1000ft."),
-    "wind_aloft_turn": ("angle", "deg", "Angle by which the wind aloft blows to the right of that at the pad."),
+    "wind_aloft_turn": ("angle", "deg", "Degrees clockwise from the wind at the pad to the wind aloft."),
 }
 """Recovery columns that are numbers: quantity, external unit, and meaning."""
 LIMITS = {
@@ -53,8 +53,8 @@ STABILITY = "stability_cal"
 """The column for a rocket's static margin, as a design program states it. [body diameters]"""
 RECOVERY_TEXTS = {
     "recovery": "parachute or streamer.",
-    "rail_direction": "Direction of the rail: into, away, or across the wind, or degrees from into it.",
-    STABILITY: "Static margin on the pad in body diameters: 2.5; the larger, the sooner it turns into the wind.",
+    "rail_direction": "Direction of the rail relative to the wind: into, away, across, or degrees from upwind.",
+    STABILITY: "Static margin on the pad in body diameters: 2.5; the larger, the sooner it weathercocks.",
 }
 """Recovery columns that are text, with their meaning."""
 RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)

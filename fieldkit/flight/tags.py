@@ -7,7 +7,7 @@ from types import MappingProxyType
 TAGS: Mapping[str, str] = MappingProxyType(
     {
         "weak_launch": "The motor delivered too little thrust: slow off the pad.",
-        "off_axis": "The rocket flew clearly off the vertical.",
+        "off_axis": "The rocket flew clearly off vertical.",
         "extra_drag": "Something stuck out or came loose: more drag than usual.",
         "early_ejection": "The ejection charge fired well before apogee.",
         "altimeter_fault": "The altimeter's readings are not reliable.",

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
-from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure, simulated
+from fieldkit.analysis import NO_FLIGHT, columns, measure, simulated, widened_by_contradictions
 from fieldkit.analysis.channels import MIN_SAMPLES
 from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
@@ -43,7 +43,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     extra columns name the parser that reads the log again, and which of its flights this is.
     """
 
-    recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
+    recorded = widened_by_contradictions(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
     samples = max((series.time.size for series in reading.clocks), default=0)

@@ -96,10 +96,10 @@ def is_due(file: Path, changes: int) -> bool:
 def being_made(file: Path) -> bool:
     """Whether another process is backing up the ledger now, so that no other backup is needed."""
     folder = folder_of(file)
-    return any(time.time() - since < AT_WORK for since in map(_touched, folder.glob(f"*{_MAKING}")))
+    return any(time.time() - since < AT_WORK for since in map(_last_change, folder.glob(f"*{_MAKING}")))
 
 
-def _touched(file: Path) -> float:
+def _last_change(file: Path) -> float:
     """Time of the last write to a file, 0 if it no longer exists. [s since 1970]"""
     try:
         return file.stat().st_mtime
@@ -152,7 +152,7 @@ def claimed(file: Path) -> Iterator[tuple[int, Path]]:
     """
     folder = folder_of(file)
     for old in folder.glob(f"*{_MAKING}*"):
-        if time.time() - _touched(old) > ABANDONED_COPY_AGE:
+        if time.time() - _last_change(old) > ABANDONED_COPY_AGE:
             old.unlink(missing_ok=True)
     number, new = _claim(file)
     try:

@@ -15,9 +15,9 @@ class BesideFlights(OpenLedger):
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
         """Save a model of a rocket under the next number, and activate it by default."""
-        with self._changing() as pen:
-            version = models.keep_version(pen, rocket, payload, activate=activate)
-            pen.sign("model", f"version {version.number} of {rocket}" + (", in use" if activate else ""))
+        with self._changing() as recorder:
+            version = models.keep_version(recorder, rocket, payload, activate=activate)
+            recorder.sign("model", f"version {version.number} of {rocket}" + (", in use" if activate else ""))
         return version
 
     def versions(self, rocket: str) -> list[Version]:
@@ -34,9 +34,9 @@ class BesideFlights(OpenLedger):
 
         Raises LedgerError if the number is not among its versions.
         """
-        with self._changing() as pen:
-            if models.activate(pen, rocket, number):
-                pen.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the plain model"))
+        with self._changing() as recorder:
+            if models.activate(recorder, rocket, number):
+                recorder.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the plain model"))
 
     def keep_prediction(
         self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""
@@ -58,10 +58,10 @@ class BesideFlights(OpenLedger):
         self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""
     ) -> StoredPrediction:
         """Save the prediction of a planned flight; `what` names it in the history, and `undo` undoes it."""
-        with self._changing() as pen:
-            kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
-            if pen.images:
-                pen.sign("forecast", what)
+        with self._changing() as recorder:
+            kept = models.keep_plan(recorder, payload, digest, rocket, flight_id)
+            if recorder.images:
+                recorder.sign("forecast", what)
         return kept
 
     def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:
@@ -71,9 +71,9 @@ class BesideFlights(OpenLedger):
 
     def keep_start(self, start: Start) -> bool:
         """Save a starting configuration, replacing an older one; False if it is a duplicate."""
-        with self._changing() as pen:
-            if kept := starts.keep(pen, start):
-                pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
+        with self._changing() as recorder:
+            if kept := starts.keep(recorder, start):
+                recorder.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
         return kept
 
     def starts(self, rocket: str) -> list[Start]:
@@ -88,17 +88,17 @@ class BesideFlights(OpenLedger):
 
     def change_draft(self, name: str, content: Content, command: str, what: str) -> bool:
         """Save a document under a name as a change that `undo` undoes; False if it is unchanged."""
-        with self._changing() as pen:
-            if changed := drafts.change(pen, name, content):
-                pen.sign(command, what)
+        with self._changing() as recorder:
+            if changed := drafts.change(recorder, name, content):
+                recorder.sign(command, what)
         return changed
 
     def change_drafts(self, contents: Mapping[str, Content], command: str, what: str) -> bool:
         """Save several documents, as in `change_draft`, as one change."""
-        with self._changing() as pen:
-            changed = [drafts.change(pen, name, content) for name, content in contents.items()]
+        with self._changing() as recorder:
+            changed = [drafts.change(recorder, name, content) for name, content in contents.items()]
             if any(changed):
-                pen.sign(command, what)
+                recorder.sign(command, what)
         return any(changed)
 
     def draft(self, name: str) -> dict[str, Any] | None:
@@ -108,7 +108,7 @@ class BesideFlights(OpenLedger):
 
     def drop_draft(self, name: str) -> bool:
         """Delete a draft, which `undo` restores; False if there is none."""
-        with self._changing() as pen:
-            if dropped := drafts.put_away(pen, name):
-                pen.sign("drop", f"the draft of {name}")
+        with self._changing() as recorder:
+            if dropped := drafts.put_away(recorder, name):
+                recorder.sign("drop", f"the draft of {name}")
         return dropped

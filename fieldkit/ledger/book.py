@@ -23,12 +23,12 @@ class Known:
         self.now: dict[tuple[str, str], Flight] = {}
         self.once: dict[tuple[str, str], list[Flight]] = {}
         self.digests: dict[int, str | None] = {}
-        for held in find(connection, [(flight.rocket, flight.flight_id) for flight in new]):
-            self.note(held.flight)
-            self.digests[id(held.flight)] = held.log_digest
-            if held.entered:
-                self.once.setdefault((held.entered.rocket, held.entered.flight_id), []).append(held.entered)
-                self.digests[id(held.entered)] = held.log_digest
+        for stored in find(connection, [(flight.rocket, flight.flight_id) for flight in new]):
+            self.note(stored.flight)
+            self.digests[id(stored.flight)] = stored.log_digest
+            if stored.entered:
+                self.once.setdefault((stored.entered.rocket, stored.entered.flight_id), []).append(stored.entered)
+                self.digests[id(stored.entered)] = stored.log_digest
 
     def note(self, flight: Flight) -> None:
         """Register a flight."""
@@ -52,16 +52,16 @@ class Known:
         )
 
 
-def lacks_files(there: Flight, flight: Flight) -> bool:
+def lacks_files(stored: Flight, flight: Flight) -> bool:
     """Whether an incoming flight has more files than the stored one."""
-    named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (there, flight)]
+    named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (stored, flight)]
     return not named[1] <= named[0]
 
 
-def add(pen: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
+def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
     """Add flights; see `Ledger.add`."""
-    known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
-    entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
+    known, conflicts, duplicates = Known(recorder.connection, [one.flight for one in arrivals]), [], 0
+    entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
     for arrival in arrivals:
         flight = arrival.flight
@@ -73,28 +73,28 @@ def add(pen: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
             known.note(flight)
             for original in (arrival.log, *arrival.others):
                 if original:
-                    keep_log(pen.connection, original)
+                    keep_log(recorder.connection, original)
             digest = arrival.log.digest if arrival.log else None
             entry += 1
             rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
-    pen.insert(flights, rows)
-    pen.insert(tags, labels)
-    names = ids(pen.connection, [(row["rocket"], row["flight_id"]) for row in rows])
+    recorder.insert(flights, rows)
+    recorder.insert(tags, labels)
+    names = ids(recorder.connection, [(row["rocket"], row["flight_id"]) for row in rows])
     return Added(tuple(names.values()), duplicates, tuple(conflicts))
 
 
-def _objection(flight: Flight, there: Flight | None) -> str | None:
+def _objection(flight: Flight, stored: Flight | None) -> str | None:
     """Why a flight cannot be added, in one line."""
     if not flight.flight_id:
         return "found no flight_id, expected one that is unique within the rocket"
-    if there and lacks_files(there, flight):
+    if stored and lacks_files(stored, flight):
         return (
             f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger without the other files "
             f"of its logger; `fieldkit remove` it and import them together again"
         )
-    if there:
-        fields = ", ".join(differences(there, flight))
+    if stored:
+        fields = ", ".join(differences(stored, flight))
         return (
             f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger "
             f"with another {fields}; use `fieldkit edit` to change it"
@@ -106,52 +106,54 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
     return None
 
 
-def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
+def replace(recorder: ChangeRecorder, stored: Held, flight: Flight) -> bool:
     """Replace a stored flight with a changed one; False if nothing changed.
 
     Raises LedgerError if another flight has its name, BadValue for values that cannot be stored.
     """
-    before, after = row_of(held.flight), row_of(flight)
+    before, after = row_of(stored.flight), row_of(flight)
     if before == after:
         return False
     identity = flight.rocket, flight.flight_id
     if not flight.flight_id:
         raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
-    if identity != (held.flight.rocket, held.flight.flight_id) and _is_there(pen.connection, identity):
+    if identity != (stored.flight.rocket, stored.flight.flight_id) and _exists(recorder.connection, identity):
         raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is already in the ledger")
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
-    if held.entered is None:
+    if stored.entered is None:
         changes["entered"] = before
     if changes:
-        pen.update(flights, {"entry": held.entry}, changes)
+        recorder.update(flights, {"entry": stored.entry}, changes)
     if before["tags"] != after["tags"]:
-        pen.delete(tags, tags.c.entry == held.entry)
-        pen.insert(tags, _tag_rows(held.entry, after["tags"]))
+        recorder.delete(tags, tags.c.entry == stored.entry)
+        recorder.insert(tags, _tag_rows(stored.entry, after["tags"]))
     return True
 
 
-def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
+def renew(
+    recorder: ChangeRecorder, stored: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]
+) -> bool:
     """Update a flight, and its imported state, from its files; False if nothing changed."""
     for original in others:
-        keep_log(pen.connection, original)
-    before, after = row_of(held.flight), row_of(flight)
+        keep_log(recorder.connection, original)
+    before, after = row_of(stored.flight), row_of(flight)
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
-    if held.entered and entered and row_of(held.entered) != row_of(entered):
+    if stored.entered and entered and row_of(stored.entered) != row_of(entered):
         changes["entered"] = row_of(entered)
     if changes:
-        pen.update(flights, {"entry": held.entry}, changes)
+        recorder.update(flights, {"entry": stored.entry}, changes)
     return bool(changes)
 
 
-def _is_there(connection: Connection, identity: Identity) -> bool:
+def _exists(connection: Connection, identity: Identity) -> bool:
     where = (flights.c.rocket == identity[0]) & (flights.c.flight_id == identity[1])
     return connection.scalar(select(flights.c.entry).where(where)) is not None
 
 
-def remove(pen: ChangeRecorder, held: Held) -> None:
+def remove(recorder: ChangeRecorder, stored: Held) -> None:
     """Remove a flight; the bytes of its log stay in the ledger."""
-    pen.delete(tags, tags.c.entry == held.entry)
-    pen.delete(flights, flights.c.entry == held.entry)
+    recorder.delete(tags, tags.c.entry == stored.entry)
+    recorder.delete(flights, flights.c.entry == stored.entry)
 
 
 def _tag_rows(entry: int, labels: Sequence[str]) -> list[Row]:

@@ -22,26 +22,26 @@ def keep(connection: Connection, name: str, content: Content) -> None:
     seal(connection, drafts, [(name,)])
 
 
-def _changed(there: dict[str, Any] | None, content: Content) -> dict[str, Any]:
-    return dict(content(there or {}) if callable(content) else content)
+def _changed(stored: dict[str, Any] | None, content: Content) -> dict[str, Any]:
+    return dict(content(stored or {}) if callable(content) else content)
 
 
-def change(pen: ChangeRecorder, name: str, content: Content) -> bool:
+def change(recorder: ChangeRecorder, name: str, content: Content) -> bool:
     """Save a draft under a name as a change that can be undone; False if it is unchanged."""
-    there = draft(pen.connection, name)
-    kept = json.loads(json.dumps(_changed(there, content)))  # as it will be after a round trip through JSON
-    if there == kept:
+    stored = draft(recorder.connection, name)
+    kept = json.loads(json.dumps(_changed(stored, content)))  # as it will be after a round trip through JSON
+    if stored == kept:
         return False
-    pen.delete(drafts, drafts.c.name == name)
-    pen.insert(drafts, [{"name": name, "content": kept}])
+    recorder.delete(drafts, drafts.c.name == name)
+    recorder.insert(drafts, [{"name": name, "content": kept}])
     return True
 
 
-def put_away(pen: ChangeRecorder, name: str) -> bool:
+def put_away(recorder: ChangeRecorder, name: str) -> bool:
     """Delete a draft as an undoable change, unless it was edited since; False if there is none."""
-    if draft(pen.connection, name) is None:
+    if draft(recorder.connection, name) is None:
         return False
-    pen.delete(drafts, drafts.c.name == name)
+    recorder.delete(drafts, drafts.c.name == name)
     return True
 
 

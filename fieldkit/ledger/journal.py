@@ -70,7 +70,7 @@ class ChangeRecorder:
 
     def sign(self, command: str, what: str) -> None:
         """Update the checksums of the rows changed so far, and enter the changes in the journal as one command."""
-        for table, keys in _touched(self.images).items():
+        for table, keys in _keys_by_table(self.images).items():
             checksums.seal(self.connection, table, keys)
         images = [[image.table, image.before, image.after] for image in self.images]
         _enter(self.connection, command=command, what=what, images=images)
@@ -78,7 +78,7 @@ class ChangeRecorder:
 
 def undo(connection: Connection) -> Change:
     """Undo the last change in effect. Raises LedgerError if there is none."""
-    done, _ = _standing(connection)
+    done, _ = _done_and_undone(connection)
     if not done:
         raise LedgerError("nothing left to undo")
     change, images = _whole(connection, done[-1])
@@ -89,7 +89,7 @@ def undo(connection: Connection) -> Change:
 
 def redo(connection: Connection) -> Change:
     """Redo the last undone change. Raises LedgerError if there is none, or if something changed since."""
-    _, undone = _standing(connection)
+    _, undone = _done_and_undone(connection)
     if not undone:
         raise LedgerError("nothing left to redo")
     change, images = _whole(connection, undone[-1])
@@ -100,7 +100,7 @@ def redo(connection: Connection) -> Change:
 
 def history(connection: Connection) -> list[Change]:
     """Every change, oldest first."""
-    in_force = set(_standing(connection)[0])
+    in_force = set(_done_and_undone(connection)[0])
     return [
         _change(row, undone=row["target"] is None and row["number"] not in in_force) for row in _entries(connection)
     ]
@@ -116,7 +116,7 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def _standing(connection: Connection) -> tuple[list[int], list[int]]:
+def _done_and_undone(connection: Connection) -> tuple[list[int], list[int]]:
     """Numbers of the changes in effect, and of those that redo would restore, the next one last."""
     done: list[int] = []
     undone: list[int] = []
@@ -134,8 +134,8 @@ def _standing(connection: Connection) -> tuple[list[int], list[int]]:
 
 def _entries(connection: Connection) -> list[Row]:
     """Every entry without its images, oldest first. Raises DamagedRow."""
-    light = [column for column in journal.c if column is not journal.c.images]
-    return checksums.sound_rows(connection, select(*light).order_by(journal.c.number))
+    columns = [column for column in journal.c if column is not journal.c.images]
+    return checksums.sound_rows(connection, select(*columns).order_by(journal.c.number))
 
 
 def _change(row: Row, *, undone: bool = False) -> Change:
@@ -159,7 +159,7 @@ def _enter(connection: Connection, **values: Any) -> None:
     connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))
 
 
-def _touched(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
+def _keys_by_table(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
     """Primary keys of the changed rows that have a checksum; tags count as part of their flight's row."""
     keys: dict[Table, set[tuple[Any, ...]]] = {}
     for image in images:
@@ -175,11 +175,11 @@ def _without_checksum(row: Row) -> Row:
 
 def _apply(connection: Connection, images: Collection[Image]) -> None:
     """Apply changes after checking the rows, and update their checksums. Raises DamagedRow."""
-    touched = _touched(images)
-    for table, keys in touched.items():
+    keys_by_table = _keys_by_table(images)
+    for table, keys in keys_by_table.items():
         checksums.check(connection, table, keys)
     _change_rows(connection, images)
-    for table, keys in touched.items():
+    for table, keys in keys_by_table.items():
         checksums.seal(connection, table, keys)
 
 
@@ -187,10 +187,10 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
     for image in images:
         table = metadata.tables[image.table]
         if image.before is None:
-            taken = table in (drafts, predictions) and _stands(connection, table, image.after or {})
-            if taken and table is predictions:
+            exists = table in (drafts, predictions) and _exists(connection, table, image.after or {})
+            if exists and table is predictions:
                 raise LedgerError("a newer forecast exists, so this one cannot be restored; run the forecast again")
-            if not taken:
+            if not exists:
                 connection.execute(insert(table).values(**(image.after or {})))
         elif image.after is None:
             connection.execute(delete(table).where(_at(table, image.before)))
@@ -198,7 +198,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
             connection.execute(update(table).where(_at(table, image.before)).values(**image.after))
 
 
-def _stands(connection: Connection, table: Table, row: Row) -> bool:
+def _exists(connection: Connection, table: Table, row: Row) -> bool:
     """Whether a row exists: the journal stores only the keys of drafts, and the last saved text stays."""
     return connection.scalar(select(func.count()).select_from(table).where(_at(table, row))) == 1
 

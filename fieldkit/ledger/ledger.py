@@ -44,16 +44,16 @@ class Ledger(FlightsOut, BesideFlights):
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
-        with self._changing(keep=not dry_run) as pen:
-            renewed = [one.id for one in renewals if _renew(pen, one)]
-            added = book.add(pen, arrivals)
+        with self._changing(keep=not dry_run) as recorder:
+            renewed = [one.id for one in renewals if _renew(recorder, one)]
+            added = book.add(recorder, arrivals)
             if draft:
-                drafts.put_away(pen, draft)
+                drafts.put_away(recorder, draft)
             if added.new or renewed:
                 files = _listed(list(dict.fromkeys(Path(one.source).name for one in arrivals if one.source)))
                 more = [f"more files of {_listed(renewed)}"] if renewed else []
                 what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
-                pen.sign(command, "; ".join(what + more))
+                recorder.sign(command, "; ".join(what + more))
         return added
 
     def edit(self, id: str, **changes: object) -> Flight:
@@ -66,20 +66,20 @@ class Ledger(FlightsOut, BesideFlights):
     ) -> int:
         """Change fields of several flights, and the drafts `beside`, as one change named `what`; returns the number of
         flights changed."""
-        with self._changing() as pen:
-            held = naming.resolve_all(pen.connection, ids) if changes else []
-            done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
-            kept = [name for name, content in (beside or {}).items() if drafts.change(pen, name, content)]
+        with self._changing() as recorder:
+            held = naming.resolve_all(recorder.connection, ids) if changes else []
+            done = sum(book.replace(recorder, one, _edited(one.flight, changes)) for one in held)
+            kept = [name for name, content in (beside or {}).items() if drafts.change(recorder, name, content)]
             if done or kept:
-                pen.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
+                recorder.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
         return done
 
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
         """Update flights from their files as one change; returns the number of flights changed."""
-        with self._changing(keep=not dry_run) as pen:
-            done = [one.id for one in renewals if _renew(pen, one)]
+        with self._changing(keep=not dry_run) as recorder:
+            done = [one.id for one in renewals if _renew(recorder, one)]
             if done:
-                pen.sign(command, _listed(done))
+                recorder.sign(command, _listed(done))
         return len(done)
 
     def tag(self, id: str, *tags: str) -> Flight:
@@ -102,21 +102,21 @@ class Ledger(FlightsOut, BesideFlights):
         return self._alter(id, "untag", f"{id} {' '.join(tags)}", untagged)
 
     def _alter(self, id: str, command: str, what: str, change: Callable[[Flight], Flight]) -> Flight:
-        with self._changing() as pen:
-            held = naming.resolve(pen.connection, id)
+        with self._changing() as recorder:
+            held = naming.resolve(recorder.connection, id)
             flight = change(held.flight)
-            if book.replace(pen, held, flight):
-                pen.sign(command, what)
+            if book.replace(recorder, held, flight):
+                recorder.sign(command, what)
         return flight
 
     def remove(self, *ids: str) -> list[Flight]:
         """Remove flights and return them; `undo` restores them."""
-        with self._changing() as pen:
-            gone = list({held.entry: held for held in naming.resolve_all(pen.connection, ids)}.values())
+        with self._changing() as recorder:
+            gone = list({held.entry: held for held in naming.resolve_all(recorder.connection, ids)}.values())
             for held in gone:
-                book.remove(pen, held)
+                book.remove(recorder, held)
             if gone:
-                pen.sign("remove", _listed(ids))
+                recorder.sign("remove", _listed(ids))
         return [held.flight for held in gone]
 
     def undo(self) -> Change:
@@ -140,9 +140,9 @@ class Ledger(FlightsOut, BesideFlights):
             return journal.history(connection)
 
 
-def _renew(pen: ChangeRecorder, one: Renewal) -> bool:
-    held = naming.resolve(pen.connection, one.id)
-    return book.renew(pen, held, merged(held.flight, one.was, one.flight), one.entered, one.others)
+def _renew(recorder: ChangeRecorder, one: Renewal) -> bool:
+    held = naming.resolve(recorder.connection, one.id)
+    return book.renew(recorder, held, merged(held.flight, one.was, one.flight), one.entered, one.others)
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:

@@ -19,13 +19,13 @@ from fieldkit.ledger.tables import versions as kept
 FIELDS = tuple(field.name for field in fields(StoredPrediction))
 
 
-def keep_version(pen: ChangeRecorder, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
+def keep_version(recorder: ChangeRecorder, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
     """Save a model of a rocket under its next number."""
-    last = pen.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
+    last = recorder.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
     at = now()
-    pen.insert(kept, [{"rocket": rocket, "number": last + 1, "at": at, "payload": dict(payload)}])
+    recorder.insert(kept, [{"rocket": rocket, "number": last + 1, "at": at, "payload": dict(payload)}])
     if activate:
-        _use(pen, rocket, last + 1)
+        _use(recorder, rocket, last + 1)
     return Version(rocket, last + 1, datetime.fromisoformat(at), dict(payload), activate)
 
 
@@ -39,22 +39,22 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
     ]
 
 
-def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
+def activate(recorder: ChangeRecorder, rocket: str, number: int | None) -> bool:
     """Activate a saved model version, or none; False if it is already active. Raises LedgerError."""
-    there = {version.number: version.active for version in versions(pen.connection, rocket)}
-    if number is not None and number not in there:
-        known = ", ".join(map(str, (0, *there)))
+    stored = {version.number: version.active for version in versions(recorder.connection, rocket)}
+    if number is not None and number not in stored:
+        known = ", ".join(map(str, (0, *stored)))
         raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known} (0 is the plain model)")
     if number is None:
-        pen.delete(active_versions, active_versions.c.rocket == rocket)
-    elif not there[number]:
-        _use(pen, rocket, number)
-    return bool(pen.images)
+        recorder.delete(active_versions, active_versions.c.rocket == rocket)
+    elif not stored[number]:
+        _use(recorder, rocket, number)
+    return bool(recorder.images)
 
 
-def _use(pen: ChangeRecorder, rocket: str, number: int) -> None:
-    pen.delete(active_versions, active_versions.c.rocket == rocket)
-    pen.insert(active_versions, [{"rocket": rocket, "number": number}])
+def _use(recorder: ChangeRecorder, rocket: str, number: int) -> None:
+    recorder.delete(active_versions, active_versions.c.rocket == rocket)
+    recorder.insert(active_versions, [{"rocket": rocket, "number": number}])
 
 
 def keep_prediction(
@@ -69,11 +69,11 @@ def keep_prediction(
 
 
 def keep_plan(
-    pen: ChangeRecorder, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
+    recorder: ChangeRecorder, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> StoredPrediction:
     """Like `keep_prediction`, for a planned flight, as an undoable change."""
-    new, row = _numbered(pen.connection, payload, digest, rocket, flight_id)
-    pen.insert(made, [row] if row else [])
+    new, row = _numbered(recorder.connection, payload, digest, rocket, flight_id)
+    recorder.insert(made, [row] if row else [])
     return new
 
 

@@ -21,14 +21,14 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
 
     A flight that another program has removed in the meantime gets the id it would have by itself.
     """
-    meant: dict[str, int] = {}
-    for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
+    counts: dict[str, int] = {}
+    for rocket, flight_id in _identities_meant(connection, {flight_id for _, flight_id in wanted}):
         for name in {flight_id, f"{rocket}/{flight_id}"}:
-            meant[name] = meant.get(name, 0) + 1
-    return {(r, f): f if meant.get(f, 1) == 1 else f"{r}/{f}" for r, f in wanted}
+            counts[name] = counts.get(name, 0) + 1
+    return {(r, f): f if counts.get(f, 1) == 1 else f"{r}/{f}" for r, f in wanted}
 
 
-def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
+def _identities_meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
     """The flights that these texts may refer to, as `flight_id` or `rocket/flight_id`; for many texts, or many slashes
     in them, all flights.
 
@@ -40,8 +40,8 @@ def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
     found = [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
-    if strange := [one for one in found if not all(isinstance(part, str) for part in one)]:
-        raise DamagedRow(f"flight {strange[0][1]!r} of {strange[0][0]!r} has no name")
+    if unnamed := [one for one in found if not all(isinstance(part, str) for part in one)]:
+        raise DamagedRow(f"flight {unnamed[0][1]!r} of {unnamed[0][0]!r} has no name")
     return found
 
 
@@ -52,14 +52,14 @@ def resolve(connection: Connection, id: str) -> Held:
 
 def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
     """The flights that ids refer to, in order. Raises LedgerError that suggests similar ids, or lists the matches."""
-    known = ids(connection, _meant(connection, set(texts)))
-    meant: dict[str, list[Identity]] = {}
+    known = ids(connection, _identities_meant(connection, set(texts)))
+    by_name: dict[str, list[Identity]] = {}
     for identity in known:
         for name in {identity[1], "/".join(identity)}:
-            meant.setdefault(name, []).append(identity)
-    wanted = [_the_one(connection, text, meant.get(text, []), known) for text in texts]
-    held = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
-    return [held[identity] for identity in wanted]
+            by_name.setdefault(name, []).append(identity)
+    wanted = [_the_one(connection, text, by_name.get(text, []), known) for text in texts]
+    stored = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
+    return [stored[identity] for identity in wanted]
 
 
 def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: Mapping[Identity, str]) -> Identity:

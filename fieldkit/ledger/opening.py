@@ -124,8 +124,8 @@ def never_recreate(engine: Engine) -> None:
 
     def there(*_: object) -> None:
         if not file.exists() or not file.stat().st_size:
-            said = "gone" if not file.exists() else "empty"
-            raise UnusableLedger(f"{file}: the file is {said} while it is open; {backups.offer(file)}")
+            state = "gone" if not file.exists() else "empty"
+            raise UnusableLedger(f"{file}: the file is {state} while it is open; {backups.offer(file)}")
 
     event.listen(engine, "do_connect", there)
 

@@ -19,10 +19,10 @@ Rows = dict[str, dict[tuple[Any, ...], Row]]
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
     """The state of each flight's rocket just before the flight was added; the current state if it never was."""
     changes = list(_changes(connection))
-    came = _arrivals(changes)
+    changes_by_entry = _arrivals(changes)
     rows = _rows(connection)
     entries = {(row["rocket"], row["flight_id"]): row["entry"] for row in rows["flights"].values()}
-    moments = {n: came.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
+    moments = {n: changes_by_entry.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
     found = {n: _past(rows, wanted[n].rocket) for n, moment in moments.items() if moment is None}
     latest_first = sorted((moment, n) for n, moment in moments.items() if moment is not None)
     for number, images, _ in reversed(changes):
@@ -53,7 +53,7 @@ def _changes(connection: Connection) -> Iterator[tuple[int, list[Image], int | N
 
 def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
     """The change that last added each flight, by entry number; to undo a removal adds nothing."""
-    came: dict[int, int] = {}
+    changes_by_entry: dict[int, int] = {}
     removed: dict[tuple[int, int], int] = {}
     for number, images, undoes in changes:
         for image in images:
@@ -61,11 +61,11 @@ def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dic
                 continue
             if image.before is None and image.after:
                 entry = image.after["entry"]
-                came[entry] = number if undoes is None else removed.get((undoes, entry), number)
+                changes_by_entry[entry] = number if undoes is None else removed.get((undoes, entry), number)
             elif image.after is None and image.before:
                 entry = image.before["entry"]
-                removed[number, entry] = came.get(entry, number)
-    return came
+                removed[number, entry] = changes_by_entry.get(entry, number)
+    return changes_by_entry
 
 
 def _rows(connection: Connection) -> Rows:

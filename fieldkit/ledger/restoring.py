@@ -25,15 +25,15 @@ def restore(file: Path, backup: Backup) -> Path | None:
         if found := fault(backup.file):
             raise LedgerError(f"{backup.file}: this backup is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
-            return _put_aside(file, backup, keep=False)
+            return _move_aside(file, backup, keep=False)
         with opened(file) as ledger:
-            kept = _kept(ledger, file)
-            if kept is None:
-                return _put_aside(file, backup)
+            previous = _kept(ledger, file)
+            if previous is None:
+                return _move_aside(file, backup)
             if found := _miscopied(ledger, file, backup):
-                raise LedgerError(f"{backup.file}: cannot be restored ({found}); {_put_back(ledger, kept)}")
+                raise LedgerError(f"{backup.file}: cannot be restored ({found}); {_undo_restore(ledger, previous)}")
         rotate(file)
-        return kept.file
+        return previous.file
     except (OSError, sqlite3.Error) as error:
         raise LedgerError(f"{file}: cannot be restored ({error}); nothing was changed") from error
 
@@ -51,13 +51,13 @@ def _miscopied(ledger: sqlite3.Connection, file: Path, backup: Backup) -> str:
         return str(error)
 
 
-def _put_back(ledger: sqlite3.Connection, kept: Backup) -> str:
+def _undo_restore(ledger: sqlite3.Connection, previous: Backup) -> str:
     """Restore a ledger's former content; returns the outcome, for the end of a message."""
     try:
-        with opened(kept.file) as before:
+        with opened(previous.file) as before:
             before.backup(ledger)
     except sqlite3.Error:
-        return f"it may be damaged; its former content is in {kept.file}"
+        return f"it may be damaged; its former content is in {previous.file}"
     return "nothing was changed"
 
 
@@ -67,16 +67,16 @@ def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
     Raises sqlite3.OperationalError if other processes do not release it.
     """
     try:
-        _hold(ledger)
+        _lock(ledger)
         changes = _changes(ledger)
     except sqlite3.DatabaseError as error:
         damage_in(error)
         return None
-    kept = None if changes is None else taken(ledger, file, changes)
-    return kept if isinstance(kept, Backup) else None
+    previous = None if changes is None else taken(ledger, file, changes)
+    return previous if isinstance(previous, Backup) else None
 
 
-def _hold(ledger: sqlite3.Connection) -> None:
+def _lock(ledger: sqlite3.Connection) -> None:
     """Lock out all other processes from a database until the connection is closed, even after a transaction ends.
 
     SQLite cannot copy into a database with an open transaction, hence the locking mode. It is set after the lock is
@@ -94,7 +94,7 @@ def _changes(ledger: sqlite3.Connection) -> int | None:
     return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
 
 
-def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
+def _move_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
     """Rename a damaged file and put a backup in its place.
 
     The damaged file is never opened here, because closing it would release a lock that SQLite holds on it. A process
@@ -107,9 +107,9 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
             raise LedgerError(f"{backup.file}: cannot be read ({found}); nothing was changed, try again")
         if not file.exists():
             new.chmod(stat.S_IMODE(backup.file.stat().st_mode))
-        aside = also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{STAMP}}") if keep else None
+        moved = also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{STAMP}}") if keep else None
         journal = file.with_name(f"{file.name}-journal")
         if journal.exists():  # SQLite would roll it back into the copy
-            os.replace(journal, free_name(file, f"{aside.name if aside else file.name + '.damaged'}-journal"))
+            os.replace(journal, free_name(file, f"{moved.name if moved else file.name + '.damaged'}-journal"))
         os.replace(new, file)
-    return aside
+    return moved

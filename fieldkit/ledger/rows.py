@@ -46,8 +46,8 @@ def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
     values = {name: row[name] for name in DIRECT_FIELDS if name in row}
     moment = values.pop("date_time")
     for part, column in READOUT_COLUMNS.items():
-        told = row.get(column) or {}
-        values[part] = {name: value for name, value in told.items() if values.get(name) is not None}
+        annotated = row.get(column) or {}
+        values[part] = {name: value for name, value in annotated.items() if values.get(name) is not None}
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
 
 
@@ -59,25 +59,25 @@ def summary_of(name: str, row: Mapping[str, Any]) -> FlightSummary:
 
 def same(one: Flight, other: Flight) -> bool:
     """Whether two records are equal up to rounding in unit conversions."""
-    return all(_alike(getattr(one, name), getattr(other, name)) for name in FIELDS)
+    return all(_equal(getattr(one, name), getattr(other, name)) for name in FIELDS)
 
 
 def differences(one: Flight, other: Flight) -> list[str]:
     """Names of the fields in which two records differ by more than rounding."""
-    return [name for name in FIELDS if not _alike(getattr(one, name), getattr(other, name))]
+    return [name for name in FIELDS if not _equal(getattr(one, name), getattr(other, name))]
 
 
 def merged(now: Flight, was: Flight, new: Flight) -> Flight:
     """A flight with the changes from `was` to `new`, except in fields that differ from `was` already."""
-    touched = {name for name in FIELDS if getattr(now, name) != getattr(was, name)}
+    changed = {name for name in FIELDS if getattr(now, name) != getattr(was, name)}
     changes: dict[str, Any] = {}
     for name in FIELDS:
-        there, before, after = (getattr(one, name) for one in (now, was, new))
-        if isinstance(there, Mapping):
-            free = {key for key in {**before, **after} if there.get(key) == before.get(key)} - touched
-            kept = {key: value for key, value in there.items() if key not in free}
+        stored, before, after = (getattr(one, name) for one in (now, was, new))
+        if isinstance(stored, Mapping):
+            free = {key for key in {**before, **after} if stored.get(key) == before.get(key)} - changed
+            kept = {key: value for key, value in stored.items() if key not in free}
             changes[name] = kept | {key: value for key, value in after.items() if key in free}
-        elif name not in touched:
+        elif name not in changed:
             changes[name] = after
     return now.with_changes(**changes)
 
@@ -89,13 +89,13 @@ def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
 
 def _holds(one: Any, given: Any) -> bool:
     if isinstance(one, Mapping) and isinstance(given, Mapping):
-        return all(name in one and _alike(one[name], value) for name, value in given.items())
-    return _alike(one, given)
+        return all(name in one and _equal(one[name], value) for name, value in given.items())
+    return _equal(one, given)
 
 
-def _alike(one: Any, other: Any) -> bool:
+def _equal(one: Any, other: Any) -> bool:
     if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_alike(one[name], other[name]) for name in one)
+        return one.keys() == other.keys() and all(_equal(one[name], other[name]) for name in one)
     if isinstance(one, float | int) and isinstance(other, float | int):
         return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-9)
     return bool(one == other)

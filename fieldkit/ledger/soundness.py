@@ -53,10 +53,10 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
     check = "integrity_check" if thorough else "quick_check"
     try:
         with opened(file) as ledger:
-            said = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
+            message = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
     except sqlite3.DatabaseError as error:
-        said = damage_in(error)
-    return "" if said == "ok" else said
+        message = damage_in(error)
+    return "" if message == "ok" else message
 
 
 def row_fault(file: Path, *, since: Path | None = None) -> str:
@@ -67,7 +67,7 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
     """
     try:
         with _connected(file) as connection:
-            return _first_fault(connection, _unlike(connection, since) if since else {})
+            return _first_fault(connection, _changed_keys(connection, since) if since else {})
     except LedgerError:
         return ""
     except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
@@ -80,9 +80,9 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
 
 def damage_in(error: sqlite3.DatabaseError) -> str:
     """SQLite's report of damage, in one line; other errors are raised again."""
-    said = " ".join(str(error).split())
-    if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or said.startswith("Could not decode"):
-        return said
+    message = " ".join(str(error).split())
+    if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or message.startswith("Could not decode"):
+        return message
     raise error
 
 
@@ -96,7 +96,7 @@ def _connected(file: Path) -> Iterator[Connection]:
         engine.dispose()
 
 
-def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
+def _changed_keys(connection: Connection, copy: Path) -> dict[Table, Keys]:
     """Rows that a backup lacks or has with other content, by table; empty if it is damaged or has other tables."""
     try:
         connection.execute(text(f"ATTACH :copy AS {_PAST_TABLE}"), {"copy": str(copy)})
@@ -107,16 +107,16 @@ def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
         return {}
 
 
-def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
+def _first_fault(connection: Connection, changed_keys: dict[Table, Keys]) -> str:
     """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of the given ones or all."""
     if version(connection) == STEPS[-1] and (lost := missing(connection)):
         return lost
-    if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():
-        return f"a row of {stray[0]} refers to a missing row of {stray[2]}"
+    if orphan := connection.execute(text("PRAGMA main.foreign_key_check")).first():
+        return f"a row of {orphan[0]} refers to a missing row of {orphan[2]}"
     there = inspect(connection)
     for table in (table for table in metadata.sorted_tables if there.has_table(table.name)):
         names = {column["name"] for column in there.get_columns(table.name)}
-        keys = unlike[table] if table in unlike else _all(connection, table)
+        keys = changed_keys[table] if table in changed_keys else _all(connection, table)
         if CHECKSUM in names:
             check(connection, table, keys, [one for one in table.columns if one.name in names])
         elif table is logs:

@@ -12,14 +12,14 @@ from fieldkit.ledger.tables import configurations
 FIELDS = tuple(field.name for field in fields(Start))
 
 
-def keep(pen: ChangeRecorder, start: Start) -> bool:
+def keep(recorder: ChangeRecorder, start: Start) -> bool:
     """Save a starting configuration, replacing the old one; False if it is a duplicate."""
-    there = starts(pen.connection, start.rocket)
-    if start in there:
+    stored = starts(recorder.connection, start.rocket)
+    if start in stored:
         return False
     named = and_(configurations.c.rocket == start.rocket, configurations.c.config == start.config)
-    pen.delete(configurations, named)
-    pen.insert(configurations, [asdict(start)])
+    recorder.delete(configurations, named)
+    recorder.insert(configurations, [asdict(start)])
     return True
 
 

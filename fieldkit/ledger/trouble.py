@@ -25,7 +25,7 @@ _SQLITE = {
     "nothing was changed, try again",
     "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
     "SQLITE_CANTOPEN": "cannot open the file, expected one in an existing, readable folder",
-    "SQLITE_IOERR_READ": "the disk failed to read; nothing was changed",
+    "SQLITE_IOERR_READ": "the disk cannot be read; nothing was changed",
     "SQLITE_IOERR": "the disk failed; check `fieldkit history` for the change before trying again",
     "SQLITE_PERM": "no permission to use the file",
 }
@@ -61,13 +61,13 @@ def _reason(error: DBAPIError) -> str | None:
     for start, why in _SQLITE.items():
         if code.startswith(start):
             return why
-    said = " ".join(str(error.orig).split())
-    if said.startswith(_GARBLED_TEXT_MESSAGES):
-        return f"the file is damaged ({said})"
+    message = " ".join(str(error.orig).split())
+    if message.startswith(_GARBLED_TEXT_MESSAGES):
+        return f"the file is damaged ({message})"
     state = getattr(error.orig, "sqlstate", None)
     refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
     if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
-        return said
+        return message
     return None
 
 
@@ -88,5 +88,7 @@ def _missing(engine: Engine) -> str:
 def _offered(engine: Engine, why: str) -> str:
     """How to restore a damaged ledger, empty for other errors."""
     file = file_of(engine.url)
-    hurt = why.startswith("the file is damaged") or (why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file))
-    return f"; {backups.offer(file)}" if hurt and file else ""
+    is_damaged = why.startswith("the file is damaged") or (
+        why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file)
+    )
+    return f"; {backups.offer(file)}" if is_damaged and file else ""

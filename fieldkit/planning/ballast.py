@@ -149,18 +149,20 @@ def ballast(
 
     masses = _masses(plan, _legal(goal, found, bounds))
     plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
-    said = forecasts(rocket, [(one, found) for one in plans], draws=draws)
-    apogee = np.stack([one.apogee for one in said], axis=-1)
+    predictions = forecasts(rocket, [(one, found) for one in plans], draws=draws)
+    apogee = np.stack([one.apogee for one in predictions], axis=-1)
     if not np.median(apogee[:, 0]) > 0:
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
-    duration = _durations(rocket, said)
+    duration = _durations(rocket, predictions)
     curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
     mass = _best(curve, masses, goal)
     if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
         # far from the target every probability is zero; there the mean miss guides the search
         mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
     forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
-    gain, error = _gain(goal, (curve(mass)[0], curve(mass)[1]), (apogee[:, -1], duration[:, -1]), said[0].rests_on)
+    gain, error = _gain(
+        goal, (curve(mass)[0], curve(mass)[1]), (apogee[:, -1], duration[:, -1]), predictions[0].rests_on
+    )
     return Ballast(
         mass=mass,
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
@@ -225,19 +227,20 @@ def _named(
     which ensures that the flight lies within that range."""
     ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
     planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
-    said = forecasts(rocket, planned, draws=draws)
-    heights = [float(np.median(one.apogee)) for one in said]
-    return said[0], min(heights), max(heights)
+    predictions = forecasts(rocket, planned, draws=draws)
+    heights = [float(np.median(one.apogee)) for one in predictions]
+    return predictions[0], min(heights), max(heights)
 
 
-def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
+def _durations(rocket: Rocket, predictions: list[Prediction]) -> Float[Array, "draw flight"]:
     """Time from liftoff to landing for each mass, with common random numbers. [s]"""
-    fall = fall_of(rocket.history, said[-1].plan, said[-1].found)  # at the current mass
-    density, draws = air_of(said[0].plan).density, len(said[0].apogee)
+    fall = fall_of(rocket.history, predictions[-1].plan, predictions[-1].found)  # at the current mass
+    density, draws = air_of(predictions[0].plan).density, len(predictions[0].apogee)
     speeds = [
-        fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
+        fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density)
+        for one in predictions
     ]
-    return np.nan_to_num(durations(said, fall, np.concatenate(speeds, axis=1)))
+    return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1)))
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:

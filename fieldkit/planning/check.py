@@ -53,9 +53,9 @@ class SafetyCheck:
         if it failed."""
         rule = f". The rule: {self.rule}" if self.rule and self.verdict != "ok" else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
-        doubt = " (unverified)" if self.mark == "U" else ""
+        suffix = " (unverified)" if self.mark == "U" else ""
         found = in_units(self.finding, system)
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{doubt}{rule}{origin}"
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{suffix}{rule}{origin}"
 
     def json(self) -> dict[str, str]:
         """Ready for JSON."""

@@ -23,7 +23,7 @@ from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.rules import MARKS
-from fieldkit.planning.toml_values import found_in, in_order, number, whole
+from fieldkit.planning.toml_values import in_order, number, problem_in, whole
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
@@ -158,7 +158,7 @@ def season(year: int, own: Path | None = None) -> Season:
             **{key: printable(str(rule[key])) for key in _TEXTS if key in rule},
         )
     except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
-        found = found_in(error)
+        found = problem_in(error)
         raise BadValue(f"{file.name}: found {found}, expected every key of a season with a valid value") from error
 
 
@@ -200,16 +200,16 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
     declaration.
     """
     points = {flight.flight_id: own for flight, own in scored}
-    if strange := [name for name in names if name not in points]:
-        raise BadValue(f"declared flights: found {strange[0]!r}, expected flights of this rocket that have an apogee")
+    if unknown := [name for name in names if name not in points]:
+        raise BadValue(f"declared flights: found {unknown[0]!r}, expected flights of this rocket that have an apogee")
     if not rule.best <= len(set(names)) <= rule.declared:
         wanted = f"{rule.best} to {rule.declared} flights"
         raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
     known = [points[name] for name in dict.fromkeys(names) if not math.isnan(points[name])]
     if len(known) < rule.best:
         without = [f"{flight.flight_id} ({why_no_score(flight)})" for flight, own in scored if math.isnan(own)]
-        told = f"{', '.join(without)} have no score"
-        raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {told}")
+        reason = f"{', '.join(without)} have no score"
+        raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {reason}")
     return float(rule.sums(np.array([known]))[0])
 
 
@@ -239,18 +239,18 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
     the right uncertainty.
     """
-    said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history, said[0].plan, found), (draws, rule.declared)
-    mass, density = landing_mass(said[0].plan, found), air_of(said[0].plan).density
+    predictions = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
+    fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)
+    mass, density = landing_mass(predictions[0].plan, found), air_of(predictions[0].plan).density
 
     def timed(share: float) -> Float[Array, "draw declared"]:
         speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, share)
-        return durations(said, fall, speeds)
+        return durations(predictions, fall, speeds)
 
-    apogee = np.stack([one.apogee for one in said], axis=-1)
+    apogee = np.stack([one.apogee for one in predictions], axis=-1)
     best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))
     duration = timed(area)
-    return Outlook(said[0], rule.points(apogee, duration), duration, fall, *best)
+    return Outlook(predictions[0], rule.points(apogee, duration), duration, fall, *best)
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:

@@ -19,7 +19,7 @@ from fieldkit.motors import Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
-from fieldkit.planning.toml_values import found_in, number
+from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 
@@ -129,7 +129,7 @@ def _drills(file: Path, motor: Motor) -> dict[str, Drill]:
         found = {maker: _drill(maker, table, f"your own {file.name}", motor) for maker, table in tables.items()}
         return {maker: drill for maker, drill in found.items() if drill is not None}
     except (AttributeError, KeyError, TypeError, ValueError, OSError) as error:
-        raise BadValue(f"{file.name}: found {found_in(error)}, expected [Maker] with takes_off_s = [2, 4]") from error
+        raise BadValue(f"{file.name}: found {problem_in(error)}, expected [Maker] with takes_off_s = [2, 4]") from error
 
 
 def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Drill | None:
@@ -187,31 +187,34 @@ def delays(
         (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
     ]
     sd = tolerance(np.array([np.nan, *(delay for delay, _ in ways)]))
-    said = forecasts(rocket, planned, draws=draws, delay_sd=sd)
-    lifted = said[0].apogee > 0
+    predictions = forecasts(rocket, planned, draws=draws, delay_sd=sd)
+    lifted = predictions[0].apogee > 0
     if lifted.mean() < 0.5:
         raise ImpossibleFlight(
             f"{found.motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
         )
-    coast = said[0].coast_time[lifted]
-    judged = [
-        _judged(one, said[0], delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)
+    coast = predictions[0].coast_time[lifted]
+    rated = [
+        _rated(one, predictions[0], delay, limit, on_sale)
+        for one, (delay, on_sale) in zip(predictions[1:], ways, strict=True)
     ]
-    order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
-    ranked = tuple(judged[i][1] for i in order)
+    order = sorted(range(len(rated)), key=lambda i: (round(rated[i][1].too_fast, 2), rated[i][0]))
+    ranked = tuple(rated[i][1] for i in order)
     words = tuple(_words(coast, found, ranked))
-    return Delays(three(coast), ranked, words, said[order[0] + 1] if order else said[0])
+    return Delays(three(coast), ranked, words, predictions[order[0] + 1] if order else predictions[0])
 
 
-def _judged(said: Prediction, uncharged: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+def _rated(
+    prediction: Prediction, without_charge: Prediction, delay: float, limit: float, on_sale: bool
+) -> tuple[float, Delay]:
     """A delay, and its ranking criterion: the mean square of the speed at the charge. [m^2/s^2]
 
     A charge before apogee ends the climb, so the time of firing is relative to the apogee of the same draw without a
     charge.
     """
-    lifted = said.apogee > 0
-    after = (said.rise_time + said.eject - uncharged.rise_time)[lifted]
-    speed = said.eject_speed[lifted]
+    lifted = prediction.apogee > 0
+    after = (prediction.rise_time + prediction.eject - without_charge.rise_time)[lifted]
+    speed = prediction.eject_speed[lifted]
     first = np.isnan(speed)
     mean = float(np.mean(speed[~first] ** 2)) if not first.all() else np.inf
     lands = float(first.mean())

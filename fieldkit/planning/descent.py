@@ -19,36 +19,38 @@ from fieldkit.units import STANDARD_GRAVITY
 
 
 def descents(
-    said: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None, seed: int = 8
+    prediction: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None, seed: int = 8
 ) -> DescentResult:
     """The descent of each draw of a forecast at a descent speed near the ground [m/s].
 
     The charge fires after the plan's delay; if no delay is known, or if an altimeter opens two devices, at apogee. A
     draw that reaches the ground first, or before anything is open, lands ballistic.
     """
-    plan, recovery = said.plan, recovery_of(said.plan)
+    plan, recovery = prediction.plan, recovery_of(prediction.plan)
     air = air_at_pads([plan])
-    wait = said.eject if _has_delay(said) and not recovery.dual else np.zeros(len(speed))
-    mass, density = landing_mass(plan, said.found), float(air.density[0])
-    area = np.pi / 4 * (plan.diameter or said.found.motor.diameter) ** 2
-    terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / np.maximum(density * said.cd * area, 1e-9))
+    wait = prediction.eject if _has_delay(prediction) and not recovery.dual else np.zeros(len(speed))
+    mass, density = landing_mass(plan, prediction.found), float(air.density[0])
+    area = np.pi / 4 * (plan.diameter or prediction.found.motor.diameter) ** 2
+    terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / np.maximum(density * prediction.cd * area, 1e-9))
     first = speed
     if recovery.dual and fall.drogue is not None:
         first = fall.drogue.speeds(np.random.default_rng(seed), (len(speed), 1), mass, density)[:, 0]
-    sideways = (np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
+    sideways = (np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     fills = filling(np.array(mass), air.density)
     devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time, fills)
-    return descend(said.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
+    return descend(prediction.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
 
 
 def durations(
-    said: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
+    predictions: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
     """Time from liftoff to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
-    columns = [one.rise_time + descents(one, fall, speed).time for one, speed in zip(said, speeds.T, strict=True)]
+    columns = [
+        one.rise_time + descents(one, fall, speed).time for one, speed in zip(predictions, speeds.T, strict=True)
+    ]
     return np.stack(columns, axis=-1)
 
 
-def _has_delay(said: Prediction) -> bool:
-    delay = said.plan.delay if said.plan.delay is not None else said.found.delay
+def _has_delay(prediction: Prediction) -> bool:
+    delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
     return delay is not None and bool(np.isfinite(delay))

@@ -88,7 +88,9 @@ def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float
     """The default descent on an unknown device: at its default speed for a landing mass [kg] in air [kg/m^3], because a
     device is chosen to suit the mass."""
     return Fall(
-        _pace(DESCENT_SPEED if device == "parachute" else STREAMER_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0
+        _log_speed_factor(DESCENT_SPEED if device == "parachute" else STREAMER_SPEED, mass, density),
+        FLIGHT_TO_FLIGHT_SD,
+        0,
     )
 
 
@@ -136,7 +138,7 @@ def _same_device(flight: Flight, wanted: Recovery | None) -> bool:
 def _typed(wanted: Recovery, mass: float, density: float) -> Fall | None:
     """The descent from an entered speed at a landing mass [kg] in air [kg/m^3], or from the parachute's diameter."""
     if wanted.main_speed is not None:
-        return Fall(_pace(wanted.main_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
+        return Fall(_log_speed_factor(wanted.main_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
     if wanted.parachute_diameter is None:
         return None
     drag_area = PARACHUTE_CD * np.pi / 4 * wanted.parachute_diameter**2
@@ -146,23 +148,23 @@ def _typed(wanted: Recovery, mass: float, density: float) -> Fall | None:
 def _typed_drogue(wanted: Recovery, mass: float, density: float) -> Fall:
     """The drogue as entered, or a default one, at a landing mass [kg] in air [kg/m^3]."""
     if wanted.drogue_speed is None:
-        return Fall(_pace(DROGUE_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0)
-    return Fall(_pace(wanted.drogue_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
+        return Fall(_log_speed_factor(DROGUE_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0)
+    return Fall(_log_speed_factor(wanted.drogue_speed, mass, density), FLIGHT_TO_FLIGHT_SD, 0, typed=TYPED_FLIGHTS)
 
 
-def _pace(speed: float, mass: float, density: float) -> float:
+def _log_speed_factor(speed: float, mass: float, density: float) -> float:
     """The log of c for a speed near the ground [m/s]."""
     return float(np.log(speed) - 0.5 * np.log(mass / density))
 
 
-def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]) -> Fall | None:
+def _pooled(speeds: Sequence[float | None], flights: Sequence[tuple[Flight, Found]]) -> Fall | None:
     """The descent estimated from measured speeds [m/s], None without any."""
     values = np.array([np.nan if speed is None else speed for speed in speeds], float)
     known = np.isfinite(values) & (values > 0)
     if not known.any():
         return None
-    masses = np.array([landing_mass(flight, found) for flight, found in told])
-    density = air_at_pads([flight for flight, _ in told]).density
+    masses = np.array([landing_mass(flight, found) for flight, found in flights])
+    density = air_at_pads([flight for flight, _ in flights]).density
     logs = np.log(values[known]) - 0.5 * np.log(masses[known] / density[known])
     count = len(logs)
     squares = DESCENT_PRIOR_FLIGHTS * FLIGHT_TO_FLIGHT_SD**2 + ((logs - logs.mean()) ** 2).sum()

@@ -33,7 +33,7 @@ STEP = 5 * FOOT
 
 
 @dataclass(frozen=True, slots=True)
-class Together:
+class FinalsRow:
     """The dry mass [kg] and the ratio of the parachute's area to the current one [1] with the fewest points for a
     target [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points per flight."""
 
@@ -63,11 +63,11 @@ class TrialFlights:
         """The forecast at the simulated dry mass nearest to a mass. [kg]"""
         return min(self.forecasts, key=lambda one: abs((one.plan.dry_mass or 0.0) - mass))
 
-    def best(self, rule: Season) -> Together:
+    def best(self, rule: Season) -> FinalsRow:
         """The mass and area with the fewest points under a season's rules."""
         points = np.array([rule.points(self.apogee, one).mean(axis=-1) for one in self.duration])
         area, row = np.unravel_index(int(np.argmin(points)), points.shape)
-        return Together(
+        return FinalsRow(
             rule.target,
             rule.window,
             float(self.masses[row]),
@@ -94,22 +94,22 @@ def trials(
     if not 0 < low < most:
         raise ImpossibleFlight("found a lowest mass above the highest mass")
     flown = np.linspace(low, most, MASSES)
-    said = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
-    if not np.median(said[0].apogee) > 0:
+    predictions = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
+    if not np.median(predictions[0].apogee) > 0:
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
-    fall, density = fall_of(rocket.history, plan, found), air_of(said[0].plan).density
+    fall, density = fall_of(rocket.history, plan, found), air_of(predictions[0].plan).density
 
     def timed(area: float) -> Float[Array, "mass draw"]:
         speeds = [
             fall.speeds(np.random.default_rng(7), (DRAWS, 1), landing_mass(one.plan, one.found), density, area)
-            for one in said
+            for one in predictions
         ]
-        return np.nan_to_num(durations(said, fall, np.concatenate(speeds, axis=1))).T
+        return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1))).T
 
     fine = np.linspace(low, most, FINE_MASSES)
-    apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
+    apogee = PchipInterpolator(flown, np.stack([one.apogee for one in predictions]), axis=0)(fine)
     duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
-    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), tuple(said), fall)
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), tuple(predictions), fall)
 
 
 def finals_targets(rule: Season) -> list[float]:
@@ -120,13 +120,13 @@ def finals_targets(rule: Season) -> list[float]:
     return [float(one) for one in np.arange(low, high + 0.5 * STEP, STEP)]
 
 
-def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[Together]:
+def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[FinalsRow]:
     """The best mass and area for each target [m], in the window of the rules."""
     return [flown.best(rule.announced(target, None)) for target in targets]
 
 
 def end_flights(
-    rocket: Rocket, plan: Flight, found: Found, table: Sequence[Together]
+    rocket: Rocket, plan: Flight, found: Found, table: Sequence[FinalsRow]
 ) -> list[tuple[Prediction, float]]:
     """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
     higher than the first, or leaves the rail slower than the last."""

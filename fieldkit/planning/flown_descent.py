@@ -60,10 +60,10 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
 
 def _one_device(path: "_Path", air: Air, left: float) -> float:
     """Speed under a device that descends a path in the remaining time of a flight [s]. [m/s]"""
-    sunk = float(air.sinking_path(np.array([path.opened]))[0])
-    speed = sunk / left
+    fall_height = float(air.sinking_path(np.array([path.opened]))[0])
+    speed = fall_height / left
     for _ in range(ROUNDS):  # the device first has to slow to its own speed
-        speed = sunk / max(left - _lag(speed, path.speed), 0.5 * left)
+        speed = fall_height / max(left - _lag(speed, path.speed), 0.5 * left)
     return speed
 
 
@@ -76,7 +76,7 @@ def _two_devices(
     for _ in range(ROUNDS):  # the rocket falls farther under the drogue while the main opens
         late = float(opening_time(devices, devices.main, np.array(drogue))[0])
         open_main = min(max(devices.main_altitude - drogue * late, 0.0), path.opened)
-        high, low = (float(sunk) for sunk in air.sinking_path(np.array([path.opened, open_main])))
+        high, low = (float(fall_height) for fall_height in air.sinking_path(np.array([path.opened, open_main])))
         rest = left - _lag(drogue, path.speed)
         if not main:
             under = rest - (high - low) / drogue
@@ -147,12 +147,12 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
         wait = float(fall_time(np.array(height - flight.eject_altitude / gain), np.array(terminal)))
     else:
         wait = 0.0
-    fell = sink(
+    descent = sink(
         np.array([height]),
         np.array([wait]),
         np.array([terminal]),
         _devices(flight, found, recovery),
         air_at_pads([flight]),
     )
-    opened, speed = (float(np.nan_to_num(one[0])) for one in (fell.open_height, fell.open_speed))
-    return _Path(rise, float(fell.free_time[0]), opened, speed)
+    opened, speed = (float(np.nan_to_num(one[0])) for one in (descent.open_height, descent.open_speed))
+    return _Path(rise, float(descent.free_time[0]), opened, speed)

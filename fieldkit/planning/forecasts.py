@@ -59,11 +59,11 @@ def forecasts(
     mass.
     """
 
-    def said(rows: Sequence[int]) -> list[Prediction]:
+    def of_rows(rows: Sequence[int]) -> list[Prediction]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
-        return flown_ahead(rocket, fitted, paired, None if delay_sd is None else delay_sd[list(rows)])
+        return forecast_plans(rocket, fitted, paired, None if delay_sd is None else delay_sd[list(rows)])
 
-    return by_kind(rocket.history, planned, said)
+    return by_kind(rocket.history, planned, of_rows)
 
 
 def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
@@ -72,7 +72,7 @@ def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForec
     return learn(rocket.history, planned, averaged=rocket.averaged, cds=cds, shared=rocket.shared, draws=draws)
 
 
-def flown_ahead(
+def forecast_plans(
     rocket: Rocket,
     fitted: FittedForecast,
     paired: bool = True,

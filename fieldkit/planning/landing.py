@@ -133,27 +133,31 @@ class LandingEllipse:
         }
 
 
-def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
+def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     """Landing points and durations for the draws of a forecast, with random deviations of the wind from the declared
     one and of the climb's drift from its forecast.
 
     Without a wind, only the rail angle causes drift, and the landing point is unknown.
     """
     rng = np.random.default_rng(seed)
-    count = len(said.apogee)
-    speed = fall.speeds(rng, (count, 1), landing_mass(said.plan, said.found), air_of(said.plan).density)[:, 0]
-    down_in = partial(descents, said, fall, speed)
+    count = len(prediction.apogee)
+    speed = fall.speeds(
+        rng, (count, 1), landing_mass(prediction.plan, prediction.found), air_of(prediction.plan).density
+    )[:, 0]
+    down_in = partial(descents, prediction, fall, speed)
     down = down_in()
     stronger = np.exp(WIND_SPEED_SD * rng.normal(size=count))
     turned = WIND_DIRECTION_SD * rng.normal(size=count)
-    climb = np.exp((CLIMB_SD if stability(said.plan) else CLIMB_SD_OF_UNKNOWN_STABILITY) * rng.normal(size=count))
-    along = climb * np.nan_to_num(said.drift) + stronger * (down.along * np.cos(turned) - down.across * np.sin(turned))
-    sideways = np.broadcast_to(np.nan_to_num(said.across), (count,))
+    climb = np.exp((CLIMB_SD if stability(prediction.plan) else CLIMB_SD_OF_UNKNOWN_STABILITY) * rng.normal(size=count))
+    along = climb * np.nan_to_num(prediction.drift) + stronger * (
+        down.along * np.cos(turned) - down.across * np.sin(turned)
+    )
+    sideways = np.broadcast_to(np.nan_to_num(prediction.across), (count,))
     across = climb * sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
-    if said.plan.wind is not None and said.plan.wind < CALM:
+    if prediction.plan.wind is not None and prediction.plan.wind < CALM:
         drift, (ahead, aside) = _drift(down_in), _within_calm(rng, count)
         along, across = along + ahead * drift, across + aside * drift
-    return Landing(along, across, said.rise_time + down.time, down, down_in, said.plan.wind)
+    return Landing(along, across, prediction.rise_time + down.time, down, down_in, prediction.plan.wind)
 
 
 def _drift(down_in: Callable[[WindProfile], DescentResult]) -> Float[Array, "draw"]:
@@ -189,10 +193,11 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     ways = [("into", 0.0)]
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
     plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
-    said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
     fall = fall_of(rocket.history, plan, found)
     choices = [
-        RailChoice(name, angle, three(landing(one, fall).away)) for (name, angle), one in zip(ways, said, strict=True)
+        RailChoice(name, angle, three(landing(one, fall).away))
+        for (name, angle), one in zip(ways, predictions, strict=True)
     ]
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
 
@@ -205,9 +210,9 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     winds, each with the whole landing calculation.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
-    said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
     fall = fall_of(rocket.history, plan, found)
-    beyond = np.array([three(landing(one, fall).away)[2] for one in said]) - size / 2
+    beyond = np.array([three(landing(one, fall).away)[2] for one in predictions]) - size / 2
     off = np.flatnonzero(~(beyond <= 0))
     if not off.size:
         return math.inf

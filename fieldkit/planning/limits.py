@@ -48,10 +48,10 @@ def limits(own: Path | None = None) -> dict[str, Limit]:
     known = _read(DATA)
     if own is None or not own.exists():
         return known
-    changed = _read(own)
-    if strange := sorted(set(changed) - {*known, *OWN_NAMES}):
-        raise BadValue(f"{own.name}: found {strange[0]!r}, expected one of {', '.join([*known, *OWN_NAMES])}")
-    return known | changed
+    own_limits = _read(own)
+    if unknown := sorted(set(own_limits) - {*known, *OWN_NAMES}):
+        raise BadValue(f"{own.name}: found {unknown[0]!r}, expected one of {', '.join([*known, *OWN_NAMES])}")
+    return known | own_limits
 
 
 def _read(file: Path) -> dict[str, Limit]:

@@ -96,7 +96,7 @@ def _legal(choice: MotorChoice, rule: Season, approved: frozenset[str] | None) -
 
 
 def _points(choice: MotorChoice, rule: Season) -> Float[Array, "draw"]:
-    said = choice.prediction
-    mass, density = landing_mass(said.plan, said.found), air_of(said.plan).density
-    speeds = choice.fall.speeds(np.random.default_rng(9), (len(said.apogee), 1), mass, density)
-    return rule.points(said.apogee, np.nan_to_num(durations([said], choice.fall, speeds))[:, 0])
+    prediction = choice.prediction
+    mass, density = landing_mass(prediction.plan, prediction.found), air_of(prediction.plan).density
+    speeds = choice.fall.speeds(np.random.default_rng(9), (len(prediction.apogee), 1), mass, density)
+    return rule.points(prediction.apogee, np.nan_to_num(durations([prediction], choice.fall, speeds))[:, 0])

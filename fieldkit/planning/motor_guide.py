@@ -20,7 +20,7 @@ from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays, tolerance
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
-from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
+from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
@@ -218,14 +218,18 @@ def guide(
         MotorChoice(
             motor,
             delay,
-            _ejections(motor, coast if (said.apogee > 0).mean() > 0.5 else math.nan),
-            said,
+            _ejections(motor, coast if (prediction.apogee > 0).mean() > 0.5 else math.nan),
+            prediction,
             label(motor) in known,
-            *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
-            tuple(safety_lines(said, site, fall := completed_fall(falls, said.plan, said.found), limits, rules)),
+            *thrust_to_weight(motor, prediction.plan.dry_mass or math.nan),
+            tuple(
+                safety_lines(
+                    prediction, site, fall := completed_fall(falls, prediction.plan, prediction.found), limits, rules
+                )
+            ),
             fall,
         )
-        for motor, (delay, coast, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
+        for motor, (delay, coast, prediction) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]
 
 
@@ -239,7 +243,7 @@ def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
-    made = flown_ahead(rocket, _with_delays(fitted, delays), delay_sd=sd)
+    made = forecast_plans(rocket, _with_delays(fitted, delays), delay_sd=sd)
     return list(zip(delays, coasts.tolist(), made, strict=True))
 
 

@@ -33,7 +33,7 @@ class PlannedFlight:
     `holds` is the result of `wind_that_holds` [m/s]; None with a wind, or without the size of the field.
     """
 
-    said: Prediction
+    prediction: Prediction
     fall: Fall
     down: Landing
     lines: tuple[SafetyCheck, ...]
@@ -43,7 +43,7 @@ class PlannedFlight:
     @property
     def name(self) -> str:
         """The plan's id, or its rocket if it has none."""
-        return self.said.plan.flight_id or self.said.plan.rocket or "plan"
+        return self.prediction.plan.flight_id or self.prediction.plan.rocket or "plan"
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
@@ -60,12 +60,12 @@ def planned_flight(
     """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
     figures. Raises BadValue, ImpossibleFlight.
     """
-    (said,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
-    fall = fall_of(rocket.history, said.plan, found)
-    down = landing(said, fall)
+    (prediction,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
+    fall = fall_of(rocket.history, prediction.plan, found)
+    down = landing(prediction, fall)
     opens = down.down.ballistic.mean() < UNSAFE_RISK
     rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE) if opens else ()
-    lines = safety_lines(said, site, fall, limits, rules)
+    lines = safety_lines(prediction, site, fall, limits, rules)
     unknown = plan.wind is None and site.size is not None
     holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
-    return PlannedFlight(said, fall, down, tuple(lines), tuple(rail), holds)
+    return PlannedFlight(prediction, fall, down, tuple(lines), tuple(rail), holds)

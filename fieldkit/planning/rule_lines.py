@@ -96,7 +96,7 @@ def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | No
     return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", words, told.mark)
 
 
-def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
+def wind_line(governed_by: Governed, wind: float | None) -> SafetyCheck:
     """Ground wind [m/s] against its upper limit."""
 
     def judge(rule: Rule) -> SafetyCheck:
@@ -107,10 +107,10 @@ def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
         text = f"{speed(wind)}; {most}"
         return _check("ground wind", "ok" if wind <= limit else "unsafe", text, rule)
 
-    return _line("ground wind", held.rules("ground wind"), judge)
+    return _line("ground wind", governed_by.rules("ground wind"), judge)
 
 
-def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
+def angle_line(governed_by: Governed, angle: float | None) -> SafetyCheck:
     """Angle of the rail from vertical [rad] against its upper limit."""
 
     def judge(rule: Rule) -> SafetyCheck:
@@ -120,18 +120,18 @@ def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
         text = f"{abs(angle) / DEGREE:.0f}° from vertical, at most {limit:.0f}°"
         return _check("launch angle", "ok" if abs(angle) / DEGREE <= limit + 1e-6 else "unsafe", text, rule)
 
-    rules = sorted(held.rules("launch angle"), key=lambda rule: rule.rows[0].value)
+    rules = sorted(governed_by.rules("launch angle"), key=lambda rule: rule.rows[0].value)
     return _line("launch angle", rules, judge)
 
 
-def mass_line(held: Governed) -> SafetyCheck:
+def mass_line(governed_by: Governed) -> SafetyCheck:
     """Liftoff mass, propellant and total impulse against the codes' limits for the kind of rocket."""
-    build = held.build
+    build = governed_by.build
     found = {"mass": (build.mass, "g", ""), "propellant": (build.propellant, "g", " of propellant")}
     found["impulse"] = (build.impulse, "N s", "")
     lines = []
     for name, (value, unit, what) in found.items():
-        for rule in held.rules(name):
+        for rule in governed_by.rules(name):
             limit = rule.rows[0].value
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
             own, most = compared(value, limit, unit)
@@ -144,26 +144,26 @@ def mass_line(held: Governed) -> SafetyCheck:
     return SafetyCheck(last.name, last.verdict, texts, last.source, last.rule, last.mark)
 
 
-def weight_line(held: Governed) -> SafetyCheck | None:
+def weight_line(governed_by: Governed) -> SafetyCheck | None:
     """Liftoff weight against the certified average thrust, if a code limits it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
-        found = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
+        found = governed_by.build.rated_thrust / (governed_by.build.mass * STANDARD_GRAVITY)
         least = 1 / rule.rows[0].value
         verdict: Verdict = "unknown" if math.isnan(found) else "ok" if found >= least - 1e-6 else "unsafe"
         text = f"{ratio(found, least - 1e-6)} from the certified thrust, needs at least {least:.0f}"
         return _check("thrust to weight", verdict, text, rule)
 
-    rules = held.rules("weight over thrust")
+    rules = governed_by.rules("weight over thrust")
     return _line("thrust to weight", rules, judge) if rules else None
 
 
-def field_line(held: Governed, size: float | None) -> SafetyCheck:
+def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
     """The field's shorter side [m] against the codes' minimum."""
 
     def judge(rule: Rule) -> SafetyCheck:
-        needed = rule.least(held.build.impulse, held.altitude)
-        row = rule.row(held.build.impulse, held.altitude)
+        needed = rule.least(governed_by.build.impulse, governed_by.altitude)
+        row = rule.row(governed_by.build.impulse, governed_by.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
         if size is None:
@@ -172,32 +172,32 @@ def field_line(held: Governed, size: float | None) -> SafetyCheck:
         wanted, own = lengths(needed, size)
         text = f"the code requires {wanted} across"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
-        if verdict == "unsafe" and (small := _small_field(held)) and size >= small.rows[0].value - 1e-6:
+        if verdict == "unsafe" and (small := _small_field(governed_by)) and size >= small.rows[0].value - 1e-6:
             told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
             return _check("field size", "caution", told, small)
         return _check("field size", verdict, f"{text}; this field is {own}", rule, row)
 
-    wanted = held.rules("field size")
-    wanted.sort(key=lambda rule: -(rule.least(held.build.impulse, held.altitude) or math.inf))
+    wanted = governed_by.rules("field size")
+    wanted.sort(key=lambda rule: -(rule.least(governed_by.build.impulse, governed_by.altitude) or math.inf))
     return _line("field size", wanted, judge)
 
 
-def _small_field(held: Governed) -> Rule | None:
+def _small_field(governed_by: Governed) -> Rule | None:
     """The rule for the field of a small high-power rocket, if it applies."""
-    for rule in held.rules("small high power field"):
-        build, only = held.build, rule.only
-        if build.impulse < only["impulse"] and build.mass < only["mass"] and held.altitude < only["altitude"]:
+    for rule in governed_by.rules("small high power field"):
+        build, only = governed_by.build, rule.only
+        if build.impulse < only["impulse"] and build.mass < only["mass"] and governed_by.altitude < only["altitude"]:
             return rule
     return None
 
 
-def distance_line(held: Governed, people: float | None) -> SafetyCheck:
+def distance_line(governed_by: Governed, people: float | None) -> SafetyCheck:
     """The distance from the pad to the people at the launch [m] against the table, if due in its complex column."""
-    name, build = "pad distance", held.build
+    name, build = "pad distance", governed_by.build
 
     def judge(rule: Rule) -> SafetyCheck:
-        row = rule.row(build.impulse, held.altitude)
-        needed = rule.least(build.impulse, held.altitude, complex_rocket=build.complex)
+        row = rule.row(build.impulse, governed_by.altitude)
+        needed = rule.least(build.impulse, governed_by.altitude, complex_rocket=build.complex)
         if row is None or needed is None:
             return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
         wanted, *own = lengths(needed) if people is None else lengths(needed, people)
@@ -211,17 +211,19 @@ def distance_line(held: Governed, people: float | None) -> SafetyCheck:
         verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"
         return _check(name, verdict, f"{text}; they are {own[0]} away", rule, row)
 
-    rules = held.rules(name)
-    rules.sort(key=lambda rule: -(rule.least(build.impulse, held.altitude, complex_rocket=build.complex) or math.inf))
+    rules = governed_by.rules(name)
+    rules.sort(
+        key=lambda rule: -(rule.least(build.impulse, governed_by.altitude, complex_rocket=build.complex) or math.inf)
+    )
     return _line(name, rules, judge)
 
 
-def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
+def bystander_line(governed_by: Governed, away: float | None) -> SafetyCheck:
     """The distance to uninvolved people and property [m] against the law's minimum for the class."""
     name = "bystanders"
 
     def judge(rule: Rule) -> SafetyCheck:
-        needed = rule.least(held.build.impulse, held.altitude) or 0.0
+        needed = rule.least(governed_by.build.impulse, governed_by.altitude) or 0.0
         wanted, *own = lengths(needed) if away is None else lengths(needed, away)
         text = f"uninvolved people and property at least {wanted} away"
         if away is None:
@@ -229,66 +231,66 @@ def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
         verdict: Verdict = "ok" if away >= needed - 1e-6 else "unsafe"
         return _check(name, verdict, f"{text}; they are {own[0]} away", rule)
 
-    rules = held.rules(name)
-    if not rules and held.legal == 1:
-        law = held.law.title if held.law else ""
+    rules = governed_by.rules(name)
+    if not rules and governed_by.legal == 1:
+        law = governed_by.law.title if governed_by.law else ""
         return SafetyCheck(name, "ok", "no set distance for class 1, but no hazard to them", law)
     return _line(name, rules, judge)
 
 
-def class_line(held: Governed) -> SafetyCheck:
+def class_line(governed_by: Governed) -> SafetyCheck:
     """Model or high power, and the class of the law."""
-    build = held.build
+    build = governed_by.build
     mass = "unknown mass" if math.isnan(build.mass) else f"{figure(build.mass, 'g')} on the pad"
     text = f"{figure(build.propellant, 'g')} of propellant, {mass}, {build.impulse:.0f} N s"
-    law = held.law
+    law = governed_by.law
     source = f"{law.title}; {law.text.origin()}" if law else ""
     words = str(law.classes.get("says", "")) if law else ""
-    name = f"class {held.legal}" if held.legal else "no air law in the chosen sets"
-    if held.legal == 3:
+    name = f"class {governed_by.legal}" if governed_by.legal else "no air law in the chosen sets"
+    if governed_by.legal == 3:
         return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
-    if not held.why and held.legal in (None, 1):
+    if not governed_by.why and governed_by.legal in (None, 1):
         return SafetyCheck("class", "ok", f"{text}: {name}, a model rocket", source)
-    waiver = ", which needs a waiver" if held.legal == 2 else ""
-    high = f"high power because of {held.why}" if held.why else "not high power under club rules"
+    waiver = ", which needs a waiver" if governed_by.legal == 2 else ""
+    high = f"high power because of {governed_by.why}" if governed_by.why else "not high power under club rules"
     return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
 
 
-def certification_line(held: Governed) -> SafetyCheck:
+def certification_line(governed_by: Governed) -> SafetyCheck:
     """The certification level that the motors require."""
     name = "certification"
-    if not held.why:
+    if not governed_by.why:
         return SafetyCheck(name, "ok", "none needed: not high power", "")
 
     def judge(rule: Rule) -> SafetyCheck:
-        level = rule.least(held.build.impulse, held.altitude)
+        level = rule.least(governed_by.build.impulse, governed_by.altitude)
         if level is None:
-            return _check(name, "unsafe", f"{held.build.impulse:.0f} N s is beyond every level", rule)
+            return _check(name, "unsafe", f"{governed_by.build.impulse:.0f} N s is beyond every level", rule)
         return _check(name, "caution", f"requires certification level {level:.0f}", rule)
 
-    return _line(name, held.rules(name), judge, "high power: none of the chosen rules names a level")
+    return _line(name, governed_by.rules(name), judge, "high power: none of the chosen rules names a level")
 
 
-def complex_line(held: Governed) -> SafetyCheck:
+def complex_line(governed_by: Governed) -> SafetyCheck:
     """What a cluster or several stages require beyond a single motor."""
     name = "complex rocket"
-    if not held.build.complex:
+    if not governed_by.build.complex:
         return SafetyCheck(name, "ok", "one motor, one stage", "")
-    text = f"{len(held.build.motors)} motors, forecast as if every one lights"
+    text = f"{len(governed_by.build.motors)} motors, forecast as if every one lights"
 
     def judge(rule: Rule) -> SafetyCheck:
-        row = rule.row(held.build.impulse, held.altitude)
+        row = rule.row(governed_by.build.impulse, governed_by.altitude)
         wanted = "" if row is None else f", people at least {length(row.value)} away"
         return _check(name, "caution", text + wanted, rule, row)
 
-    if rules := held.rules(name):
+    if rules := governed_by.rules(name):
         return _line(name, rules, judge)
     return SafetyCheck(name, "caution", f"{text}: the complex column of the distance table applies", "")
 
 
-def reminder_lines(held: Governed) -> Iterator[SafetyCheck]:
+def reminder_lines(governed_by: Governed) -> Iterator[SafetyCheck]:
     """Rules that the program cannot check a plan against, in their own words."""
-    for rule in held.reminders():
-        doubt = " (unverified)" if rule.text.unverified else ""
-        words = f"check it yourself: {rule.text.words}{doubt}"
+    for rule in governed_by.reminders():
+        suffix = " (unverified)" if rule.text.unverified else ""
+        words = f"check it yourself: {rule.text.words}{suffix}"
         yield SafetyCheck(rule.check, "unknown", words, f"{rule.of}; {rule.text.origin()}")

@@ -15,7 +15,7 @@ from typing import Any
 from fieldkit.errors import BadValue
 from fieldkit.files import read_toml
 from fieldkit.planning.rule_units import RULE_UNITS
-from fieldkit.planning.toml_values import found_in, number, texts, whole
+from fieldkit.planning.toml_values import number, problem_in, texts, whole
 from fieldkit.safe_text import printable
 
 FOLDER = Path(__file__).parents[1] / "data" / "rules"
@@ -173,7 +173,7 @@ def _read(file: Path, changed: int) -> RuleSet:
     try:
         return _rule_set(file.stem, table)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        found = found_in(error)
+        found = problem_in(error)
         raise BadValue(f"{file.name}: found {found}, expected title, authority, for, valid_from, [[rule]]") from error
 
 

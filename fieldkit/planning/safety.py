@@ -94,37 +94,37 @@ def known_rules() -> list[RuleSet]:
 
 
 def safety_lines(
-    said: Prediction, site: Site, fall: Fall, limits: Limits, rules: Sequence[RuleSet] | None = None
+    prediction: Prediction, site: Site, fall: Fall, limits: Limits, rules: Sequence[RuleSet] | None = None
 ) -> list[SafetyCheck]:
     """All checks of a forecast: guidance, the rules that govern the launch, and reminders.
 
     `rules` defaults to the shipped sets and the user's own. Raises BadValue for a damaged file of rules, and for a site
     under an authority without rule sets.
     """
-    plan, motor = said.plan, said.found.motor
+    plan, motor = prediction.plan, prediction.found.motor
     build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
     day = plan.date_time.date() if plan.date_time else None
     sets = known_rules() if rules is None else rules
-    held = rule_lines.governed(build, three(said.true_apogee)[2], site, sets, day)
-    down = landing(said, fall)
+    governed_by = rule_lines.governed(build, three(prediction.true_apogee)[2], site, sets, day)
+    down = landing(prediction, fall)
     lines = [
-        _rail(said.rail_speed, plan, limits),
-        _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(held)),
-        _stricter(rule_lines.wind_line(held, plan.wind), _own("wind", plan.wind, limits)),
-        _stricter(rule_lines.angle_line(held, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
-        _ceiling(said.true_apogee, site),
-        _field(down, site, rule_lines.field_line(held, site.size)),
-        rule_lines.distance_line(held, site.people),
-        rule_lines.bystander_line(held, site.bystanders),
-        _ejection(said, limits),
-        landing_speed_line(down.down, recovery_of(plan).device, landing_mass(plan, said.found), fall, limits),
+        _rail(prediction.rail_speed, plan, limits),
+        _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
+        _stricter(rule_lines.wind_line(governed_by, plan.wind), _own("wind", plan.wind, limits)),
+        _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
+        _ceiling(prediction.true_apogee, site),
+        _field(down, site, rule_lines.field_line(governed_by, site.size)),
+        rule_lines.distance_line(governed_by, site.people),
+        rule_lines.bystander_line(governed_by, site.bystanders),
+        _ejection(prediction, limits),
+        landing_speed_line(down.down, recovery_of(plan).device, landing_mass(plan, prediction.found), fall, limits),
         _temperature(plan, limits),
-        rule_lines.mass_line(held),
-        rule_lines.class_line(held),
-        rule_lines.certification_line(held),
-        rule_lines.complex_line(held),
+        rule_lines.mass_line(governed_by),
+        rule_lines.class_line(governed_by),
+        rule_lines.certification_line(governed_by),
+        rule_lines.complex_line(governed_by),
     ]
-    return [*lines, *rule_lines.reminder_lines(held)]
+    return [*lines, *rule_lines.reminder_lines(governed_by)]
 
 
 def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
@@ -197,13 +197,13 @@ def _field(down: Landing, site: Site, code: SafetyCheck) -> SafetyCheck:
     return replace(code, finding=text)
 
 
-def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
+def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
     limit, name = limits["eject_speed"], "ejection speed"
-    delay = said.plan.delay if said.plan.delay is not None else said.found.delay
-    recovery = recovery_of(said.plan)
+    delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
+    recovery = recovery_of(prediction.plan)
     if recovery.dual:
-        opens = _altimeter_ejection(said, limit)
-        return opens if delay in (None, PLUGGED_DELAY) else worst([opens, _early_charge(said, limit)])
+        opens = _altimeter_ejection(prediction, limit)
+        return opens if delay in (None, PLUGGED_DELAY) else worst([opens, _early_charge(prediction, limit)])
     if delay == PLUGGED_DELAY:
         text = "a plugged motor has no charge: an altimeter must deploy; the landing assumes that it does at apogee"
         return SafetyCheck(name, "caution", text, limit.source)
@@ -212,29 +212,29 @@ def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
         return SafetyCheck(name, "unknown", text, limit.source)
     if delay == 0:
         return SafetyCheck(name, "unsafe", "a booster motor (delay 0) has no charge for a parachute", limit.source)
-    fired = np.isfinite(said.eject_speed)
-    crashed = float(np.mean(~fired & (said.true_apogee > 0)))
-    chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
-    text = f"{speed(three(said.eject_speed)[1], 0)}; " if fired.any() else ""
+    fired = np.isfinite(prediction.eject_speed)
+    crashed = float(np.mean(~fired & (prediction.true_apogee > 0)))
+    chance = float(np.mean(np.nan_to_num(prediction.eject_speed) > limit.value)) + crashed
+    text = f"{speed(three(prediction.eject_speed)[1], 0)}; " if fired.any() else ""
     text += f"{chance:.0%} chance of more than {speed(limit.value, 0)}"
     text += f", {crashed:.0%} chance of hitting the ground first" if crashed >= 0.01 else ""
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
-def _altimeter_ejection(said: Prediction, limit: Limit) -> SafetyCheck:
+def _altimeter_ejection(prediction: Prediction, limit: Limit) -> SafetyCheck:
     """The speed at which an altimeter opens a drogue at apogee: the horizontal speed."""
-    sideways = np.hypot(np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
+    sideways = np.hypot(np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     chance = float(np.mean(sideways > limit.value))
     text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"
     text += f"; {chance:.0%} chance of more than {speed(limit.value, 0)}"
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
-def _early_charge(said: Prediction, limit: Limit) -> SafetyCheck:
+def _early_charge(prediction: Prediction, limit: Limit) -> SafetyCheck:
     """The chance that a motor's charge opens a rocket with an altimeter before apogee, at more than the limit: at worst
     caution, because most such motors can be flown without the charge. After apogee it is a backup."""
-    early = np.nan_to_num(said.eject) < 0
-    chance = float(np.mean(early & (np.nan_to_num(said.eject_speed) > limit.value)))
+    early = np.nan_to_num(prediction.eject) < 0
+    chance = float(np.mean(early & (np.nan_to_num(prediction.eject_speed) > limit.value)))
     text = f"{chance:.0%} chance that the motor's charge fires before apogee at more than {speed(limit.value, 0)}"
     verdict = by_chance(min(chance, SAFE_RISK))
     return SafetyCheck("ejection speed", verdict, f"{text}: take a longer delay or leave out the charge", limit.source)

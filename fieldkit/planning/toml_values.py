@@ -43,6 +43,6 @@ def texts(values: object, name: str) -> tuple[str, ...]:
     return tuple(map(printable, values))
 
 
-def found_in(error: Exception) -> str:
+def problem_in(error: Exception) -> str:
     """What an error while reading a file found, for a message: a missing key, or the wrong value."""
     return f"no {error.args[0]}" if isinstance(error, KeyError) and error.args else str(error)

@@ -58,8 +58,8 @@ def suggestion_line(found: Suggestion, system: str) -> str:
         )
     if found.kind == "motor" and found.apogee is not None:
         target = measure(APOGEE, found.target, system)
-        said = _interval(found.apogee, system)
-        return f"{found.motor}, {said}: of motors that pass the checks nearest to {target}. f to choose a motor."
+        interval = _interval(found.apogee, system)
+        return f"{found.motor}, {interval}: of motors that pass the checks nearest to {target}. f to choose a motor."
     if found.narrows < VISIBLE_NARROWING:
         return "More such flights hardly narrow the interval: it is flight-to-flight variation. f to plan the next one."
     return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f to save its forecast."

@@ -8,7 +8,7 @@ from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season
-from fieldkit.planning.finals import Together, TrialFlights
+from fieldkit.planning.finals import FinalsRow, TrialFlights
 from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits
@@ -21,7 +21,7 @@ def finals_headers(system: str = "SI") -> tuple[str, ...]:
     return "target ft", f"dry {mass}", f"lift-off {mass}", "parachute", "apogee ft", "seconds", "points"
 
 
-def finals_rows(table: Sequence[Together], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
+def finals_rows(table: Sequence[FinalsRow], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
     """One row per target."""
     shown = ShownUnits(system)
     return [
@@ -50,11 +50,11 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
     yield f"{day}, temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
 
 
-def finals_basis(flown: TrialFlights, table: Sequence[Together]) -> Iterator[str]:
+def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[str]:
     """What the table is based on, and how much one more flight at its middle target would narrow it."""
-    said, fall = flown.forecast_at(table[len(table) // 2].mass), flown.fall
-    yield f"based on {rests_in_words(said)}; descent: {descent_in_words(fall)}"
-    apogee = f"the apogee by {1 - said.narrowed(1):.0%}" if said.rests_on else ""
+    prediction, fall = flown.forecast_at(table[len(table) // 2].mass), flown.fall
+    yield f"based on {rests_in_words(prediction)}; descent: {descent_in_words(fall)}"
+    apogee = f"the apogee by {1 - prediction.narrowed(1):.0%}" if prediction.rests_on else ""
     descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""
     if narrower := " and ".join(part for part in (apogee, descent) if part):
         yield f"one more flight with a duration would narrow {narrower}"

@@ -62,15 +62,15 @@ def flown_title(one: "ListedFlight") -> str:
 def flown_lines(one: "ListedFlight", system: str) -> Iterator[str]:
     """Details of the flown apogee: its unit, and how it compares with its forecast."""
     yield f"{spelled(unit_of(APOGEE, system))} flown"
-    said = one.forecast
-    if said is None or said.miss is None or one.flight.apogee is None:
+    forecast = one.forecast
+    if forecast is None or forecast.miss is None or one.flight.apogee is None:
         yield "no forecast was saved for it"
         return
-    low, middle, high = said.interval
-    way = "high" if said.miss >= 0 else "low"
+    low, middle, high = forecast.interval
+    way = "high" if forecast.miss >= 0 else "low"
     where = "inside" if low <= one.flight.apogee <= high else "OUTSIDE"
     yield f"forecast {number(APOGEE, middle, system)}"
-    yield f"{number(APOGEE, abs(said.miss), system)} {way}, {where}"
+    yield f"{number(APOGEE, abs(forecast.miss), system)} {way}, {where}"
 
 
 def day_line(flights: "Sequence[ListedFlight]", system: str) -> str:

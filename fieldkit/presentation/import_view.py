@@ -163,10 +163,10 @@ def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
         unit = spelled(unit_of(column, system))
         value = scale.from_si(own.to_si(readout.value))
         spread = "" if readout.sd is None else f" ± {scale.difference_from_si(own.difference_to_si(readout.sd)):.2g}"
-        said = (
+        by_device = (
             "" if readout.stated is None else f"   device: {rounded(scale.from_si(own.to_si(readout.stated)))} {unit}"
         )
-        yield f"    {column.title:22}{f'{rounded(value)}{spread} {unit}':22}{readout.sensor:11}{said}".rstrip()
+        yield f"    {column.title:22}{f'{rounded(value)}{spread} {unit}':22}{readout.sensor:11}{by_device}".rstrip()
 
 
 def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:

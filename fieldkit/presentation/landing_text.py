@@ -22,7 +22,7 @@ short half axis. [1]"""
 
 
 def landing_in_words(
-    said: Prediction,
+    prediction: Prediction,
     down: Landing,
     fall: Fall,
     rail: Sequence[RailChoice],
@@ -34,8 +34,8 @@ def landing_in_words(
 
     `holds` is the wind that keeps landings on the field, as in `PlannedFlight` [m/s].
     """
-    plan, recovery, shown = said.plan, recovery_of(said.plan), ShownUnits(system)
-    yield build_in_words(said)
+    plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
+    yield build_in_words(prediction)
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
@@ -44,7 +44,7 @@ def landing_in_words(
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall)}"
-    yield f"  based on  {rests_in_words(said)}"
+    yield f"  based on  {rests_in_words(prediction)}"
     if plan.wind is None:
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
         return

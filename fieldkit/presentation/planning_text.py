@@ -55,12 +55,12 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     `tool` is the delay drilling tool; figures are in the units of a `system`.
     """
     shown = ShownUnits(system)
-    said = judged.forecast
+    prediction = judged.forecast
     p05, p50, p95 = judged.coast
-    build = " ".join(part for part in (said.plan.rocket, said.plan.config) if part)
-    motor = f"{said.found.motor.maker} {said.found.motor.designation}"
+    build = " ".join(part for part in (prediction.plan.rocket, prediction.plan.config) if part)
+    motor = f"{prediction.found.motor.maker} {prediction.found.motor.designation}"
     yield f"{build} on {motor}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90% interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(said)}"
+    yield f"  90% interval {p05:.1f} to {p95:.1f} s; based on {rests_in_words(prediction)}"
     if judged.delays:
         yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95%':>12}  {'speed':>8}  {'too fast':>8}"
     yield from (f"  {_delay(one, shown)}" for one in judged.delays)
@@ -75,9 +75,9 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
     """The mass to fly, its result compared with the current mass, and the reachable range if the target cannot be met;
     in the units of a system, except the points and feet of a contest."""
-    said, shown = best.forecast, ShownUnits(system)
+    prediction, shown = best.forecast, ShownUnits(system)
     p05, p50, p95 = best.apogee
-    yield f"{build_in_words(said)}, target {shown.length(goal.target)}"
+    yield f"{build_in_words(prediction)}, target {shown.length(goal.target)}"
     if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
         yield f"  too heavy: the season allows at most {shown.mass(goal.rule.mass)} on the pad"
     if not best.clear:
@@ -91,7 +91,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
-    yield f"  true      {shown.length(three(said.true_apogee)[1])} above the pad"
+    yield f"  true      {shown.length(three(prediction.true_apogee)[1])} above the pad"
     yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
     yield f"  mean miss {errors[0]} ({errors[1]} without change)"
@@ -99,7 +99,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
         yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
     step = "1 g" if shown.mass(0.0).endswith(" g") else "1 oz"
     yield f"  {f'{step} more':9} {shown.difference(best.slope * parse(step, 'mass', 'g'))}"
-    yield f"  based on  {rests_in_words(said)}"
+    yield f"  based on  {rests_in_words(prediction)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
@@ -112,12 +112,12 @@ def outlook_in_words(
 ) -> Iterator[str]:
     """Expected points and score, the duration, and the parachute with the fewest expected points; heights in feet, as
     in contests, the true one in the units of a system."""
-    said = ahead.forecast
+    prediction = ahead.forecast
     low, middle, high = three(ahead.points.ravel())
     sums = rule.sums(ahead.points)
     least, _, most = three(sums)
-    mass = ShownUnits(system).mass(said.plan.dry_mass or 0.0)
-    yield f"{build_in_words(said)}, {mass} without the motor, season {rule.year}"
+    mass = ShownUnits(system).mass(prediction.plan.dry_mass or 0.0)
+    yield f"{build_in_words(prediction)}, {mass} without the motor, season {rule.year}"
     if rule.caveat:
         yield f"  {rule.caveat}"
     yield (
@@ -127,10 +127,10 @@ def outlook_in_words(
         f"  score     {sums.mean():.0f} for the best {rule.best} of {rule.declared}, "
         f"90% interval {least:.0f} to {most:.0f}"
     )
-    low, middle, high = (height / FOOT for height in three(said.apogee))
+    low, middle, high = (height / FOOT for height in three(prediction.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
     yield f"  apogee    {middle:.0f} ft on the altimeter, 90% interval {low:.0f} to {high:.0f}, {aimed}"
-    yield f"  true      {ShownUnits(system).length(three(said.true_apogee)[1])} above the pad"
+    yield f"  true      {ShownUnits(system).length(three(prediction.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
@@ -138,7 +138,7 @@ def outlook_in_words(
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
-    yield f"  based on  {rests_in_words(said)}"
+    yield f"  based on  {rests_in_words(prediction)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"

@@ -24,15 +24,15 @@ DRAWS = 1000
 
 def quick_document(found: QuickLook) -> dict[str, Any]:
     """The keys of a closed loop, with probabilities instead of a search."""
-    before, said = finite(found.before.json()), found.answer
-    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    before, answer = finite(found.before.json()), found.answer
+    low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "rocket": found.rocket,
         "n_flights": found.flights,
         "base_model": "field",
-        "model": said.model,
+        "model": answer.model,
         "residual": {"before": before, "pattern": []},
-        "probabilities": {"none": said.none, "unexplained": said.unexplained, **said.inclusion},
+        "probabilities": {"none": answer.none, "unexplained": answer.unexplained, **answer.inclusion},
         "candidates": [
             {
                 "effect": one.effect,
@@ -60,13 +60,13 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
-    said = found.answer
+    answer = found.answer
     yield f"{found.rocket}: {counted(found.flights, 'clean flight')}, quick look by the network; nothing is saved"
     yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"
-    yield f"  {'none':34.34}{said.none:11.0%}"
-    yield f"  {'unexplained':34.34}{said.unexplained:11.0%}"
+    yield f"  {'none':34.34}{answer.none:11.0%}"
+    yield f"  {'unexplained':34.34}{answer.unexplained:11.0%}"
     for one in found.candidates:
         strength = in_system(f"{rounded(one.mean, 3)} +/- {rounded(one.sd, 2)} {one.unit}", system)
         yield f"  {one.place:34.34}{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}"
@@ -99,30 +99,30 @@ def forecast_document(found: QuickForecast) -> dict[str, Any]:
     }
 
 
-def _by_the_network(said: QuickAnswer) -> dict[str, Any]:
-    draws = said.apogee_draws(DRAWS)
-    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+def _by_the_network(answer: QuickAnswer) -> dict[str, Any]:
+    draws = answer.apogee_draws(DRAWS)
+    low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
-        **{key: said.readouts[name][1] if name in said.readouts else None for key, name in READOUT_KEYS.items()},
-        "cd": {"median": float(np.exp(said.log_cd[0])), "log_sd": said.log_cd[1]},
-        "alpha": {"median": float(np.exp(said.log_alpha[0])), "log_sd": said.log_alpha[1]},
-        "rests_on": int(said.summary.data.seen.any(axis=1).sum()),
-        "model": said.model,
+        **{key: answer.readouts[name][1] if name in answer.readouts else None for key, name in READOUT_KEYS.items()},
+        "cd": {"median": float(np.exp(answer.log_cd[0])), "log_sd": answer.log_cd[1]},
+        "alpha": {"median": float(np.exp(answer.log_alpha[0])), "log_sd": answer.log_alpha[1]},
+        "rests_on": int(answer.summary.data.seen.any(axis=1).sum()),
+        "model": answer.model,
         "evaluation": EVALUATION,
     }
 
 
-def _by_the_fit(said: Prediction) -> dict[str, Any]:
+def _by_the_fit(prediction: Prediction) -> dict[str, Any]:
     return {
-        "apogee_m": apogee_summary(said),
-        "ejection_s": said.median_eject,
-        "coast_s": median(said.coast),
-        "top_speed_mps": median(said.top_speed),
-        "cd": {"median": float(np.median(said.cd)), "log_sd": float(np.log(said.cd).std())},
-        "alpha": {"median": float(np.median(said.alpha)), "log_sd": float(np.log(said.alpha).std())},
-        "rests_on": said.rests_on,
-        "model": said.model,
+        "apogee_m": apogee_summary(prediction),
+        "ejection_s": prediction.median_eject,
+        "coast_s": median(prediction.coast),
+        "top_speed_mps": median(prediction.top_speed),
+        "cd": {"median": float(np.median(prediction.cd)), "log_sd": float(np.log(prediction.cd).std())},
+        "alpha": {"median": float(np.median(prediction.alpha)), "log_sd": float(np.log(prediction.alpha).std())},
+        "rests_on": prediction.rests_on,
+        "model": prediction.model,
         "evaluation": "fit",
     }
 
@@ -130,8 +130,8 @@ def _by_the_fit(said: Prediction) -> dict[str, Any]:
 def forecast_line(found: QuickForecast, system: str = "SI") -> str:
     """A forecast in one line, and whether it comes from the network or the fit."""
     shown = ShownUnits(system)
-    said = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
-    apogee = said["apogee_m"]
+    answer = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
+    apogee = answer["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
     source = (
         "by the network, checked by the fit"
@@ -141,5 +141,5 @@ def forecast_line(found: QuickForecast, system: str = "SI") -> str:
     return (
         f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "
-        f"{source}; Cd {said['cd']['median']:.2f}, thrust {said['alpha']['median']:.2f} times certified"
+        f"{source}; Cd {answer['cd']['median']:.2f}, thrust {answer['alpha']['median']:.2f} times certified"
     )

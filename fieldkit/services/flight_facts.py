@@ -48,8 +48,8 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: st
     guarded = infer([flight], motors, "field")
     if not guarded.inferred:
         raise ImpossibleFlight(guarded.left_out[0])
-    (said,) = FlightInference(ledger, motors).answers([flight])
-    area, thrust = draws(flight, said, DRAWS)
+    (answer,) = FlightInference(ledger, motors).answers([flight])
+    area, thrust = draws(flight, answer, DRAWS)
     warnings = guarded.inferred[0].warnings
     if flight.diameter:
         return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, warnings)

@@ -74,9 +74,9 @@ class FlightInference:
         asked = [one.flight for one in guarded.inferred]
         answers = self.answers(asked, on_progress)
         inferred, left_out = [], list(guarded.left_out)
-        for one, said in zip(guarded.inferred, answers, strict=True):
-            if np.isfinite([*said.log_cd, *said.log_alpha]).all():
-                inferred.append(_with_answer(one, said))
+        for one, answer in zip(guarded.inferred, answers, strict=True):
+            if np.isfinite([*answer.log_cd, *answer.log_alpha]).all():
+                inferred.append(_with_answer(one, answer))
             else:
                 left_out.append(f"flight {one.flight.flight_id}, its readouts are inconsistent")
         return Inferences(tuple(inferred), tuple(left_out))
@@ -92,10 +92,10 @@ class FlightInference:
         return each_at_once([(flight, self._motors.resolve(flight.motor)) for flight in flights], shared)
 
 
-def _with_answer(one: Inferred, said: "QuickAnswer") -> Inferred:
-    cd, cd_sd = _log_normal(*said.log_cd) if one.flight.diameter else (np.nan, np.nan)
-    alpha, alpha_sd = _log_normal(*said.log_alpha)
-    return replace(one, cd=cd, cd_sd=cd_sd, alpha=alpha, alpha_sd=alpha_sd, model=said.model)
+def _with_answer(one: Inferred, answer: "QuickAnswer") -> Inferred:
+    cd, cd_sd = _log_normal(*answer.log_cd) if one.flight.diameter else (np.nan, np.nan)
+    alpha, alpha_sd = _log_normal(*answer.log_alpha)
+    return replace(one, cd=cd, cd_sd=cd_sd, alpha=alpha, alpha_sd=alpha_sd, model=answer.model)
 
 
 def _log_normal(mean: float, sd: float) -> tuple[float, float]:
@@ -104,10 +104,10 @@ def _log_normal(mean: float, sd: float) -> tuple[float, float]:
     return middle, middle * float(np.sqrt(np.expm1(sd**2)))
 
 
-def draws(flight: Flight, said: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+def draws(flight: Flight, answer: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
     """The network's draws of a flight's drag area [m^2] and thrust factor [1]."""
-    sds = np.array([said.log_cd[1], said.log_alpha[1]])
-    covariance = np.outer(sds, sds) * np.array([[1.0, said.correlation], [said.correlation, 1.0]])
-    means = (said.log_cd[0], said.log_alpha[0])
+    sds = np.array([answer.log_cd[1], answer.log_alpha[1]])
+    covariance = np.outer(sds, sds) * np.array([[1.0, answer.correlation], [answer.correlation, 1.0]])
+    means = (answer.log_cd[0], answer.log_alpha[0])
     log_cd, log_alpha = np.random.default_rng(0).multivariate_normal(means, covariance, count).T
     return np.exp(log_cd) * reference_area([flight])[0], np.exp(log_alpha)

@@ -95,9 +95,9 @@ def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
     plan = planned(ledger, flights)
     if plan is None:
         return None
-    said = list_forecasts(ledger, motors)
-    of_flights = by_flight(said)
-    waiting = [one for one in said if PLAN in one.made.payload and one.state in ("open", "stale")]
+    forecasts = list_forecasts(ledger, motors)
+    of_flights = by_flight(forecasts)
+    waiting = [one for one in forecasts if PLAN in one.made.payload and one.state in ("open", "stale")]
     listed = [
         replace(one, forecast=of_flights.get((one.flight.rocket, one.flight.flight_id)))
         for one in latest_flights(ledger, flights)

@@ -34,12 +34,12 @@ def made_for(
             unnamed.setdefault(key, []).append(one)
     found: list[StoredPrediction | None] = []
     for flight in flights:
-        said = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
-        if not said and unnamed:
+        candidates = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
+        if not candidates and unnamed:
             like = unnamed.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
-            said = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
-            said.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
-        found.append(said[-1] if said else None)
+            candidates = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
+            candidates.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
+        found.append(candidates[-1] if candidates else None)
     return found
 
 

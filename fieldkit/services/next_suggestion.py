@@ -48,11 +48,15 @@ class Suggestion:
 
 
 def suggestion(
-    ledger: Ledger, motors: Catalogue, settings: Settings, found: Outcome, said: Sequence[SavedForecast] | None = None
+    ledger: Ledger,
+    motors: Catalogue,
+    settings: Settings,
+    found: Outcome,
+    forecasts: Sequence[SavedForecast] | None = None,
 ) -> Suggestion:
-    """What to do after a flight; `said` are its rocket's forecasts, by default from the ledger."""
+    """What to do after a flight; `forecasts` are its rocket's forecasts, by default from the ledger."""
     flight = found.flight
-    recent = said if said is not None else list_forecasts(ledger, motors, flight.rocket)
+    recent = forecasts if forecasts is not None else list_forecasts(ledger, motors, flight.rocket)
     if questioned := _model_questioned(recent, ledger.flights(flight.rocket)):
         return questioned
     if settings.target is not None:
@@ -68,10 +72,10 @@ def suggestion(
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
 
-def _model_questioned(said: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
+def _model_questioned(forecasts: Sequence[SavedForecast], flights: Sequence[Flight]) -> Suggestion | None:
     """The loop, if more of the latest clean flights were outside their intervals than by chance, and the rocket has
     enough flights."""
-    flown = [one for one in said if one.flight and one.flight.clean and one.flown is not None][-RECENT_FORECASTS:]
+    flown = [one for one in forecasts if one.flight and one.flight.clean and one.flown is not None][-RECENT_FORECASTS:]
     outside = sum(not one.interval[0] <= (one.flown or 0.0) <= one.interval[2] for one in flown)
     usable = sum(flight.clean and flight.apogee is not None for flight in flights)
     if usable < MIN_FLIGHTS or not outside or chance_of(outside, len(flown)) >= SIGNIFICANCE:

@@ -71,8 +71,8 @@ def predict_quickly(
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
         used = [flight.clean for flight in before]
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
-        (said,) = answer_at_once(ready, ready.flown)
-        checked = check(said, fit_in_use(ready))
+        (answer,) = answer_at_once(ready, ready.flown)
+        checked = check(answer, fit_in_use(ready))
         fitted = None if checked.agrees else predict_plans(ledger, motors, [plan], keep=False)[0]
-        made.append(QuickForecast(whole, found, said, checked, fitted))
+        made.append(QuickForecast(whole, found, answer, checked, fitted))
     return made

@@ -96,9 +96,9 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
     predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
     flights = ledger.flights(rocket) if predictions else []
     pairs = [
-        (said.number, flight)
-        for flight, said in zip(flights, made_for(flights, predictions, motors), strict=True)
-        if said is not None
+        (made.number, flight)
+        for flight, made in zip(flights, made_for(flights, predictions, motors), strict=True)
+        if made is not None
     ]
     flown = [flight for _, flight in pairs if flight.apogee is not None]
     pasts = {id(flight): past for flight, past in zip(flown, ledger.before(flown), strict=True)}
@@ -130,8 +130,8 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
     """Forecast and flown apogee of a flight, one line each, in the units of a system."""
     shown = ShownUnits(system)
     low, middle, high = one.interval
-    said = f"{shown.length(middle)}, 90% interval {shown.lengths(low, high)}"
-    yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
+    text = f"{shown.length(middle)}, 90% interval {shown.lengths(low, high)}"
+    yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {text}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
         yield f"flown {shown.length(one.flown, 1)}: {shown.length(abs(one.miss), 1)} {way}, {where} the interval"

@@ -92,10 +92,12 @@ def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> l
 
 def as_planned(flight: Flight, made: Parts) -> Flight:
     """A flight with the mass, size and conditions of its prediction, if they were saved."""
-    said = {name: text for part in ("mass", "configuration", "conditions") for name, text in made.get(part, {}).items()}
+    conditions = {
+        name: text for part in ("mass", "configuration", "conditions") for name, text in made.get(part, {}).items()
+    }
     values = {
-        column.name: column.parse(said[column.header]) if said[column.header] else None
+        column.name: column.parse(conditions[column.header]) if conditions[column.header] else None
         for column in COLUMNS
-        if column.header in said
+        if column.header in conditions
     }
     return unflown(flight).with_changes(**values)

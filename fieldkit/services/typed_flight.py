@@ -122,14 +122,14 @@ class TypedFlight:
         return self._ready
 
 
-def _estimate(said: QuickAnswer) -> TypedEstimate:
+def _estimate(answer: QuickAnswer) -> TypedEstimate:
     """An answer as intervals, or the reason there is none."""
-    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
-    cd, alpha = _interval(said.log_cd), _interval(said.log_alpha)
+    low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    cd, alpha = _interval(answer.log_cd), _interval(answer.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):
         return TypedEstimate(odd="these values are inconsistent")
     return TypedEstimate(
-        cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(said.summary.data.seen.any(axis=1).sum())
+        cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(answer.summary.data.seen.any(axis=1).sum())
     )
 
 

@@ -226,11 +226,11 @@ class FieldkitApp(Surviving):
 
     def action_undo(self) -> None:
         """Undo the last change, no matter who made it."""
-        self._journal("undo", "undone")
+        self._journal("undo", "Undone")
 
     def action_redo(self) -> None:
         """Redo what was undone last."""
-        self._journal("redo", "redone")
+        self._journal("redo", "Redone")
 
     def _journal(self, method: str, said: str) -> None:
         page = self.screen

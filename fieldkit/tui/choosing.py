@@ -105,4 +105,4 @@ class Choosing(InOrder):
         except BadValue as error:
             self.show_notice(f"target: {error}, such as 800ft", error=True)
             return
-        self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)
+        self.choose(f"Target {measure(apogee, target, system)}" if target else "No target", target=target)

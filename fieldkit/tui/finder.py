@@ -123,4 +123,4 @@ class Finder(Provider):
 
     def _copy(self, command: str) -> None:
         self.app.copy_to_clipboard(command)
-        self._host.show_notice(f"copied: {command}")
+        self._host.show_notice(f"Copied: {command}")

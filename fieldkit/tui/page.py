@@ -190,9 +190,9 @@ class PageScreen(AskingScreen):
         text = self.copied()
         if text:
             self.app.copy_to_clipboard(text)
-            self.show_notice("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
+            self.show_notice("Copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
         else:
-            self.show_notice("nothing to copy")
+            self.show_notice("Nothing to copy")
 
     def action_back(self) -> None:
         """Dismiss a notice, or else leave a field, or else leave the screen if it is above a page."""

@@ -44,5 +44,7 @@ def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
             force=force,
         )
 
-    page.show_notice("writing the report ...")
-    page.ask(work, lambda files: page.show_notice(f"report written: {path if path in files else files[0]}"), "report")
+    page.show_notice("Writing the report ...")
+    page.ask(
+        work, lambda files: page.show_notice(f"Wrote the report to {path if path in files else files[0]}"), "report"
+    )

@@ -281,4 +281,4 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
                 text="the token is missing or wrong; open the whole link that fieldkit serve printed"
             )
         if not self.token and not self.is_ours(request.host):
-            raise web.HTTPForbidden(text=f"asked for under another name; open {self.link}")
+            raise web.HTTPForbidden(text=f"opened under another address; open {self.link}")

@@ -187,14 +187,11 @@ def _pair(study: Study) -> Iterator[str]:
     yield ""
     yield from _table(
         ("recorded", "pairs distinguished"),
-        [
-            (NAMES.get(on_progress.readout, on_progress.readout), f"{on_progress.apart} of {on_progress.pairs}")
-            for on_progress in pair.tells
-        ],
+        [(NAMES.get(one.readout, one.readout), f"{one.distinguished} of {one.pairs}") for one in pair.discriminations],
     )
     yield ""
     advice = [f"{cause.effect}: {effects()[cause.effect].tell_apart}" for cause in likely if cause.effect in effects()]
-    best = max(pair.tells[:-1], key=lambda on_progress: on_progress.apart)
+    best = max(pair.discriminations[:-1], key=lambda one: one.distinguished)
     yield _text(
         f"So on the next flight of configuration A on the E35-5W, record {NAMES[best.readout]} first, and if possible "
         f"all five readouts. In addition, {'; '.join(advice)}."

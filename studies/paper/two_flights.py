@@ -94,7 +94,7 @@ class TwoFlights:
     lighter_by: float
     expected_gain: Mapping[float, float]
     causes: tuple[Cause, ...]
-    tells: tuple["Discrimination", ...]
+    discriminations: tuple["Discrimination", ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class Discrimination:
     total."""
 
     readout: str
-    apart: int
+    distinguished: int
     pairs: int
 
 
@@ -120,7 +120,7 @@ def two_flights(flights: Reference) -> TwoFlights:
         float(heavy.dry_mass or 0) - float(light.dry_mass or 0),
         gains,
         tuple(causes),
-        _tells([cause for cause in causes if cause.possible and cause.away < MAX_PRIOR_SDS]),
+        _discriminations([cause for cause in causes if cause.possible and cause.away < MAX_PRIOR_SDS]),
     )
 
 
@@ -174,22 +174,22 @@ def _causes(heavy: Flight, light: Flight) -> list[Cause]:
 
 def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between: int) -> Cause:
     """The strength nearest to zero that reproduces the lighter flight's apogee."""
-    told = light.with_changes(**{effect.needs: 1.0}) if effect.needs else light
+    assumed = light.with_changes(**{effect.needs: 1.0}) if effect.needs else light
     prior = effect.prior
     low, high = (0.0, STRONGEST_WIND) if effect.needs else _bounds(effect)
     strengths = np.linspace(low, high, STRENGTHS_TRIED)
-    miss = _readings(effect, told, area, strengths)["apogee"] - _apogee(light)
+    miss = _readings(effect, assumed, area, strengths)["apogee"] - _apogee(light)
 
     def root(part: Flags) -> float:
         ends = _crossing(strengths[part], miss[part])
-        return _refined(lambda x: float(_readings(effect, told, area, x)["apogee"][0]) - _apogee(light), ends)
+        return _refined(lambda x: float(_readings(effect, assumed, area, x)["apogee"][0]) - _apogee(light), ends)
 
     found = [root(strengths >= 0), root(strengths <= 0)]
     found = [root for root in found if np.isfinite(root)]
     if not found:
         return Cause(name, effect.unit, np.nan, np.inf, {})
     strength = min(found, key=abs)
-    readings = _readings(effect, told, area, np.array([strength, strength]))
+    readings = _readings(effect, assumed, area, np.array([strength, strength]))
     shows = {key: float(readings[key][0]) for key in READOUTS}
     if effect.needs:
         return Cause(name, "m/s of wind that it turns into", strength, strength / BREEZE, shows)
@@ -229,22 +229,24 @@ def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> 
     return effect.bend_reading(fly(setup).readouts(), strengths)
 
 
-def _tells(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
+def _discriminations(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
     """For each readout, how many pairs of causes it would distinguish, and then for all of them."""
     pairs = list(combinations(causes, 2))
     counts = [
-        Discrimination(name, sum(_apart(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs))
+        Discrimination(
+            name, sum(_separation(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)
+        )
         for name in READOUTS
     ]
     return (
         *counts,
         Discrimination(
-            "all five", sum(_apart(one, other, READOUTS) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)
+            "all five", sum(_separation(one, other, READOUTS) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)
         ),
     )
 
 
-def _apart(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
+def _separation(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
     """The difference of readouts between two causes, in standard deviations of single flights."""
     total = 0.0
     for name in readouts:

@@ -455,7 +455,7 @@ def test_two_loggers_on_one_flight_agree_once_their_clocks_do() -> None:
     assert found.rms < 1.5
     assert abs(found.differences["apogee"].value) < 1.0
     other, _ = measured(TINY, Logger())
-    assert (compare(first, other).differences["apogee"].apart or 0) < -50
+    assert (compare(first, other).differences["apogee"].in_sd or 0) < -50
 
 
 def test_a_measured_figure_is_the_readout_and_a_stated_one_stays_beside_it() -> None:

@@ -12,7 +12,7 @@ from bench.recorders.record import written
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.disturbed_heights import undisturbed
-from fieldkit.analysis.possible import doubted, known_well, possible
+from fieldkit.analysis.possible import known_well, possible, widened_by_contradictions
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import Series
@@ -169,7 +169,7 @@ def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> Non
     barometer, felt = recording(truth, accelerometer=100.0)
     recorded = measure((barometer, replace(felt, felt=GRAVITY + factor * (felt.felt - GRAVITY))))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "peak_accel")
-    assert any("of that by the heights" in note for note in recorded.notes)
+    assert any("of the climb that the heights show" in note for note in recorded.notes)
     assert "acceleration" not in recorded.figures["top_speed"].source
 
 
@@ -265,7 +265,7 @@ def test_an_average_within_its_error_of_the_peak_is_kept() -> None:
 @pytest.mark.parametrize(("stated", "doubt"), [(300.5, False), (306.0, False), (240.0, True), (600.0, True)])
 def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, doubt: bool) -> None:
     recorded = Recorded(figures=figures(apogee=(300.0, 1.0), duration=(50.0, 1.0)))
-    found = doubted(recorded, {"apogee": stated, "notes": "windy"})
+    found = widened_by_contradictions(recorded, {"apogee": stated, "notes": "windy"})
     assert found.figures["apogee"].value == 300.0
     assert found.figures["apogee"].sd >= (abs(stated - 300) / 2 if doubt else 1.0)
     assert (found.figures["apogee"].sd > 1.0) is doubt

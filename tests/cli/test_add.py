@@ -246,7 +246,7 @@ def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file:
     assert (flight.flight_id, flight.tags, flight.wind) == ("x1", ("weak_launch", "mine"), 2.0)
     assert flight.date_time == datetime(2026, 5, 1, 10, 30)
     status, _, err = add([], *options, *more)
-    assert (status, err) == (0, "duplicate: it is already in the ledger\n")
+    assert (status, err) == (0, "Duplicate: it is already in the ledger\n")
     status, _, err = add([], *options, *more, "--apogee", "900ft")
     assert status == 1
     assert "fieldkit edit" in err

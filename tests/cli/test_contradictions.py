@@ -77,7 +77,7 @@ def test_an_unknown_site_is_named_with_those_that_are_known(folder: Path, capsys
     assert main(["sites", "Medow"]) == 1
     said = capsys.readouterr().err
     assert "found no site 'Medow', expected one of: Meadow" in said
-    assert "no sites yet" not in said
+    assert "No sites yet" not in said
 
 
 def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(

@@ -65,7 +65,7 @@ def test_mappings_are_listed_changed_and_forgotten(run: Run, tmp_path: Path) -> 
     assert one["map"] == {"rocket": "Model", "apogee": "Reached (feet) [m]"}
     assert run("mappings", "--forget", "2")[0] == 1
     assert run("mappings", "--forget", "1")[0] == 0
-    assert "no saved mappings" in run("mappings")[1]
+    assert "No saved mappings" in run("mappings")[1]
 
 
 def test_samples_and_flights_are_not_mapped_together(run: Run, tmp_path: Path) -> None:

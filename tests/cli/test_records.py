@@ -86,7 +86,7 @@ def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> Non
     command = [sys.executable, "-c", code, str(tmp_path / "l.db")]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain())
     assert done.stderr == "\n"
-    assert "undone: tag 1 mine" in done.stdout
+    assert "Undone: tag 1 mine" in done.stdout
 
 
 def test_every_group_of_commands_is_listed(run: Run) -> None:
@@ -264,14 +264,14 @@ def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
         for how in (("--rocket", "Comet"), ("--tag", "off_axis"), ("--rocket", "Comet", "--tag", "off_axis"))
     ]
     assert ids == [["3"], ["2"], []]
-    assert "no matching flights" in full("flights", "--tag", "nonsense").err
+    assert "No matching flights" in full("flights", "--tag", "nonsense").err
 
 
 def test_an_empty_ledger_reports_it(run: Run) -> None:
     said = run("flights")
     assert (said.status, said.out) == (0, "")
-    assert "no flights in" in said.err
-    assert "no changes in" in run("history").err
+    assert "No flights in" in said.err
+    assert "No changes in" in run("history").err
 
 
 def test_the_json_of_flights_has_the_columns_of_the_table(full: Run) -> None:
@@ -367,9 +367,9 @@ def test_tags_come_and_go(full: Run) -> None:
 def test_undo_and_redo_go_through_every_change(full: Run) -> None:
     full("tag", "1", "mine")
     assert full("remove", "1", "2").out.startswith("Removed 2 flights.")
-    assert full("undo").out == "undone: remove 1, 2\n"
-    assert full("undo").out == "undone: tag 1 mine\n"
-    assert full("redo").out == "redone: tag 1 mine\n"
+    assert full("undo").out == "Undone: remove 1, 2\n"
+    assert full("undo").out == "Undone: tag 1 mine\n"
+    assert full("redo").out == "Redone: tag 1 mine\n"
     assert full("undo").status == full("undo").status == 0
     said = full("undo")
     assert (said.status, said.err) == (1, "nothing left to undo\n")

@@ -314,7 +314,7 @@ def test_every_file_is_written_past_the_guard() -> None:
 def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_what_is_written(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    with pytest.raises(FieldkitError, match="nobody reads"):
+    with pytest.raises(FieldkitError, match="no program reads"):
         files.write(pipe, b"flights")
     with os.fdopen(os.open(pipe, os.O_RDONLY | os.O_NONBLOCK), "rb") as reading:
         files.write(pipe, b"flights")

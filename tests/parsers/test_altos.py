@@ -186,7 +186,7 @@ def test_a_sensor_without_its_calibration_is_refused() -> None:
 
 def test_a_packet_that_the_radio_garbled_is_not_taken() -> None:
     reading, rest = read("altos_telem__telemetrum_2_with_gaps.telem")
-    assert Note("7 packets came with a bad radio checksum, left out") in rest
+    assert Note("7 packets with a bad radio checksum, left out") in rest
     assert DamagedLog in [type(item) for item in rest]
     assert (reading.device, reading.serial) == ("TeleMetrum 2", "2417")
     assert len(reading.clocks) == 2

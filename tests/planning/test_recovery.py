@@ -199,7 +199,7 @@ def test_no_wind_keeps_a_leaning_rocket_on_a_small_field_and_any_wind_a_fast_one
     site = Site(size=60.0)
 
     def words(one: PlannedFlight) -> str:
-        return " ".join(landing_in_words(one.said, one.down, one.fall, one.rail, site, holds=one.holds))
+        return " ".join(landing_in_words(one.prediction, one.down, one.fall, one.rail, site, holds=one.holds))
 
     assert "even in calm air" in words(leaning)
     assert "in any wind up to 10" in words(wide)

@@ -107,10 +107,10 @@ def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -
 
 
 def test_the_apogee_shows_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
-    tells = {on_progress.readout: on_progress for on_progress in pair.tells}
-    assert tells["apogee"].apart == 0
-    assert tells["top_speed"].apart > 0
-    assert tells["all five"].apart >= max(on_progress.apart for on_progress in pair.tells)
+    by_readout = {one.readout: one for one in pair.discriminations}
+    assert by_readout["apogee"].distinguished == 0
+    assert by_readout["top_speed"].distinguished > 0
+    assert by_readout["all five"].distinguished >= max(one.distinguished for one in pair.discriminations)
 
 
 def test_histories_too_short_are_left_out() -> None:

@@ -66,7 +66,7 @@ async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is
         with Ledger.open(file) as ledger:
             assert [change.command for change in ledger.history()[-2:]] == ["forecast", "add"]
         await press(pilot, "u", "_", "u", "_")
-        assert "undone: forecast Astra" in words(pilot)
+        assert "Undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
 
@@ -131,7 +131,7 @@ async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_un
         assert "Enter to add the next flight" in shown(pilot)
         assert "Enter Next" in shown(pilot).splitlines()[-1]
         await press(pilot, "u", "_")
-        assert "undone: add 13" in words(pilot)
+        assert "Undone: add 13" in words(pilot)
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("apogee").line.value == "932ft"
@@ -284,7 +284,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         for text in ("Flown 253.0 m", "the 90% interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
             assert text in said
         await press(pilot, "y", "_")
-        assert "copied: Astra A" in words(pilot)
+        assert "Copied: Astra A" in words(pilot)
         await press(pilot, "enter")
         assert pilot.app.focused is screen.field("apogee").line
 
@@ -292,7 +292,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
 async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
-        assert "undone: forecast Astra" in words(pilot)
+        assert "Undone: forecast Astra" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.predictions("Astra")) == 1
         assert len(ledger.flights()) == 12

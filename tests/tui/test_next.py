@@ -292,7 +292,7 @@ async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(fi
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
-        assert "nothing to copy" in words(pilot)
+        assert "Nothing to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
         assert "0 of 1 fit" in shown(pilot)
         assert "▸✗ H128W" in shown(pilot)

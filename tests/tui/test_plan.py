@@ -159,7 +159,7 @@ async def test_a_report_is_written_where_the_flyer_says(
             await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
             assert "expected a name that ends in .html" in words(pilot)
             await press(pilot, "escape", "w", "ctrl+u", *typed("card.md"), "enter", "_")
-            assert "report written: card.md" in words(pilot)
+            assert "Wrote the report to card.md" in words(pilot)
     assert (
         file.with_name("card.md").read_text().startswith("# Astra B · flight 12" if keys else "# Launch day 2026-04-18")
     )

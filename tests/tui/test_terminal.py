@@ -87,7 +87,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.press("Enter")
     terminal.until("[x] weak_launch")
     terminal.press("u")
-    terminal.until("undone: tag 13 weak_launch")
+    terminal.until("Undone: tag 13 weak_launch")
     terminal.press("Escape", "Escape", "4")
     terminal.until("on the altimeter")
     terminal.press("T")

@@ -145,10 +145,10 @@ def _downloaded(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialo
         yield from link.drain(0.1)
         whole = True
         for place, number in enumerate(chosen):
-            link.share = place / len(chosen)
+            link.fraction = place / len(chosen)
             if number not in have:
                 whole = (yield from _flight(link, number)) and whole
-        link.share = 1.0
+        link.fraction = 1.0
     finally:
         link.last_command(b"g;")
     yield from link.drain(0.1)

@@ -114,14 +114,14 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
     done, whole = 0, True
     for one in flights:
         for number in range(one.start, one.end):
-            link.share = done / total
+            link.fraction = done / total
             block = have.get(number) or (yield from _block(link, number))
             whole = whole and not block.missing
             done += 1
             if block.content == ERASED_BLOCK and not block.missing:
                 break
         done = sum(other.end - other.start for other in flights[: flights.index(one) + 1])
-    link.share = 1.0
+    link.fraction = 1.0
     return whole
 
 

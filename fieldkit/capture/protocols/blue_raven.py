@@ -45,7 +45,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
     done = _done(captured)
     came = bool(done)
     for place, (kind, command) in enumerate(DOWNLOADS.items()):
-        link.share = place / len(DOWNLOADS)
+        link.fraction = place / len(DOWNLOADS)
         if kind not in done:
             link.send(command)
             frames = yield from _downloaded(link, kind, silence)
@@ -53,7 +53,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
             came = came or frames > 0
             if not frames:
                 yield Instruction(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
-    link.share = 1.0
+    link.fraction = 1.0
     if not came:
         raise PortTrouble(f"{link.line.name}: no frame in answer to download l and download h from a Blue Raven")
     return True

@@ -88,7 +88,7 @@ def _flight(link: Link, count: int) -> Dialogue[bool]:
                 good += _SAMPLE.fullmatch(line) is not None
                 link.samples += _SAMPLE.fullmatch(line) is not None
                 link.damaged += _SAMPLE.fullmatch(line) is None
-                link.share = good / count
+                link.fraction = good / count
         if good == count:
             return True
         again = "; reading it again" if attempt < TRIES else ""

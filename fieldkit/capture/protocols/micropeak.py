@@ -134,21 +134,21 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
         for record in stream.feed(chunk):
             if record is not None and record.sound:
                 link.about["model"] = MODELS.get(record.model, "MicroPeak")
-                link.samples, link.share = base + record.count, 1.0
+                link.samples, link.fraction = base + record.count, 1.0
                 if not record.count:
                     yield Instruction("the unit holds no flight")
                 yield from link.drain(TAIL)
                 return True
             link.damaged += 1
-            yield Instruction("the record is damaged; switch the unit on again, it sends once each time")
+            yield Instruction("the record is damaged; switch the unit off and on to receive it again")
         if stream.start >= 0 and len(stream.digits) > before:
             useful = time.monotonic()
             link.samples = base + max(0, len(stream.digits) - 20) // 4
-            link.share = min(1.0, len(stream.digits) / stream._needed) if len(stream.digits) >= 24 else None
+            link.fraction = min(1.0, len(stream.digits) / stream._needed) if len(stream.digits) >= 24 else None
         elif stream.start >= 0 and time.monotonic() - useful > PAUSE:
             stream = Stream()
             link.damaged += 1
-            yield Instruction("the record stopped in the middle; switch the unit on again, it sends once each time")
+            yield Instruction("the record stopped in the middle; switch the unit off and on to receive it again")
     return False
 
 

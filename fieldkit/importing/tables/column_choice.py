@@ -193,7 +193,7 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         if from_zero[1]:  # a height above the pad next to one above the sea
             kept[kept.index(rival)], values[pick.channel] = pick, column
     if missing := missing_channel(set(values)):
-        raise DamagedLog(f"found no number in the columns of {missing}, expected some")
+        raise DamagedLog(f"found no number in the columns of {missing}, expected at least one")
     return kept, values
 
 

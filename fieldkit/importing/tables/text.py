@@ -152,7 +152,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             row, start = row + 1, start + whole + 1
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
-                found = f"found a cell that does not end, expected at most {MAX_TABLE_SIZE} characters"
+                found = f"found an endless cell, expected at most {MAX_TABLE_SIZE} characters"
             yield row, DamagedLog(found, row=row)
 
 

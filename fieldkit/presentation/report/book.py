@@ -131,9 +131,9 @@ def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     headers = ("flight", "rocket", "motor", f"mass {mass}", f"wind {shown.speed_unit}", *heights, "")
     rows: list[tuple[str, ...]] = []
     for card in found.cards:
-        flight, said = card.flight, card.forecast
+        flight, forecast = card.flight, card.forecast
         mark = ", ".join(flight.tags)
-        if said and said.kept and said.changes:
+        if forecast and forecast.kept and forecast.changes:
             mark = ", ".join(filter(None, ("stale forecast", mark)))
         rows.append(
             (
@@ -142,9 +142,9 @@ def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
                 flight.motor,
                 _figure(flight.dry_mass, shown.mass),
                 _figure(flight.wind, shown.speed),
-                _figure(said.interval[1], shown.length) if said and said.kept else "",
+                _figure(forecast.interval[1], shown.length) if forecast and forecast.kept else "",
                 _figure(flight.apogee, partial(shown.length, digits=1)),
-                _figure(card.miss, shown.difference) if said and said.kept else "",
+                _figure(card.miss, shown.difference) if forecast and forecast.kept else "",
                 mark,
             )
         )

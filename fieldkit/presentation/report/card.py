@@ -96,13 +96,13 @@ def cards(
     """A card for each of some flights of the ledger, in the units of a system; `known` are forecasts by rocket and
     flight_id, shown for flights without a saved one."""
     rockets = {one.rocket for one in flights}
-    said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in rockets}
+    forecasts = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in rockets}
     records = {rocket: _record(ledger.flights(rocket)) for rocket in rockets}
     learned, recordings = _learned(ledger, flights, motors), FlightRecordings(ledger)
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         on_progress(f"flight {id}", number / len(flights))
-        one = said[flight.rocket].get((flight.rocket, flight.flight_id))
+        one = forecasts[flight.rocket].get((flight.rocket, flight.flight_id))
         if one is not None:
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"

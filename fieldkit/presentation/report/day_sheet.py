@@ -61,7 +61,7 @@ def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: 
     kind, shown = suffix.lstrip("."), ShownUnits(system)
     if kind != "pdf" and len(planned) > ROWS:
         raise BadValue(f"found {len(planned)} flights, expected at most {ROWS} for a picture; a .pdf has pages")
-    days = [_day(one.said.plan, shown) for one in planned]
+    days = [_day(one.prediction.plan, shown) for one in planned]
     shared = [texts[0] if len(set(texts)) == 1 else "" for texts in zip(*days, strict=True)]
     own = [", ".join(text for text, same in zip(day, shared, strict=True) if not same) for day in days]
     heading = _heading(site, shared, shown)
@@ -149,9 +149,9 @@ def _day(plan: Flight, shown: ShownUnits) -> tuple[str, ...]:
 
 def _heading(site: Site, shared: Sequence[str], shown: ShownUnits) -> str:
     """Site and weather of the day; empty entries of `shared` differ between its flights."""
-    said = [text or f"{name} differs, see each flight" for name, text in zip(DAY, shared, strict=True)]
-    first = _site(site, shown) if shared[0] else said[0]
-    return "\n".join(fill(line, 150) for line in (first, "; ".join(said[1:])))
+    texts = [text or f"{name} differs, see each flight" for name, text in zip(DAY, shared, strict=True)]
+    first = _site(site, shown) if shared[0] else texts[0]
+    return "\n".join(fill(line, 150) for line in (first, "; ".join(texts[1:])))
 
 
 def _site(site: Site, shown: ShownUnits) -> str:
@@ -164,19 +164,19 @@ def _site(site: Site, shown: ShownUnits) -> str:
 
 
 def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
-    said, plan = one.said, one.said.plan
-    low, middle, high = three(said.apogee)
-    mass = None if plan.dry_mass is None else plan.dry_mass + said.found.motor.loaded_mass
+    prediction, plan = one.prediction, one.prediction.plan
+    low, middle, high = three(prediction.apogee)
+    mass = None if plan.dry_mass is None else plan.dry_mass + prediction.found.motor.loaded_mass
     early, usual, late = three(one.down.duration)
-    motor = plan.motor or said.found.motor.designation
+    motor = plan.motor or prediction.found.motor.designation
     return (
         shortened(one.name, 9),
         shortened(f"{plan.rocket} {plan.config}".strip(), 17),
         shortened(motor, 19),
         "" if mass is None else shown.mass(mass),
-        shown.speed(median(said.rail_speed) or 0.0),
+        shown.speed(median(prediction.rail_speed) or 0.0),
         f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
-        _charge(said),
+        _charge(prediction),
         f"{usual:.0f} s ({early:.0f}-{late:.0f})",
         "no wind" if one.down.wind is None else f"{shown.length(three(one.down.away)[1])} away",
         _verdicts(one.lines),
@@ -184,14 +184,14 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
     )
 
 
-def _charge(said: Prediction) -> str:
+def _charge(prediction: Prediction) -> str:
     """When the motor's charge fires after apogee, or what opens the parachute instead."""
-    delay = said.plan.delay if said.plan.delay is not None else said.found.delay
-    if recovery_of(said.plan).dual or delay == PLUGGED_DELAY:
+    delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
+    if recovery_of(prediction.plan).dual or delay == PLUGGED_DELAY:
         return "altimeter"
     if delay is None:
         return "unknown"
-    eject = said.median_eject if delay else None
+    eject = prediction.median_eject if delay else None
     return "none" if eject is None else f"{round(eject, 1) + 0.0:+.1f} s"
 
 

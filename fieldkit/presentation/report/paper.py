@@ -66,9 +66,9 @@ def _rule(part: "SubFigure", height: float, colour: str = INK_COLOR) -> None:
 
 
 def _card(card: Card) -> "Figure":
-    page, (key, said, drawn, figures, words) = _page(*heading(card), (0.075, 0.2, 0.3, 0.24, 0.09))
+    page, (key, panel, drawn, figures, words) = _page(*heading(card), (0.075, 0.2, 0.3, 0.24, 0.09))
     _figures(key, headline(card))
-    forecast(said, card)
+    forecast(panel, card)
     log(drawn, card)
     _columns(figures, (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)))
     _remarks(words, remarks(card))

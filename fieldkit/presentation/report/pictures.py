@@ -53,9 +53,9 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
     panel.margins(x=0.14)
 
 
-def _hill(panel: "Axes", said: CardForecast, shown: ShownUnits) -> None:
+def _hill(panel: "Axes", forecast: CardForecast, shown: ShownUnits) -> None:
     """The density of the draws, from a normal kernel in the logarithm; hatched between 5 and 95%."""
-    draws = said.draws[said.draws > 0] / shown.length_factor
+    draws = forecast.draws[forecast.draws > 0] / shown.length_factor
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
     logs = np.log(draws)
@@ -63,7 +63,7 @@ def _hill(panel: "Axes", said: CardForecast, shown: ShownUnits) -> None:
     grid = np.linspace(logs.min() - 2 * width, logs.max() + 2 * width, 240)
     density = np.exp(-0.5 * ((grid[:, None] - logs) / width) ** 2).sum(axis=1) / np.exp(grid)
     height, place = density / density.max(), np.exp(grid)
-    low, middle, high = (end / shown.length_factor for end in said.interval)
+    low, middle, high = (end / shown.length_factor for end in forecast.interval)
     panel.plot(place, height, color=AFTER_COLOR, linewidth=1.6)
     inside = (place >= low) & (place <= high)
     panel.fill_between(place[inside], height[inside], color=AFTER_COLOR, alpha=0.22, linewidth=0)

@@ -148,8 +148,8 @@ def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:
     """Whether the flight has everything that an arrival states; otherwise the ledger reports the conflict."""
     beside = ("extra", "sd", "source")
-    said = {name: value for name, value in (arrival.given or {}).items() if name not in beside}
-    if all(getattr(flight, name) == value for name, value in said.items() if value not in (None, "")):
+    given = {name: value for name, value in (arrival.given or {}).items() if name not in beside}
+    if all(getattr(flight, name) == value for name, value in given.items() if value not in (None, "")):
         return True
     sorting.new.append(arrival)
     return False

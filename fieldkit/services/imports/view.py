@@ -122,12 +122,12 @@ def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
 def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:
     scale = units.unit(column.quantity, column.unit)
     sd = flight.sd.get(column.name)
-    said = flight.extra.get(column.stated_header)
-    figure = recorded.figures.get(column.name) if recorded and (sd is not None or not said) else None
-    known = flight.source.get(column.name) or ("device" if said or flight.extra.get("log_format") else "typed")
+    stated = flight.extra.get(column.stated_header)
+    figure = recorded.figures.get(column.name) if recorded and (sd is not None or not stated) else None
+    known = flight.source.get(column.name) or ("device" if stated or flight.extra.get("log_format") else "typed")
     sensor = sensor_of(figure.source) if figure else known
     spread = None if sd is None else scale.from_si(sd) - scale.from_si(0)
-    return ReadoutView(scale.from_si(value), spread, sensor, _number(said))
+    return ReadoutView(scale.from_si(value), spread, sensor, _number(stated))
 
 
 def _number(text: str | None) -> float | None:

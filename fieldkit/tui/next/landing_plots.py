@@ -38,7 +38,7 @@ def _from_the_side(one: "PlannedFlight", scaled: Callable[[float], float], plt: 
     """Pad, apogee and landing of some draws, joined by straight lines."""
     import numpy as np
 
-    said, down = one.said, one.down
+    said, down = one.prediction, one.down
     drift = np.broadcast_to(np.nan_to_num(said.drift), said.apogee.shape)
     for row in range(min(DRAWN_FLIGHTS, len(said.apogee))):
         up, end = scaled(float(drift[row])), scaled(float(down.along[row]))

@@ -205,9 +205,9 @@ class CaptureScreen(PageScreen):
         from fieldkit.tui.widgets.plots import Plot
 
         parts = counts(progress)
-        if progress.share is not None:
-            bar = "█" * round(progress.share * 20)
-            parts.append(f"[{bar:20}] {progress.share:.0%}")
+        if progress.fraction is not None:
+            bar = "█" * round(progress.fraction * 20)
+            parts.append(f"[{bar:20}] {progress.fraction:.0%}")
         self.query_one("#count", Static).update(Content("   ".join(parts)))
         sample, system = progress.sample, self.resources.settings.units
         if sample is None:

@@ -51,7 +51,7 @@ _MIN_SAMPLES = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LeaningFlight:
+class SlantedFlight:
     """Angle at the rail [rad], vertical part of the acceleration, and the resulting climb: times [s] and heights above
     the pad [m], with the standard deviation of a height."""
 
@@ -68,7 +68,7 @@ class LeaningFlight:
         return np.asarray(near | (track.time < self.time[0]) | (track.time > self.time[-1]))
 
 
-def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> LeaningFlight | None:
+def slanted_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> SlantedFlight | None:
     """The tilted climb from an accelerometer with which most of the heights agree; None if there is none."""
     net = levelled(push, lift.time)
     end = lift.time + _COMPARED_PART * (seen.top - lift.time)
@@ -80,12 +80,12 @@ def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Le
     felt = np.gradient(np.interp(time, push.time, total), _STEP)
     cosine, climbs, by_scale, by_zero = _paths(felt, time - lift.time)
     when, height = track.time[inside], track.height[inside] - seen.pad
-    told = min(1.0, (end - lift.time) / _CORRELATION_TIME / when.size)
+    independent_fraction = min(1.0, (end - lift.time) / _CORRELATION_TIME / when.size)
 
     def tried(place: int, shift: float, scale_sd: float = _SCALE_SD) -> tuple[float, int, float, Array]:
         columns = [by_scale[:, place], by_zero[:, place], _ram(climbs[:, place])]
         rows = np.stack([np.interp(when + shift, time, column) for column in (climbs[:, place], *columns)])
-        cost, values = _fit(rows[0], rows[1:], height, track.noise, told, scale_sd)
+        cost, values = _fit(rows[0], rows[1:], height, track.noise, independent_fraction, scale_sd)
         return cost + float(_ANGLES[place] / _ANGLE_SD) ** 2 / 2, place, shift, values
 
     near = np.arange(-MAX_LEAD, MAX_DELAY + _SHIFT, _SHIFT).tolist()
@@ -101,7 +101,7 @@ def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Le
     upward = along * np.interp(push.time, time, cosine[:, place])
     upward = np.where(push.time < lift.time + shift, GRAVITY, upward)
     sd = np.hypot(track.noise, _RELATIVE_HEIGHT_SD * path) + _RAM_SD * _ram(climbs[:, place])
-    found = LeaningFlight(
+    found = SlantedFlight(
         float(_ANGLES[place]),
         replace(push, time=push.time - shift, felt=upward, vertical=True),
         time[time >= lift.time] - shift,
@@ -158,22 +158,25 @@ def _fit(
     columns: Float[Array, "column sample"],
     height: Float[Array, "sample"],
     noise: float,
-    told: float,
+    independent_fraction: float,
     scale_sd: float,
 ) -> tuple[float, Float[Array, "column"]]:
     """Robust misfit of a climb to heights, and the errors of scale, zero and static pressure.
 
-    Only the fraction `told` of the samples counts, because neighboring samples have correlated errors.
+    Only the fraction `independent_fraction` of the samples counts, because neighboring samples have correlated errors.
     """
     spread = np.hypot(noise, _RELATIVE_HEIGHT_SD * np.maximum(climb, 0.0)) + 0.3
     prior = np.array([scale_sd, _ZERO_SD, _RAM_SD])
-    rows, wanted = (columns / spread).T, (height - climb) / spread
+    rows, target = (columns / spread).T, (height - climb) / spread
     weight: Array = np.ones(height.size)
     values: Array = np.zeros(3)
     for _ in range(_ROUNDS):
-        counted = told * (rows * weight[:, None]).T
-        values = np.asarray(np.linalg.solve(counted @ rows + np.diag(prior**-2), counted @ wanted))
-        left = np.asarray(wanted - rows @ values)
-        weight = np.asarray((_STUDENT_DOF + 1) / (_STUDENT_DOF + left**2))
-    cost = told * (_STUDENT_DOF + 1) / 2 * np.log1p(left**2 / _STUDENT_DOF).sum() + ((values / prior) ** 2).sum() / 2
+        counted = independent_fraction * (rows * weight[:, None]).T
+        values = np.asarray(np.linalg.solve(counted @ rows + np.diag(prior**-2), counted @ target))
+        residual = np.asarray(target - rows @ values)
+        weight = np.asarray((_STUDENT_DOF + 1) / (_STUDENT_DOF + residual**2))
+    cost = (
+        independent_fraction * (_STUDENT_DOF + 1) / 2 * np.log1p(residual**2 / _STUDENT_DOF).sum()
+        + ((values / prior) ** 2).sum() / 2
+    )
     return float(cost), np.asarray(values)
