@@ -12,7 +12,7 @@ import time
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass
@@ -65,16 +65,20 @@ def _done(captured: Captured) -> set[str]:
 
 
 def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
-    """Count frames of one kind until none arrive for `silence` [s]; live status in between does not count."""
+    """Count frames of one kind until none arrive for `silence` [s], or for four times that in noise, which hides them;
+    live status in between does not count."""
     wanted = f"@ LOG_{kind}".encode()
-    last, frames = time.monotonic(), 0
-    while time.monotonic() - last < silence:
+    last = quiet_since = time.monotonic()
+    frames = 0
+    while (now := time.monotonic()) - quiet_since < silence and now - last < NOISE * silence:
         line = yield from link.piece(b"\n", silence)
         if line is None:
             break
+        if b"@ " not in line:
+            quiet_since = time.monotonic()
         if wanted not in line:
             continue
-        last = time.monotonic()
+        last = quiet_since = time.monotonic()
         if frame(line):
             frames += 1
             link.samples += 1
