@@ -70,20 +70,18 @@ def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
     wanted = f"@ LOG_{kind}".encode()
     last = quiet_since = time.monotonic()
     frames = 0
-    while (now := time.monotonic()) - quiet_since < silence and now - last < NOISE * silence:
-        line = yield from link.piece(b"\n", silence)
-        if line is None:
+    while (line := (yield from link.piece(b"\n", silence))) is not None:
+        now = time.monotonic()
+        if wanted in line:
+            last = quiet_since = now
+            good = frame(line) is not None
+            frames += good
+            link.samples += good
+            link.damaged += not good
+        elif b"@ " not in line:
+            quiet_since = now
+        if now - quiet_since >= silence or now - last >= NOISE * silence:
             break
-        if b"@ " not in line:
-            quiet_since = time.monotonic()
-        if wanted not in line:
-            continue
-        last = quiet_since = time.monotonic()
-        if frame(line):
-            frames += 1
-            link.samples += 1
-        else:
-            link.damaged += 1
     return frames
 
 

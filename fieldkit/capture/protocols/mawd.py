@@ -52,8 +52,8 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
     """Up to `wanted` non-blank lines in answer to a command; fewer, or none, if the unit does not answer."""
     found: list[str] = []
-    for _ in range(TRIES):
-        yield from link.drain(QUIET)
+    for attempt in range(1, TRIES + 1):
+        yield from _quiet(link, attempt)
         link.send(command)
         found = []
         ends = time.monotonic() + NOISE * ANSWER
@@ -69,6 +69,11 @@ def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
     return found
 
 
+def _quiet(link: Link, attempt: int) -> Dialogue[None]:
+    """Wait for silence before a command: the answer to an earlier attempt may still be coming, among noise."""
+    yield from link.drain(QUIET, NOISE if attempt == 1 else NOISY / QUIET)
+
+
 def _count(link: Link) -> Dialogue[int]:
     """The number of samples in memory. Raises PortTrouble if the statistics cannot be read."""
     for _ in range(TRIES):
@@ -82,7 +87,7 @@ def _count(link: Link) -> Dialogue[int]:
 def _flight(link: Link, count: int) -> Dialogue[bool]:
     """Read the interval and the samples; request them again if they are incomplete."""
     for attempt in range(1, TRIES + 1):
-        yield from link.drain(QUIET, NOISE if attempt == 1 else NOISY / QUIET)
+        yield from _quiet(link, attempt)
         link.send(b"D")
         good = seen = 0
         while seen < count + 1 and (line := (yield from link.text_line(ANSWER))) is not None:
