@@ -112,6 +112,7 @@ XLSX = {
     "xl/workbook.xml": '<workbook><sheets><sheet name="S" sheetId="1"/></sheets></workbook>',
     "xl/sharedStrings.xml": f"<sst><si><t>{'x' * 60_000}</t></si></sst>",
 }
+TEXT_CELL = '<c t="s"><v>0</v></c>'
 ODS = "<d><table>{}</table></d>"
 HOSTILE = {
     "opposite corners": {"xl/s.xml": '<w><row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row></w>'},
@@ -119,7 +120,9 @@ HOSTILE = {
     "a shared text": {"xl/s.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 10_000 + "</row></w>"},
     "an entity": {"xl/s.xml": '<!DOCTYPE w [<!ENTITY a "b">]><w><row><c><v>&a;</v></c></row></w>'},
     "cells of many sheets": {f"xl/s{n}.xml": '<w><row r="2000"><c r="ALL2000"/></row></w>' for n in range(5)},
-    "a text of many sheets": {f"xl/s{n}.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 500 + "</row></w>" for n in range(9)},
+    "a text of many sheets": {
+        f"xl/s{n}.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 500 + "</row></w>" for n in range(9)
+    },
     "a torn sheet": {"xl/s.xml": '<w><row><c r="A1"><v>1</v></c>'},
     "a row of letters": {"xl/s.xml": '<w><row r="one"><c/></row></w>'},
     "spaces": {"content.xml": ODS.format('<table-row><table-cell><p><s c="2000000000"/></p></table-cell></table-row>')},
