@@ -16,18 +16,6 @@ PATIENCE = 10.0
 POLL = 0.01
 """Interval between two attempts. [s]"""
 
-if sys.platform == "win32":
-    import msvcrt
-
-    def _locked(number: int) -> None:
-        msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _locked(number: int) -> None:
-        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
 
 @contextmanager
 def changing(file: Path) -> Iterator[None]:
@@ -67,3 +55,16 @@ def _is_ours(number: int) -> bool:
     except OSError:
         return True
     return True
+
+
+def _locked(number: int) -> None:
+    """Lock an open file. Raises OSError if it is locked already, or if its disk has no locks."""
+    try:
+        from fcntl import LOCK_EX, LOCK_NB, flock
+    except ImportError:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
+    else:
+        flock(number, LOCK_EX | LOCK_NB)
