@@ -36,8 +36,8 @@ COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
 """Suffixes of the files that SQLite and fieldkit store next to a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would change line endings."""
-_STREAM = re.compile(r"/dev/(?:(stdin)|(stdout)|(stderr))|/(?:dev|proc/self)/fd/([0-9]{1,6})")
-"""Names of the open streams of this process."""
+_STREAM = re.compile(r"(/dev/stdin)|(/dev/stdout|-)|(/dev/stderr)|/(?:dev|proc/self)/fd/([0-9]{1,6})")
+"""Names of the open streams of this process; `-` is its output, as for most commands."""
 
 
 def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import FieldkitError
+from fieldkit.file_lock import changing
 from fieldkit.files import read_own, replace
 from fieldkit.paths import settings_file
 
@@ -56,15 +57,11 @@ def _number(saved: object, most: float) -> float | None:
 def change_settings(changes: Mapping[str, Any], file: Path | None = None) -> Settings:
     """Save changed settings, keep the others as they are in the file now, and return all: two programs open at once do
     not overwrite each other's settings. Raises FieldkitError if the file cannot be written."""
-    settings = dataclasses.replace(read_settings(file), **changes)
-    keep_settings(settings, file)
-    return settings
-
-
-def keep_settings(settings: Settings, file: Path | None = None) -> None:
-    """Save the settings, completely or not at all. Raises FieldkitError if the file cannot be written."""
-    document = json.dumps(asdict(settings), indent=2) + "\n"
+    file = file or settings_file()
     try:
-        replace(file or settings_file(), document.encode())
+        with changing(file):
+            settings = dataclasses.replace(read_settings(file), **changes)
+            replace(file, (json.dumps(asdict(settings), indent=2) + "\n").encode())
     except FieldkitError as error:
         raise FieldkitError(f"{error}; the setting applies until you quit") from error
+    return settings

@@ -5,6 +5,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from math import isfinite
 from pathlib import Path
 
 from fieldkit.capture.tape import BYTES, JOURNAL
@@ -51,7 +52,7 @@ class Captured:
         """Start of the capture, with its offset from UTC."""
         try:
             return datetime.fromisoformat(str(self.fact("began"))).astimezone()
-        except ValueError:
+        except (ValueError, OverflowError):
             return None
 
     @property
@@ -128,9 +129,10 @@ def read_capture(file: Path) -> Captured:
 def _mark(line: bytes) -> TapeMark | None:
     try:
         facts = json.loads(line)
-        return TapeMark(int(facts.pop("at")), float(facts.pop("t")), facts)
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        mark = TapeMark(int(facts.pop("at")), float(facts.pop("t")), facts)
+    except (ValueError, OverflowError, KeyError, TypeError, AttributeError, RecursionError):
         return None
+    return mark if mark.at >= 0 and isfinite(mark.time) else None
 
 
 def captures(folder: Path) -> list[Path]:

@@ -110,6 +110,7 @@ class Link:
     def piece(self, mark: bytes, silence: float) -> Dialogue[bytes | None]:
         """The bytes up to the next mark, without it; None after `silence` [s], or after four times that of noise."""
         began = quiet_since = time.monotonic()
+        over = False
         while True:
             at = self._pending.find(mark, max(0, self._searched - len(mark) + 1))
             if at >= 0:
@@ -128,8 +129,9 @@ class Link:
             now = time.monotonic()
             if chunk:
                 quiet_since = now
-            elif now - quiet_since >= silence:
+            elif over:
                 return None
+            over = now - quiet_since >= silence  # one more look: this computer may have slept, and not the unit
             if mark not in self._pending and now - began >= NOISE * silence:
                 return None
 

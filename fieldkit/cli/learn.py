@@ -74,20 +74,19 @@ def learn(
     from dataclasses import replace
     from json import dumps
 
-    from fieldkit.files import replace as replace_file
     from fieldkit.files import write
     from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers
-    from fieldkit.paths import hyperprior_file
     from fieldkit.services.learn import check as left_out
+    from fieldkit.services.learn import keep_card, own_card, read_flyer, scores
     from fieldkit.services.learn import learn as learned_from
-    from fieldkit.services.learn import read_flyer, scores
     from fieldkit.services.learn_high_power import learn_from_table, read_table
 
     if not exports and not high_power:
         raise typer.BadParameter("found no tables, expected at least one, or --high-power FILE")
     force = settled(out, force) if out else force
-    motors, found = known_motors(), START if from_start else learned()
+    motors, before = known_motors(), own_card()
+    found = START if from_start else learned()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports or ()]
     for line in (line for flyer in flyers for line in flyer.left_out):
         remark(line)
@@ -111,9 +110,7 @@ def learn(
         write(out, (text + "\n").encode(), force=force)
         complain(f"Wrote the card to {out}")
     if keep:
-        own = hyperprior_file()
-        own.parent.mkdir(parents=True, exist_ok=True)
-        replace_file(own, (text + "\n").encode())
+        own = keep_card(text + "\n", before)
         complain(f"Forecasts now start from it; delete {own} to go back")
     if json:
         print_json(found.json())

@@ -226,14 +226,11 @@ def _compared(file: Path, json: bool) -> None:
 
 def _own_corrections(json: bool) -> None:
     """Print the flyer's own corrections and their file, which is created if missing."""
-    from fieldkit import files
-    from fieldkit.motors.own_corrections import FILE_NAME, HEADER, read_own_corrections
+    from fieldkit.motors.own_corrections import HEADER, correction_file, read_own_corrections
     from fieldkit.paths import motor_folder
 
     folder = motor_folder()
-    file = folder / FILE_NAME
-    if not file.exists():
-        files.replace(file, HEADER.encode())
+    file = correction_file(folder)
     rows = read_own_corrections(folder)
     if json:
         shown = [{"maker": one.maker, "motor": one.designation, "lot": one.lot, "date": one.date} for one in rows]

@@ -14,6 +14,7 @@ import numpy as np
 
 from fieldkit import files
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.file_lock import changing
 from fieldkit.motors.corrections import QUANTITIES, Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 
@@ -38,6 +39,16 @@ class OwnCorrection:
     def text(self) -> str:
         """The correction in a line; the previous value only if its row has one."""
         return self.correction.text(before=bool(self.correction.was))
+
+
+def correction_file(folder: Path) -> Path:
+    """The user's table, which is created with its header if missing. Raises FieldkitError if it cannot be written."""
+    file = folder / FILE_NAME
+    if not file.exists():
+        with changing(file):
+            if not file.exists():
+                files.replace(file, HEADER.encode())
+    return file
 
 
 def read_own_corrections(folder: Path) -> list[OwnCorrection]:

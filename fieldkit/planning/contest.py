@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit import files
 from fieldkit.errors import BadValue
+from fieldkit.file_lock import changing
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
@@ -122,8 +123,15 @@ def copy_season(year: int, own: Path) -> Path:
     file = own / f"{year}.toml"
     if not file.exists():
         season(year)
-        files.replace(file, (FOLDER / file.name).read_bytes())
+        with changing(file):
+            _copy(file)
     return file
+
+
+def _copy(file: Path) -> None:
+    """Copy a shipped file of this name, unless another program has made it in the meantime."""
+    if not file.exists():
+        files.replace(file, (FOLDER / file.name).read_bytes())
 
 
 def season(year: int, own: Path | None = None) -> Season:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from fieldkit.file_lock import changing
 from fieldkit.paths import data_file
 from fieldkit.planning.kit_file import drop_kit, put_kit
 from fieldkit.planning.kits import Kit, kit_of, read_kits
@@ -24,9 +25,11 @@ def named_kit(name: str) -> Kit:
 
 def save_kit(kit: Kit, was: str = "") -> None:
     """Save a kit, or replace the one called `was`. Raises BadValue, FieldkitError if the file cannot be written."""
-    put_kit(data_file("kits.toml"), kit, was)
+    with changing(data_file("kits.toml")):
+        put_kit(data_file("kits.toml"), kit, was)
 
 
 def delete_kit(name: str) -> None:
     """Delete a kit. Raises BadValue, FieldkitError if the file cannot be written."""
-    drop_kit(data_file("kits.toml"), name)
+    with changing(data_file("kits.toml")):
+        drop_kit(data_file("kits.toml"), name)

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit import __version__
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import FieldkitError, NoFlights, UnknownMotor
+from fieldkit.file_lock import changing
 from fieldkit.files import read
+from fieldkit.files import replace as replace_file
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
@@ -19,6 +21,7 @@ from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
+from fieldkit.paths import hyperprior_file
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports import gather
 from fieldkit.services.plausible_flights import implausible_flights
@@ -173,3 +176,24 @@ def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
         name: {"after earlier flights of the rocket": ways([row for row in rows if row.earlier]), "all": ways(rows)}
         for name, rows in checked.items()
     }
+
+
+def own_card() -> bytes:
+    """The flyer's card as it is on the disk, empty if there is none or if it cannot be read."""
+    try:
+        return read(hyperprior_file(), plain=True)
+    except OSError:
+        return b""
+
+
+def keep_card(text: str, before: bytes) -> Path:
+    """Save a card that was learned from the one that was there `before`; returns its file.
+
+    Raises FieldkitError if another program has saved one in the meantime, or if it cannot be written.
+    """
+    own = hyperprior_file()
+    with changing(own):
+        if own_card() != before:
+            raise FieldkitError(f"{own}: another program has saved a card in the meantime; learn again")
+        replace_file(own, text.encode())
+    return own

@@ -19,7 +19,8 @@ def made_for(
 
     The latest forecast that names the flight has priority. Otherwise it is a forecast for the same rocket,
     configuration and motor from the two weeks before the flight: the one with the most similar mass and conditions,
-    then the latest. Forecasts that used the flight are excluded.
+    then the latest. Forecasts that used the flight are excluded. A forecast that names no flight is of the next one
+    alone: later flights of that setup have none unless it was forecast again.
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
@@ -40,7 +41,23 @@ def made_for(
             candidates = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
             candidates.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
         found.append(candidates[-1] if candidates else None)
-    return found
+    return _once(flights, found)
+
+
+def _once(flights: Sequence[Flight], found: Sequence[StoredPrediction | None]) -> list[StoredPrediction | None]:
+    """The forecasts of flights; one that names no flight only with the first flight after it."""
+    first: dict[int, int] = {}
+    for place in sorted(range(len(flights)), key=lambda place: _flown_at(flights[place])):
+        one = found[place]
+        if one is not None and not one.flight_id:
+            first.setdefault(one.number, place)
+    return [one if one and first.get(one.number, place) == place else None for place, one in enumerate(found)]
+
+
+def _flown_at(flight: Flight) -> datetime:
+    """When a flight flew: the end of the day for a date without a time, last without a date."""
+    at = flight.date_time or datetime.max
+    return datetime.combine(at, time.max) if at.time() == time() else at
 
 
 def in_time(prediction: StoredPrediction, flight: Flight) -> bool:

@@ -310,6 +310,47 @@ def test_every_file_is_written_past_the_guard() -> None:
                 assert not found, f"{file}:{node.lineno}"
 
 
+REPLACED_WHOLE = {
+    "tui/crash.py": "a report with a new name",
+    "parallel.py": "a result that only this item has",
+    "inference/training/unfinished.py": "the work of one training",
+    "cli/demo.py": "a new ledger",
+    "motors/own.py": "a file that the flyer names, whatever it was before",
+    "planning/kit_file.py": "kits, within the lock of `services/kits.py`",
+}
+"""The modules that replace a file of fieldkit without its lock, and what it is."""
+
+
+def test_every_file_that_several_programs_change_is_replaced_within_its_lock() -> None:
+    found = set()
+    for file in sorted((ROOT / "fieldkit").rglob("*.py")):
+        code = file.read_text(encoding="utf-8")
+        if re.search(r"from fieldkit\.files import .*\breplace\b|\bfiles\.replace\(", code):
+            found.add(file.relative_to(ROOT / "fieldkit").as_posix())
+            assert file.relative_to(ROOT / "fieldkit").as_posix() in REPLACED_WHOLE or "with changing(" in code, file
+    assert set(REPLACED_WHOLE) < found
+
+
+@pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
+def test_a_minus_is_standard_output_and_no_file(
+    home: Path, names: tuple[str, ...], parameter: Any, command: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    if names == ("train",):
+        pytest.skip("it makes a folder")
+    status = main(line(names, parameter, command, Path("-")))
+    assert not (home / "-").exists()
+    shown = capfd.readouterr()
+    assert status or shown.out
+    assert "Traceback" not in shown.err
+
+
+def test_an_export_to_a_minus_is_the_table(home: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["export"]) == 0
+    table = capfd.readouterr().out
+    assert main(["export", "-"]) == 0
+    assert capfd.readouterr().out == table
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
 def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_what_is_written(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
@@ -323,6 +364,7 @@ def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_what_is_w
 
 READERS = {
     "files.py": "the bounded reader itself",
+    "file_lock.py": "a lock without content",
     "__init__.py": "a file of the checkout",
     "plugins.py": "cards that come along",
     "cli/main.py": "nothing, in place of a stream that was closed",

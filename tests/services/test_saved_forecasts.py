@@ -182,6 +182,26 @@ def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledge
     assert one.changes == ()
 
 
+@pytest.mark.parametrize("later", [0, 1], ids=["in order", "typed in reverse"])
+def test_a_forecast_without_a_name_is_of_the_next_flight_alone(ledger: Ledger, later: int) -> None:
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
+    first = FLOWN.with_changes(flight_id="7")
+    second = FLOWN.with_changes(flight_id="5", date_time=datetime(2026, 6, 2, 14), apogee=262.0)
+    ledger.add([second, first] if later else [first, second])
+    assert {flight for _, flight in by_flight(list_forecasts(ledger, catalogue()))} == {"7"}
+
+
+def test_an_earlier_forecast_that_a_better_one_replaced_is_not_of_the_second_flight(ledger: Ledger) -> None:
+    for mass in (0.32, 0.33):
+        predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="", dry_mass=mass)])
+    heavy = FLOWN.with_changes(flight_id="7", dry_mass=0.33)
+    again = heavy.with_changes(flight_id="5", date_time=datetime(2026, 6, 2, 14))
+    light = FLOWN.with_changes(flight_id="6", date_time=datetime(2026, 6, 2, 16))
+    ledger.add([heavy, again, light])
+    found = by_flight(list_forecasts(ledger, catalogue()))
+    assert {flight: one.made.number for (_, flight), one in found.items()} == {"7": 3, "6": 2}
+
+
 def test_a_flight_on_a_drilled_delay_is_compared_with_the_forecast_for_the_delay_on_the_bag(ledger: Ledger) -> None:
     plan = PLAN.with_changes(flight_id="", motor="AeroTech H128W-17A", dry_mass=0.6)
     predict_plans(ledger, catalogue(), [plan])

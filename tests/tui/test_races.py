@@ -116,6 +116,22 @@ async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path)
         assert "error" not in words(pilot)
 
 
+@pytest.mark.parametrize("key", ["question_mark", "e", "ctrl+p"])
+async def test_a_dialog_above_a_flight_that_goes_stays_open(file: Path, key: str) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", key)
+        flight, dialog = pilot.app.screen_stack[-2:]
+        assert isinstance(flight, FlightScreen)
+        with Ledger.open(file) as ledger:
+            ledger.remove(flight._flight_id)
+        flight.reload()  # its answer comes when the dialog is open
+        await press(pilot, "_")
+        assert pilot.app.screen is dialog
+        await press(pilot, *["escape"] * 3)
+        assert isinstance(pilot.app.screen, FlightsScreen)
+        assert "error" not in words(pilot)
+
+
 async def test_keys_after_a_key_that_opens_a_form_are_typed_into_it(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "d")

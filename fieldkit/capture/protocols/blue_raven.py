@@ -12,7 +12,7 @@ import time
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass
@@ -65,21 +65,23 @@ def _done(captured: Captured) -> set[str]:
 
 
 def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
-    """Count frames of one kind until none arrive for `silence` [s]; live status in between does not count."""
+    """Count frames of one kind until none arrive for `silence` [s], or for four times that in noise, which hides them;
+    live status in between does not count."""
     wanted = f"@ LOG_{kind}".encode()
-    last, frames = time.monotonic(), 0
-    while time.monotonic() - last < silence:
-        line = yield from link.piece(b"\n", silence)
-        if line is None:
+    last = quiet_since = time.monotonic()
+    frames = 0
+    while (line := (yield from link.piece(b"\n", silence))) is not None:
+        now = time.monotonic()
+        if wanted in line:
+            last = quiet_since = now
+            good = frame(line) is not None
+            frames += good
+            link.samples += good
+            link.damaged += not good
+        elif b"@ " not in line:
+            quiet_since = now
+        if now - quiet_since >= silence or now - last >= NOISE * silence:
             break
-        if wanted not in line:
-            continue
-        last = time.monotonic()
-        if frame(line):
-            frames += 1
-            link.samples += 1
-        else:
-            link.damaged += 1
     return frames
 
 

@@ -19,12 +19,17 @@ from fieldkit.quantities import counted
 
 ANSWER = 3.0
 """Longest pause of the unit within an answer. [s]"""
+QUIET = 0.2
+"""Silence before a command. [s]"""
+NOISY = 60.0
+"""Longest wait for the end of an answer with noise in it, before the flight is requested again. [s]"""
 TRIES = 3
 STATISTICS = 5
 """Number of lines in the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
 
 _SAMPLE = re.compile(r".\d{4}")
 _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
+_COUNT = re.compile(rb"^N(\d{5})\r?$", re.MULTILINE)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
@@ -47,8 +52,8 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
     """Up to `wanted` non-blank lines in answer to a command; fewer, or none, if the unit does not answer."""
     found: list[str] = []
-    for _ in range(TRIES):
-        yield from link.drain(0.2)
+    for attempt in range(1, TRIES + 1):
+        yield from _quiet(link, attempt)
         link.send(command)
         found = []
         ends = time.monotonic() + NOISE * ANSWER
@@ -64,6 +69,11 @@ def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
     return found
 
 
+def _quiet(link: Link, attempt: int) -> Dialogue[None]:
+    """Wait for silence before a command: the answer to an earlier attempt may still be coming, among noise."""
+    yield from link.drain(QUIET, NOISE if attempt == 1 else NOISY / QUIET)
+
+
 def _count(link: Link) -> Dialogue[int]:
     """The number of samples in memory. Raises PortTrouble if the statistics cannot be read."""
     for _ in range(TRIES):
@@ -77,7 +87,7 @@ def _count(link: Link) -> Dialogue[int]:
 def _flight(link: Link, count: int) -> Dialogue[bool]:
     """Read the interval and the samples; request them again if they are incomplete."""
     for attempt in range(1, TRIES + 1):
-        yield from link.drain(0.2)
+        yield from _quiet(link, attempt)
         link.send(b"D")
         good = seen = 0
         while seen < count + 1 and (line := (yield from link.text_line(ANSWER))) is not None:
@@ -102,8 +112,25 @@ def logs(captured: Captured) -> list[Log]:
     kept = [[answer.content for answer in answers if answer.command == command][-1:] for command in (b"I", b"V", b"S")]
     flights = [answer.content for answer in answers if answer.command == b"D"]
     best = max(flights, key=lambda content: len(_ROW.findall(content)), default=b"")
-    content = b"".join(b"".join(one) for one in kept) + best
+    content = b"".join(b"".join(one) for one in kept) + _last_answer(best, _samples(b"".join(kept[-1])))
     return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
+
+
+def _samples(statistics: bytes) -> int:
+    """The number of samples in an answer to S, 0 if it has none."""
+    found = _COUNT.findall(statistics)
+    return int(found[-1]) if found else 0
+
+
+def _last_answer(content: bytes, count: int) -> bytes:
+    """An answer to D without the end of the one before, which a noisy unit was still sending when it was asked again.
+
+    It is the line with the interval and the last `count` samples.
+    """
+    rows = [row.start() for row in _ROW.finditer(content)]
+    if not count or len(rows) <= count:
+        return content
+    return content[content[: rows[-count]].rstrip().rfind(b"\n") + 1 :]
 
 
 PROTOCOL = Protocol("PerfectFlite MAWD", PortSettings(38_400, xonxoff=True), dialogue, logs)

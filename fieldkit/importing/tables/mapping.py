@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.file_lock import changing
 from fieldkit.files import read_own, replace
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
 from fieldkit.importing.reading import ColumnChoice
@@ -87,7 +88,8 @@ def remember(choice: ColumnChoice) -> None:
     Raises FieldkitError if it cannot be written.
     """
     if choice.headers:
-        _keep([choice, *(old for old in remembered() if old.headers != choice.headers)])
+        with changing(mapping_file()):
+            _keep([choice, *(old for old in remembered() if old.headers != choice.headers)])
 
 
 def forget(number: int) -> ColumnChoice:
@@ -95,22 +97,28 @@ def forget(number: int) -> ColumnChoice:
 
     Raises BadValue if there is no such number.
     """
-    kept = list(remembered())
-    if not 1 <= number <= len(kept):
-        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
-    gone = kept.pop(number - 1)
-    _keep(kept)
+    with changing(mapping_file()):
+        kept = _with_number(number)
+        gone = kept.pop(number - 1)
+        _keep(kept)
     return gone
 
 
 def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
     """Replace the columns of a remembered choice, for the same headers. Raises BadValue."""
+    with changing(mapping_file()):
+        kept = _with_number(number)
+        kept[number - 1] = ColumnChoice(read_choice(texts).channels, kept[number - 1].headers)
+        _keep(kept)
+    return kept[number - 1]
+
+
+def _with_number(number: int) -> list[ColumnChoice]:
+    """The remembered choices, of which one has this number. Raises BadValue if there is no such number."""
     kept = list(remembered())
     if not 1 <= number <= len(kept):
         raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
-    kept[number - 1] = ColumnChoice(read_choice(texts).channels, kept[number - 1].headers)
-    _keep(kept)
-    return kept[number - 1]
+    return kept
 
 
 def _keep(choices: Sequence[ColumnChoice]) -> None:

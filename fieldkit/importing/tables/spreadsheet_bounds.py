@@ -10,9 +10,10 @@ from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
 
-MAX_CELLS = 8_000_000
-"""Largest number of cells in a sheet, from its first corner to its last used cell. [1]"""
-MAX_TEXT = 256 << 20
+MAX_CELLS = 4_000_000
+"""Largest number of cells in all sheets, from the first corner of each to its last used cell; one takes about 100 bytes
+while it is read. [1]"""
+MAX_TEXT = 128 << 20
 """Largest number of characters in all cells. [1]"""
 _CHUNK = 1 << 16
 
@@ -20,21 +21,31 @@ _CHUNK = 1 << 16
 def check_bounds(archive: zipfile.ZipFile) -> None:
     """Raise DamagedLog for a spreadsheet with more cells or text than the limits, or with damaged sheets."""
     texts: list[int] = []
+    cells = characters = 0
     for name in sorted(archive.namelist(), key=lambda one: "sharedStrings" not in one):
-        _Counted(texts).read(archive, name)
+        counted = _Counted(texts, cells, characters)
+        counted.read(archive, name)
+        cells, characters = counted.cells, counted.characters
 
 
 class _Counted:
-    """The counts of one file of a spreadsheet; `texts` are the lengths of the texts that its cells share."""
+    """The counts of one file of a spreadsheet, on top of the cells and characters of others; `texts` are the lengths of
+    the texts that its cells share."""
 
-    def __init__(self, texts: list[int]) -> None:
+    def __init__(self, texts: list[int], cells: int, characters: int) -> None:
         self._texts = texts
+        self._before, self.characters = cells, characters
         self._row = self._column = self._last_row = self._last_column = 0
         self._rows = self._times = 1
-        self._length = self._all = 0
+        self._length = 0
         self._shared = self._filled = False
         self._index = ""
         self._found = False
+
+    @property
+    def cells(self) -> int:
+        """The number of cells so far, with those of other files."""
+        return self._before + self._last_row * self._last_column
 
     def read(self, archive: zipfile.ZipFile, name: str) -> None:
         """Count the elements of a file. Files that are not XML, such as pictures, have none."""
@@ -116,11 +127,12 @@ class _Counted:
     def _use(self, row: int, column: int) -> None:
         """Include a cell, counted from 1, in the sheet."""
         self._last_row, self._last_column = max(self._last_row, row), max(self._last_column, column)
-        if self._last_row * self._last_column > MAX_CELLS:
+        if self.cells > MAX_CELLS:
             cells = f"{self._last_row} rows of {self._last_column} cells"
-            raise DamagedLog(f"found {cells} in a sheet, expected at most {MAX_CELLS} cells")
+            others = f" after {self._before} cells in other sheets" if self._before else ""
+            raise DamagedLog(f"found {cells} in a sheet{others}, expected at most {MAX_CELLS} cells")
 
     def _add(self, length: int) -> None:
-        self._all += length
-        if self._all > MAX_TEXT:
+        self.characters += length
+        if self.characters > MAX_TEXT:
             raise DamagedLog(f"found more than {MAX_TEXT >> 20} million characters in a spreadsheet, expected fewer")

@@ -17,7 +17,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
-from fieldkit.tui.flights.removal import REMOVE, leave, remove
+from fieldkit.tui.flights.removal import REMOVE, close, leave, remove
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
@@ -148,7 +148,7 @@ class FlightScreen(PageScreen):
 
     def action_remove(self) -> None:
         """Remove this flight, and show the remaining ones."""
-        remove(self, self._flight_id, self.dismiss)
+        remove(self, self._flight_id, partial(close, self))
 
     def on_mount(self) -> None:
         """Keys scroll."""

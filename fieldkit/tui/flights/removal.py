@@ -13,8 +13,15 @@ REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remov
 def leave(page: PageScreen, id: str) -> None:
     """Leave the screen of a flight that is no longer in the ledger: undo or another program has removed it."""
     page.show_notice(f"Flight {id} is no longer in the ledger")
-    if page.is_current:
+    close(page)
+
+
+def close(page: PageScreen) -> None:
+    """Dismiss the screen of a removed flight; below a dialog, whose text would be lost, when it is in front again."""
+    if page.app.screen is page:
         page.dismiss()
+    else:
+        page.reload_on_resume()
 
 
 def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None) -> None:

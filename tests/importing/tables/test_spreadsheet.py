@@ -1,6 +1,7 @@
 """Spreadsheets are read as the CSV that they hold: flight tables and tables of samples, `.xlsx` and `.ods`."""
 
 import io
+import tracemalloc
 import zipfile
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -111,12 +112,17 @@ XLSX = {
     "xl/workbook.xml": '<workbook><sheets><sheet name="S" sheetId="1"/></sheets></workbook>',
     "xl/sharedStrings.xml": f"<sst><si><t>{'x' * 60_000}</t></si></sst>",
 }
+TEXT_CELL = '<c t="s"><v>0</v></c>'
 ODS = "<d><table>{}</table></d>"
 HOSTILE = {
     "opposite corners": {"xl/s.xml": '<w><row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row></w>'},
     "a prefix": {"xl/s.xml": '<x:w xmlns:x="n"><x:row><x:c r="XFD1048576"/></x:row></x:w>'},
     "a shared text": {"xl/s.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 10_000 + "</row></w>"},
     "an entity": {"xl/s.xml": '<!DOCTYPE w [<!ENTITY a "b">]><w><row><c><v>&a;</v></c></row></w>'},
+    "cells of many sheets": {f"xl/s{n}.xml": '<w><row r="2000"><c r="ALL2000"/></row></w>' for n in range(5)},
+    "a text of many sheets": {
+        f"xl/s{n}.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 500 + "</row></w>" for n in range(9)
+    },
     "a torn sheet": {"xl/s.xml": '<w><row><c r="A1"><v>1</v></c>'},
     "a row of letters": {"xl/s.xml": '<w><row r="one"><c/></row></w>'},
     "spaces": {"content.xml": ODS.format('<table-row><table-cell><p><s c="2000000000"/></p></table-cell></table-row>')},
@@ -142,6 +148,25 @@ def test_a_spreadsheet_that_expands_beyond_memory_is_refused_before_it_is_read(p
             archive.writestr(name, content)
     with zipfile.ZipFile(out) as archive, pytest.raises(DamagedLog, match="found"):
         check_bounds(archive)
+
+
+def test_a_table_that_starts_in_another_column_keeps_the_empty_ones() -> None:
+    rows = [[None, None, None], [None, "a", "b"], [None, 1.5, 2]]
+    (found,) = spreadsheet._sheets(book(".xlsx", log=rows))
+    assert found == ("log", b",,\n,a,b\n,1.5,2\n")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_large_spreadsheet_is_read_row_by_row(kind: str) -> None:
+    """Its text is all of it that Python holds: a cell as an object would be 30 bytes, and its place in a list 8."""
+    log = book(kind, log=[[n + 0.125] * 8 for n in range(4000)])
+    tracemalloc.start()
+    try:
+        (found,) = spreadsheet._sheets(log)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 2.5 * len(found[1]) + 500_000
 
 
 def test_empty_rows_below_a_table_are_not_counted() -> None:

@@ -1,0 +1,70 @@
+"""One program at a time changes a file of fieldkit: a lock that ends with its process, even if that is killed."""
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from fieldkit.errors import FieldkitError
+
+LOCK_NAME = ".lock"
+"""The file that is locked, in the folder of the file that changes: a replaced file itself cannot hold a lock."""
+PATIENCE = 10.0
+"""Longest wait for another program, which needs milliseconds. [s]"""
+POLL = 0.01
+"""Interval between two attempts. [s]"""
+
+
+@contextmanager
+def changing(file: Path) -> Iterator[None]:
+    """Lock a file, and all in its folder, from reading it to replacing it, so that no other program's change is lost.
+
+    Every change of a file that fieldkit manages is in such a block, and no block is in another. A disk without locks is
+    written without one. Raises FieldkitError if the folder cannot be written or stays locked.
+    """
+    number = _opened(file)
+    try:
+        end = time.monotonic() + PATIENCE
+        while not _is_ours(number):
+            if time.monotonic() >= end:
+                raise FieldkitError(f"{file}: another program has been changing it for {PATIENCE:g} s; try again")
+            time.sleep(POLL)
+        yield
+    finally:
+        os.close(number)
+
+
+def _opened(file: Path) -> int:
+    """The open lock of a file's folder, which is created if necessary. A link has the lock of its target."""
+    try:
+        folder = file.resolve().parent
+        folder.mkdir(parents=True, exist_ok=True)
+        return os.open(folder / LOCK_NAME, os.O_RDWR | os.O_CREAT, 0o666)
+    except (OSError, RuntimeError) as error:  # a loop of links
+        raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
+
+
+def _is_ours(number: int) -> bool:
+    """Whether the lock was free and is now held; also on a disk that has no locks."""
+    try:
+        _locked(number)
+    except (BlockingIOError, PermissionError):  # held, on Unix and on Windows
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _locked(number: int) -> None:
+    """Lock an open file. Raises OSError if it is locked already, or if its disk has no locks."""
+    try:
+        from fcntl import LOCK_EX, LOCK_NB, flock
+    except ImportError:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
+    else:
+        flock(number, LOCK_EX | LOCK_NB)
