@@ -5,7 +5,7 @@ import io
 from datetime import datetime
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, FieldkitError, UnknownFormat
@@ -17,6 +17,7 @@ from fieldkit.importing.recognize import claims, open_log
 from fieldkit.importing.tables.flight_headings import shape
 from fieldkit.importing.tables.mapping import read_choice
 from fieldkit.presentation.export import csv_table
+from tests.effort import examples
 from tests.samples import any_motor
 
 pytestmark = pytest.mark.fast
@@ -358,7 +359,7 @@ def flights(draw: st.DrawFn, extra: tuple[str, ...]) -> Flight:
     return Flight(flight_id=draw(name.filter(bool))).with_changes(date_time=when, tags=tags, **given_texts)
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(data=st.data())
 def test_what_goes_out_comes_in_again_as_the_same_flight(data: st.DataObject) -> None:
     extra = tuple(data.draw(st.lists(unknown, max_size=2, unique_by=str.lower)))
