@@ -20,7 +20,7 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 from tests.cached import once
-from tests.effort import THOROUGH
+from tests.effort import THOROUGH, left_out
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (
@@ -64,6 +64,15 @@ def pytest_configure(config: pytest.Config) -> None:
     """`-m fast` replaces the default `-m 'not slow and not thorough'`; long tests stay out of it all the same."""
     if config.option.markexpr == "fast":
         config.option.markexpr = "fast and not slow and not thorough"
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """A run that is not thorough and names no cases tries a quarter of those of each test marked `sampled`."""
+    if not (THOROUGH or config.option.keyword or any("::" in place for place in config.args)):
+        out = left_out(items)
+        config.hook.pytest_deselected(items=[item for item in items if item in out])
+        items[:] = [item for item in items if item not in out]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -47,6 +47,7 @@ def off(recorded: Recorded, truth: Truth, name: str) -> float:
     return recorded.figures[name].value - truth.readouts()[name]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "logger",
     [
@@ -109,6 +110,7 @@ def test_heights_alone_give_speed_and_burn_time(rocket: Rocket) -> None:
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE, FAST], ids=["tiny", "small", "large", "fast"])
 def test_an_accelerometer_sharpens_the_boost(rocket: Rocket) -> None:
     recorded, truth = measured(rocket, Logger(accelerometer=100))

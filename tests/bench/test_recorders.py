@@ -11,7 +11,6 @@ from bench.recorders.flights import draw
 from bench.recorders.judge import Miss, cells, judged, read, table
 from bench.recorders.models import RECORDERS
 from bench.recorders.record import receiver_drift, written
-from tests.effort import part
 
 SOME = (
     "5 Hz feet",
@@ -47,7 +46,8 @@ def test_a_perfect_recorder_is_read_perfectly() -> None:
         assert found["burn_time"].value == pytest.approx(right["burn_time"], abs=0.1)
 
 
-@pytest.mark.parametrize("name", part(SOME))
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", SOME)
 def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
     misses, refused = judged(name, RECORDERS[name], 2, seed=7)
     assert not refused

@@ -21,7 +21,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Reading
 from fieldkit.importing.recognize import parsers
-from tests.effort import examples, part
+from tests.effort import examples
 from tests.importing.bad_input import CHANGES, Seed, faults_among, must_hold, mutated, patience, seeds
 from tests.samples import SAMPLES, owner
 
@@ -32,11 +32,9 @@ LARGEST = 200.0
 """Maximum memory for reading a log of 100 MB. [MB]"""
 
 
-@pytest.mark.parametrize(
-    ("name", "change"),
-    [(name, change) for number, name in enumerate(parsers()) for change in part(CHANGES, number)],
-    ids=lambda one: getattr(one, "__name__", one),
-)
+@pytest.mark.sampled
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+@pytest.mark.parametrize("name", parsers())
 def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
     rng = random.Random(f"{name} {change.__name__}")
     seed = rng.choice([seed for seed in SEEDS if seed.format == name])
@@ -306,6 +304,7 @@ def peak(name: str, log: bytes) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", parsers())
 def test_work_and_memory_grow_no_faster_than_a_log(name: str, tmp_path: Path) -> None:
     logs = []

@@ -119,6 +119,7 @@ def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pyte
                 read_design(text, "x.ork")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
 @pytest.mark.parametrize("part", ["rocket.ork", "mimetype", "xl/workbook.xml"])
 def test_a_few_bytes_of_an_archive_never_become_many(part: str, method: int) -> None:

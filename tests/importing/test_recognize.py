@@ -50,6 +50,7 @@ def heights(found: object) -> float:
     return best
 
 
+@pytest.mark.sampled
 @every_sample
 def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_height_in_it(sample: Path) -> None:
     content = sample.read_bytes()
@@ -66,6 +67,7 @@ def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_hei
         assert not (own and got) or name == "mapped_table" or got == pytest.approx(own, rel=0.05), name
 
 
+@pytest.mark.sampled
 @every_sample
 def test_a_sample_has_the_signs_of_its_parser_best(sample: Path) -> None:
     parser = parsers()[owner(sample)]

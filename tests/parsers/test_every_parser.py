@@ -21,7 +21,7 @@ from fieldkit.flight.readout import render_sd
 from fieldkit.importing import Intake, Parser, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, parsers, recognise
-from tests.effort import examples, part
+from tests.effort import examples
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -118,7 +118,8 @@ def test_a_clock_never_runs_backwards_and_every_channel_has_numbers(sample: Path
             check_samples(item)
 
 
-@pytest.mark.parametrize("sample", part(SAMPLES), ids=lambda path: path.name)
+@pytest.mark.sampled
+@every_sample
 def test_reading_a_log_twice_gives_the_same_flights(sample: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = first_read(sample)
     monkeypatch.setattr("fieldkit.importing.from_samples.measure", measure)  # and not what a test measured before
