@@ -32,8 +32,6 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, press
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 from tests.effort import examples
 
-pytestmark = pytest.mark.fast
-
 flown = cache(fly)
 
 

@@ -229,6 +229,7 @@ def test_a_column_of_accelerations_made_of_pressures_is_no_accelerometer(rocket:
     assert abs(recorded.events["liftoff"].time) < 3 * recorded.events["liftoff"].sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, FAST], ids=["small", "large", "fast"])
 @pytest.mark.parametrize("scale", [0.95, 1.05])
 def test_an_accelerometer_that_is_a_little_off_is_believed(rocket: Rocket, scale: float) -> None:
@@ -292,6 +293,7 @@ def beside_satellites(truth: Truth, static: float, *, warm: float = 1.0) -> tupl
     return wrong, Series(time=when, gps_altitude_msl=seen)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [LARGE, FAST], ids=["large", "fast"])
 @pytest.mark.parametrize("static", [-0.04, 0.0, 0.04])
 def test_satellites_sharpen_the_speed_of_a_fast_flight_by_pressure(rocket: Rocket, static: float) -> None:

@@ -26,8 +26,6 @@ from fieldkit.openrocket import design as designs
 from fieldkit.settings import Settings, read_settings
 from tests.openrocket.test_design import design
 
-pytestmark = pytest.mark.fast
-
 CHECK_SHAPES = False
 ROOT = Path(__file__).parents[2]
 POINT = "1," * 60 + "1"
