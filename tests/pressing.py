@@ -160,9 +160,8 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The ledger of that season in a folder, with a user's home beside it, and forecasts of the list with few draws."""
+    """The ledger of that season in a folder, with a user's home beside it."""
     frozen(monkeypatch)
-    monkeypatch.setattr("fieldkit.tui.screens.next_flight.DRAWS", 40)
     monkeypatch.setenv("FIELDKIT_HOME", str(folder / "home"))
     season(folder / "ledger.db")
     return folder / "ledger.db"
