@@ -5,16 +5,13 @@ Checks take two to four times the run time of the engine, so test modules of who
 """
 
 import gc
+import importlib
 import os
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from unittest.mock import patch
-
-# read by fieldkit.shapes when it is imported; where speed is measured, checking shapes would slow it
-os.environ["FIELDKIT_CHECK_SHAPES"] = "" if "--benchmark-only" in sys.argv else "1"
-
-from collections.abc import Iterator
 
 import jaxtyping
 import pytest
@@ -23,6 +20,7 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 from tests.cached import once
+from tests.effort import THOROUGH, left_out
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (
@@ -48,12 +46,17 @@ def with_shapes() -> list[str]:
     return [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in named]
 
 
-if os.environ["FIELDKIT_CHECK_SHAPES"]:
+CHECKING = "--benchmark-only" not in sys.argv  # checks would slow what is measured
+with patch.dict(os.environ, {"FIELDKIT_CHECK_SHAPES": "1" if CHECKING else ""}):
+    importlib.import_module("fieldkit.shapes")  # reads the variable; processes that tests start are to find none
+
+if CHECKING:
     install_import_hook(with_shapes(), f"{checker.__name__}.{checker.check.__name__}")
 
 gc.set_threshold(20_000, 20, 50)  # the garbage collector would take a seventh of the time scanning libraries
 
-settings.register_profile("fieldkit", deadline=None)  # a busy machine is not a failure of the code
+# a busy machine is not a failure of the code
+settings.register_profile("fieldkit", deadline=None, max_examples=100 if THOROUGH else 25)
 settings.load_profile("fieldkit")
 
 
@@ -63,11 +66,31 @@ def pytest_configure(config: pytest.Config) -> None:
         config.option.markexpr = "fast and not slow and not thorough"
 
 
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """A run that is not thorough and names no cases tries a quarter of those of each test marked `sampled`."""
+    if not (THOROUGH or config.option.keyword or any("::" in place for place in config.args)):
+        out = left_out(items)
+        config.hook.pytest_deselected(items=[item for item in items if item in out])
+        items[:] = [item for item in items if item not in out]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test touches the ledger, the motors or the settings of the user who runs it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FIELDKIT_HOME", str(tmp_path_factory.mktemp("home")))
+        patch.delenv("FIELDKIT_LEDGER", raising=False)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _tables_made_once() -> Iterator[None]:
+    """The migrations, most of the time that a new ledger takes, run once."""
+    from tests.new_ledgers import upgrade
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fieldkit.ledger.opening.upgrade", upgrade)
         yield
 
 
@@ -77,7 +100,9 @@ def _measured_once() -> Iterator[None]:
     from fieldkit.analysis import measure
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fieldkit.importing.from_samples.measure", once(measure))
+        measured = once(measure)
+        patch.setattr("fieldkit.importing.from_samples.measure", measured)
+        patch.setattr("fieldkit.services.replay.measure", measured)
         yield
 
 

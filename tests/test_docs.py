@@ -88,7 +88,7 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("at_the_root")
-@pytest.mark.parametrize("name", ["README", *RUN, "examples.sh"])
+@pytest.mark.parametrize("name", ["README", *RUN, pytest.param("examples.sh", marks=pytest.mark.thorough)])
 def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """And show no figures in feet, ounces, or miles per hour to a user with SI units, nor words that are no text of the
     program, which a translator would not find."""

@@ -1,13 +1,13 @@
 """A reader can follow a rocket's flights through a forecast: few functions hand them on, in few files."""
 
-import pytest
+from functools import cache
 
-from tools.flight_path import passes, stops
-
-pytestmark = pytest.mark.fast
+from tools import flight_path
+from tools.flight_path import stops
 
 MAX_STOPS = 30
 MAX_FILES = 12
+passes = cache(flight_path.passes)
 
 
 def test_the_flights_of_a_forecast_stop_at_few_files() -> None:

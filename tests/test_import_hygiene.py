@@ -34,8 +34,7 @@ def woken(tmp_path: Path, *arguments: str) -> set[str]:
         f"status = main({list(arguments)!r})\n"
         f"open({str(tmp_path / 'woken.json')!r}, 'w').write(json.dumps([status, *sys.modules]))\n"
     )
-    flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
-    flyer |= {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
+    flyer = os.environ | {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", code], env=flyer, cwd=tmp_path, capture_output=True, text=True)
     status, *modules = json.loads((tmp_path / "woken.json").read_text())
     assert status == 0, done.stderr

@@ -5,6 +5,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -102,8 +103,13 @@ def _python_texts(file: Path) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.value
 
 
-def _texts() -> Iterator[tuple[str, int, str]]:
+@cache
+def _texts() -> tuple[tuple[str, int, str], ...]:
     """Everything that is read: the file, a line, and the text."""
+    return tuple(_read())
+
+
+def _read() -> Iterator[tuple[str, int, str]]:
     for folder in FOLDERS:
         for file in sorted((ROOT / folder).rglob("*.py")):
             name = file.relative_to(ROOT).as_posix()

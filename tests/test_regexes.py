@@ -81,6 +81,7 @@ def hostile(length: int) -> Iterator[str]:
 TEXTS = {length: list(hostile(length)) for length in LENGTHS}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "pattern", "way"), EXPRESSIONS, ids=lambda one: str(one)[:60])
 def test_no_expression_takes_long_over_a_long_text(name: str, pattern: "re.Pattern[Any]", way: str) -> None:
     for length, texts in TEXTS.items():

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 import typer
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import create_engine, text
 
@@ -26,6 +26,7 @@ from fieldkit.motors import own
 from fieldkit.presentation.export import csv_table
 from fieldkit.safe_text import as_cell, from_cell
 from fieldkit.services.imports import read_file
+from tests.effort import examples
 from tests.openrocket.test_design import design
 
 ROOT = Path(__file__).parents[1]
@@ -87,7 +88,7 @@ def test_a_nul_is_refused_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @given(st.text(max_size=12))
-@settings(max_examples=200)
+@examples(200)
 def test_a_cell_is_never_a_formula_and_comes_back(word: str) -> None:
     assert not as_cell(word).startswith(("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠"))
     assert from_cell(as_cell(word)) == word
@@ -191,8 +192,8 @@ def test_nothing_is_ever_unpickled() -> None:
             names = {one.name for one in node.names} if isinstance(node, ast.Import) else set()
             names |= {str(node.module)} if isinstance(node, ast.ImportFrom) else set()
             assert not names & {"pickle", "shelve", "marshal", "dill", "joblib", "cloudpickle"}, file
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("torch.load", "np.load", "numpy.load"):
-                pytest.fail(f"{file}: {ast.unparse(node)}")
+            if isinstance(node, ast.Attribute) and node.attr == "load":
+                assert ast.unparse(node) not in ("torch.load", "np.load", "numpy.load"), file
 
 
 # --- No network

@@ -10,7 +10,8 @@ listed.
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import count
 from pathlib import Path
 
@@ -59,12 +60,13 @@ _IS_CODE = re.compile(
 """Strings of several words that nobody sees."""
 
 
-def strings(file: Path) -> Iterator[tuple[int, str]]:
+@cache
+def strings(file: Path) -> Sequence[tuple[int, str]]:
     """Line and text of each user-facing string of a module, in the order of the code."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     hidden = {id(text) for text in _docstrings(tree, keep_commands="/cli/" in file.as_posix())}
     hidden |= {id(part) for part in _patterns(tree)}
-    parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
+    parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)} | hidden
     types, titles = {id(part) for part in _types(tree)}, {id(part) for part in (*_titles(tree), *_named(tree))}
     found = []
     for node in ast.walk(tree):
@@ -74,7 +76,7 @@ def strings(file: Path) -> Iterator[tuple[int, str]]:
                 part.value if isinstance(part, ast.Constant) and isinstance(part.value, str) else "{...}"
                 for part in node.values
             )
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and not {id(node)} & (hidden | parts):
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in parts:
             text = node.value
         elif isinstance(node, ast.Call) and (noun := _counted_noun(node)):
             found.append((node.lineno, f"{{...}} {noun}s"))
@@ -86,13 +88,7 @@ def strings(file: Path) -> Iterator[tuple[int, str]]:
         is_title = id(node) in titles and bool(re.search("[A-Za-z]{2}", text or ""))
         if text and (is_label or is_text or is_title) and not (is_code and not (is_title and " " in text)):
             found.append((node.lineno, " ".join(text.split())))
-    yield from sorted(set(found))
-
-
-def _counted_noun(call: ast.Call) -> str | None:
-    """The noun of `counted(number, "flight")`."""
-    noun = call.args[1] if len(call.args) == 2 and _name(call.func) == "counted" else None
-    return str(noun.value) if isinstance(noun, ast.Constant) else None
+    return sorted(set(found))
 
 
 def _named(tree: ast.Module) -> Iterator[ast.Constant]:

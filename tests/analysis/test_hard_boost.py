@@ -32,6 +32,7 @@ def heights(static: float) -> tuple[Array, Array]:
     return time, way - static * fast**2 / (2 * GRAVITY) + noise
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("static", [-0.03, 0.0, 0.02, 0.036])
 def test_the_true_lift_off_is_within_two_stated_deviations(static: float) -> None:
     time, height = heights(static)
@@ -55,6 +56,7 @@ def test_an_accelerometer_that_ends_in_the_boost_does_not_say_when_it_burned_out
     assert abs(recorded.events["burnout"].time - LIFT - BURN) < 2 * recorded.events["burnout"].sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("end", [7.4, 8.0, 9.0, 12.0])
 def test_a_log_that_ends_in_the_coast_states_no_speed_that_its_heights_contradict(end: float) -> None:
     time, height = heights(0.0)

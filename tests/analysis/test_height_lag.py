@@ -29,6 +29,7 @@ def behind(series: Series, lag: float) -> Series:
     return replace(series, altitude=np.interp(series.time, fine, lagged(height, float(height[0]), 0.002, lag)))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
 @pytest.mark.parametrize("lag", [0.25, 0.4])
 def test_small_vents_move_no_readout_by_more_than_it_claims(rocket: Rocket, lag: float) -> None:

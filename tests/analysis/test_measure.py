@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.analysis import Recorded, columns, measure
@@ -30,8 +30,7 @@ from fieldkit.analysis.robust_statistics import local_slopes, typical_line
 from fieldkit.flight import READOUTS, Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
-
-pytestmark = pytest.mark.fast
+from tests.effort import examples
 
 flown = cache(fly)
 
@@ -46,6 +45,7 @@ def off(recorded: Recorded, truth: Truth, name: str) -> float:
     return recorded.figures[name].value - truth.readouts()[name]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "logger",
     [
@@ -108,6 +108,7 @@ def test_heights_alone_give_speed_and_burn_time(rocket: Rocket) -> None:
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE, FAST], ids=["tiny", "small", "large", "fast"])
 def test_an_accelerometer_sharpens_the_boost(rocket: Rocket) -> None:
     recorded, truth = measured(rocket, Logger(accelerometer=100))
@@ -343,7 +344,7 @@ def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
     tracemalloc.stop()
 
 
-@settings(max_examples=15, deadline=None)
+@examples(15)
 @given(seed=st.integers(0, 2**32), hurt=st.sampled_from(["cut", "noise", "jumps", "huge", "missing", "constant"]))
 def test_whatever_the_samples_are_measuring_ends_in_finite_figures(seed: int, hurt: str) -> None:
     random = np.random.default_rng(seed)

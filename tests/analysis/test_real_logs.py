@@ -68,6 +68,7 @@ def robust_apogee(clocks: tuple[Series, ...]) -> float:
     raise AssertionError("no heights")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", FLIGHTS)
 def test_apogee_is_within_half_a_percent_of_the_robust_one(name: str) -> None:
     reading, recorded = flown(name)
@@ -77,6 +78,7 @@ def test_apogee_is_within_half_a_percent_of_the_robust_one(name: str) -> None:
     assert abs(recorded.figures["apogee"].value - right) < max(1.0, 0.005 * right)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", [name for name, time in FLIGHTS.items() if time is not None])
 def test_apogee_is_when_the_samples_turn(name: str) -> None:
     _, recorded = flown(name)

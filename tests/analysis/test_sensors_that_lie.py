@@ -46,6 +46,7 @@ def shocked(truth: Truth, lowest: float, depth: float, **settings: float) -> tup
     return replace(series, altitude=series.altitude - fakes), *others
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("wait", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize("lowest", [0.3, 0.8])
 @pytest.mark.parametrize("depth", [268.0, 600.0])
@@ -57,6 +58,7 @@ def test_shocks_near_the_speed_of_sound_are_no_pad(wait: float, lowest: float, d
     assert not misses(recorded, truth, *there)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [HARD, FAST], ids=["hard", "fast"])
 @pytest.mark.parametrize("rate", [20.0, 100.0])
 def test_shocks_do_not_move_burnout(rocket: Rocket, rate: float) -> None:
@@ -66,6 +68,7 @@ def test_shocks_do_not_move_burnout(rocket: Rocket, rate: float) -> None:
     assert recorded.figures["burn_time"].value == pytest.approx(truth.burnout, rel=0.15)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("begin", "lasts", "step"), [(100.0, 3.0, 3000.0), (20.0, 2.0, 3000.0), (60.0, 8.0, -400.0)])
 def test_a_level_that_jumps_for_seconds_is_no_top(begin: float, lasts: float, step: float) -> None:
     truth = flown(LARGE)
@@ -91,6 +94,7 @@ def test_what_a_rocket_does_is_no_step() -> None:
         assert undisturbed(track) == track
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("begins", [-8.0, -6.0, -4.0, -2.0, -1.0])
 @pytest.mark.parametrize("seed", [2, 3])
 def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int) -> None:
@@ -104,6 +108,7 @@ def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int
     assert low - 5 < truth.readouts()["apogee"] < high + 5
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("accelerometer", [0.0, 10.0])
 @pytest.mark.parametrize("begins", [0.3, 0.6, 0.9])
 def test_a_silence_from_the_boost_to_the_descent_bounds_no_apogee(begins: float, accelerometer: float) -> None:
@@ -163,6 +168,7 @@ def series_without(series: Series, begin: float, end: float) -> Series:
     return Series(**{name: None if values is None else values[there] for name, values in channels.items()})
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("factor", [0.3, 1.5, 3.0])
 def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> None:
     truth = flown(LARGE)
@@ -223,6 +229,7 @@ def test_a_column_of_accelerations_made_of_pressures_is_no_accelerometer(rocket:
     assert abs(recorded.events["liftoff"].time) < 3 * recorded.events["liftoff"].sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, FAST], ids=["small", "large", "fast"])
 @pytest.mark.parametrize("scale", [0.95, 1.05])
 def test_an_accelerometer_that_is_a_little_off_is_believed(rocket: Rocket, scale: float) -> None:
@@ -286,6 +293,7 @@ def beside_satellites(truth: Truth, static: float, *, warm: float = 1.0) -> tupl
     return wrong, Series(time=when, gps_altitude_msl=seen)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [LARGE, FAST], ids=["large", "fast"])
 @pytest.mark.parametrize("static", [-0.04, 0.0, 0.04])
 def test_satellites_sharpen_the_speed_of_a_fast_flight_by_pressure(rocket: Rocket, static: float) -> None:

@@ -22,7 +22,9 @@ from bench.faults import calls, damage, failing, histories, kills, laptops, ledg
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
 
-@pytest.mark.parametrize("name", ["add", "migrate", pytest.param("undo", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "name", [pytest.param("add", marks=pytest.mark.thorough), "migrate", pytest.param("undo", marks=pytest.mark.slow)]
+)
 def test_a_killed_command_leaves_the_ledger_as_before_or_as_after(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -46,6 +46,7 @@ def test_a_perfect_recorder_is_read_perfectly() -> None:
         assert found["burn_time"].value == pytest.approx(right["burn_time"], abs=0.1)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", SOME)
 def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
     misses, refused = judged(name, RECORDERS[name], 2, seed=7)

@@ -16,7 +16,7 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.capture import (
@@ -44,6 +44,7 @@ from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256
 from tests.capture import devices
 from tests.capture.devices import Device, Unplugged, Wire, played
+from tests.effort import examples
 
 pytestmark = pytest.mark.fast
 
@@ -85,7 +86,7 @@ def followed(events: Iterable[Event], wire: Wire) -> Ended:
 
 
 @given(chunks=st.lists(st.binary(max_size=50)), cut=st.floats(0, 1), torn=st.floats(0, 1))
-@settings(max_examples=15, deadline=None)
+@examples(15)
 def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_continues(
     tmp_path_factory: pytest.TempPathFactory, chunks: list[bytes], cut: float, torn: float
 ) -> None:

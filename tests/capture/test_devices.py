@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.capture import (
@@ -32,6 +32,7 @@ from fieldkit.capture.protocols import altimulti, altos, blue_raven, mawd, micro
 from fieldkit.errors import PortTrouble
 from tests.capture import devices
 from tests.capture.devices import Wire, played
+from tests.effort import examples
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
@@ -637,7 +638,7 @@ ASKED = [
     pieces=st.lists(st.tuples(st.sampled_from(ASKED), st.sampled_from(WORDS) | st.binary(max_size=30)), max_size=25),
     shift=st.integers(-40, 40),
 )
-@settings(max_examples=20, deadline=None)
+@examples(20)
 def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
     name: str, pieces: list[tuple[str, bytes]], shift: int
 ) -> None:

@@ -9,7 +9,7 @@ from itertools import count
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.capture import CaptureOptions, Port, known_devices
@@ -20,6 +20,7 @@ from fieldkit.capture.link import Link, Stopped
 from fieldkit.capture.tape import Tape, begin
 from fieldkit.errors import FieldkitError
 from tests.capture.devices import IDENTITY, altos_lines, raven_frame, sentence, telem, telem_sensor
+from tests.effort import examples
 
 ROOT = Path(__file__).parents[2]
 
@@ -98,7 +99,7 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
     protocol=st.sampled_from([*ALLOWED_COMMANDS, "eggtimer", ""]),
     command=st.binary(max_size=12) | st.from_regex(r"[a-zA-Z~][ -~]{0,6}[;\n]").map(str.encode),
 )
-@settings(max_examples=50)
+@examples(50)
 def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, protocol: str, command: bytes) -> None:
     ear = Ear(silent)
     try:
@@ -111,14 +112,14 @@ def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, proto
 
 
 @given(data=st.data(), protocol=st.sampled_from([*ALLOWED_COMMANDS]))
-@settings(max_examples=50)
+@examples(50)
 def test_all_that_the_table_allows_is_what_the_makers_call_reading(protocol: str, data: st.DataObject) -> None:
     command = data.draw(st.from_regex(ALLOWED_COMMANDS[protocol], fullmatch=True))
     assert re.fullmatch(LETTERS[protocol], command)
     assert command not in FORBIDDEN
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(letters=st.lists(st.from_regex(ALLOWED_COMMANDS["mawd"], fullmatch=True)))
 def test_letters_for_a_mawd_never_make_a_command_that_fires(letters: list[bytes]) -> None:
     assert not re.search(rb"F|A|T|L|C|R", b"".join(letters))

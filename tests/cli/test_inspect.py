@@ -62,6 +62,7 @@ def test_inspect_says_what_a_log_is_and_stores_nothing(run: Run, tmp_path: Path)
     assert not (tmp_path / "ledger.db").exists()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("sample", [one for one in SAMPLES if not owner(one).startswith("altimetertwo")])
 def test_what_inspect_shows_is_what_import_stores(run: Run, tmp_path: Path, sample: Path) -> None:
     (seen,) = inspected(run, sample)

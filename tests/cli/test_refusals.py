@@ -134,6 +134,7 @@ def test_the_home_of_nobody_is_an_ordinary_name(
     assert main(["--ledger", f"{named}.db", "flights"]) == 0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("date", ["0001-01-01T00:00", "9999-12-31T23:59", "0001-01-01", "9999-12-31"])
 def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp_path: Path) -> None:
     for words in (["predict", "--motor", "F24-4W"], ["edit", "2", f"date_time={date}"]):

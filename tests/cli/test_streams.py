@@ -121,6 +121,7 @@ def test_a_closed_output_is_reported_in_a_line_and_what_was_done_is_not_denied(l
     assert flights(ledger) == ["9"]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["2>&-", "2>/dev/full", "<&- 2>&-"])
 def test_messages_that_nobody_can_read_change_nothing_of_what_is_done(ledger: str, closed: str) -> None:
     if "full" in closed and not Path("/dev/full").exists():

@@ -19,6 +19,7 @@ from fieldkit import files, paths
 from fieldkit.cli.main import app, main
 from fieldkit.errors import FieldkitError
 from fieldkit.ledger import Ledger
+from tests.effort import part
 
 ROOT = Path(__file__).parents[2]
 CHECK_SHAPES = False
@@ -117,7 +118,7 @@ def test_no_command_writes_over_what_fieldkit_keeps(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any
 ) -> None:
     before = bytes_of(home)
-    for file in kept(home):
+    for file in part(kept(home), WITH_FILES.index((names, parameter, command))):
         for suffix in ("", *_suffixes(parameter)):
             target = file if not suffix else _under(home, file, suffix)
             force = ["--force"] if any("--force" in one.opts for one in command.params) else []

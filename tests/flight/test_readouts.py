@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit import units
@@ -24,6 +24,7 @@ from fieldkit.physics.setups import recorded
 from fieldkit.presentation.export import csv_table, document
 from fieldkit.services.manual_entry import enter
 from fieldkit.shapes import Array
+from tests.effort import examples
 from tests.presentation.test_export import as_json, flights
 from tests.samples import SAMPLES, any_motor
 
@@ -49,7 +50,7 @@ def known(draw: st.DrawFn) -> Flight:
 def test_a_table_goes_through_the_ledger_and_comes_out_the_same(
     write: Callable[[list[Flight]], str], tmp_path: Path
 ) -> None:
-    @settings(max_examples=40, deadline=None)
+    @examples(40)
     @given(known())
     def law(flight: Flight) -> None:
         table = write([flight])

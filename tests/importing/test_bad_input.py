@@ -14,13 +14,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Reading
 from fieldkit.importing.recognize import parsers
+from tests.effort import examples
 from tests.importing.bad_input import CHANGES, Seed, faults_among, must_hold, mutated, patience, seeds
 from tests.samples import SAMPLES, owner
 
@@ -31,6 +32,7 @@ LARGEST = 200.0
 """Maximum memory for reading a log of 100 MB. [MB]"""
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
 @pytest.mark.parametrize("name", parsers())
 def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
@@ -40,7 +42,7 @@ def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # 
         must_hold(change(seed.log, rng), name)
 
 
-@settings(max_examples=30, deadline=None)
+@examples(30)
 @given(number=st.integers(0, 2**32))
 def test_any_bad_log_brings_lines_and_no_traceback(number: int) -> None:
     done, name, log = mutated(SEEDS, random.Random(number))
@@ -302,6 +304,7 @@ def peak(name: str, log: bytes) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", parsers())
 def test_work_and_memory_grow_no_faster_than_a_log(name: str, tmp_path: Path) -> None:
     logs = []

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import create_engine, text
 from sqlalchemy.engine import make_url
@@ -15,6 +15,7 @@ from sqlalchemy.engine import make_url
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.ledger import Ledger, Renewal
+from tests.effort import examples
 
 pytestmark = pytest.mark.fast
 
@@ -83,7 +84,7 @@ records = st.builds(
 
 
 def test_ledger_in_ledger_out_same_flight(where: str) -> None:
-    @settings(max_examples=25, deadline=None)
+    @examples(25)
     @given(st.lists(records, max_size=4, unique_by=lambda flight: (flight.rocket, flight.flight_id)))
     def law(flights: list[Flight]) -> None:
         with Ledger.open(where) as ledger:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
@@ -15,6 +15,7 @@ from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
 from fieldkit.motors import PLUGGED_DELAY, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
 from fieldkit.planning.delay import drill_of, offered
+from tests.effort import examples
 
 LAUNCHES = Path(__file__).parents[3] / "shared" / "logs" / "altimetertwo__rocketlaunchjournal_launches.csv"
 
@@ -181,7 +182,7 @@ def test_a_motor_that_is_not_there_suggests_the_nearest(text: str, nearest: str)
         assert nearest in str(caught.value)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(st.one_of(st.text(max_size=20), st.from_regex(r"[A-O0-9/ ½-]{1,12}", fullmatch=True)))
 def test_any_text_finds_a_motor_or_says_what_is_wrong(text: str) -> None:
     is_cluster(text)

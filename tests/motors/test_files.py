@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
 from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, rasp, rocksim
 from fieldkit.motors.own import import_file, own_motors, read
+from tests.effort import examples
 
 pytestmark = pytest.mark.fast
 
@@ -158,7 +159,7 @@ def _mutated(draw: st.DrawFn) -> bytes:
 
 
 @given(_mutated())
-@settings(max_examples=300)
+@examples(300)
 def test_a_torn_motor_file_is_damaged_or_still_whole_but_never_a_crash(data: bytes) -> None:
     try:
         motors = read(data, "torn")

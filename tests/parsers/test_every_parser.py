@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.analysis import Recorded, measure
@@ -21,6 +21,7 @@ from fieldkit.flight.readout import render_sd
 from fieldkit.importing import Intake, Parser, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, parsers, recognise
+from tests.effort import examples
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -83,9 +84,15 @@ def test_a_sample_is_claimed_by_its_own_parser_and_no_other(sample: Path) -> Non
     assert isinstance(recognise(log), Parser)
 
 
+@cache
+def first_read(sample: Path) -> Intake:
+    """What a sample is read as."""
+    return read(sample.read_bytes(), sample.name, any_motor)
+
+
 @every_sample
 def test_a_sample_reads_as_its_golden_figures_say(sample: Path) -> None:
-    got = summary(read(sample.read_bytes(), sample.name, any_motor))
+    got = summary(first_read(sample))
     assert got == json.loads((GOLDEN / f"{sample.name}.json").read_text(encoding="utf-8"))
 
 
@@ -111,11 +118,12 @@ def test_a_clock_never_runs_backwards_and_every_channel_has_numbers(sample: Path
             check_samples(item)
 
 
+@pytest.mark.sampled
 @every_sample
 def test_reading_a_log_twice_gives_the_same_flights(sample: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = first_read(sample)
     monkeypatch.setattr("fieldkit.importing.from_samples.measure", measure)  # and not what a test measured before
-    log = sample.read_bytes()
-    assert read(log, sample.name, any_motor) == read(log, sample.name, any_motor)
+    assert read(sample.read_bytes(), sample.name, any_motor) == before
 
 
 @cache
@@ -126,7 +134,7 @@ def whole_flights(sample: Path) -> int:
 
 
 @every_sample
-@settings(max_examples=6, deadline=None)
+@examples(6)
 @given(data=st.data())
 def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) -> None:
     log = sample.read_bytes()
@@ -140,7 +148,7 @@ def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) ->
 
 
 @every_sample
-@settings(max_examples=8, deadline=None)
+@examples(8)
 @given(
     cuts=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6),
     forced=st.booleans(),
@@ -166,7 +174,7 @@ def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_fix(
 
 @pytest.mark.parametrize("name", parsers())
 @given(log=st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
-@settings(max_examples=25, deadline=None)
+@examples(25)
 def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> None:
     for line in troubles(log, "junk", name):
         assert len(line.splitlines()) == 1

@@ -138,6 +138,7 @@ TABULAR = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ".")])
 @pytest.mark.parametrize("sample", [one for one in SAMPLES if owner(one) in TABULAR], ids=lambda one: one.name)
 def test_a_table_that_a_spreadsheet_has_saved_has_the_samples_of_the_log(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import UnknownMotor
@@ -31,12 +31,13 @@ from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.flight import apogees, fly
 from fieldkit.physics.state import FlightResult, Setup, State
 from fieldkit.physics.thrust_steps import Curve
+from tests.effort import examples
 from tests.physics.simulated import DENSITY, EVEN_AIR, LONG, ROUGH, STANDARD_AIR, STEADY, Push, rocket
 
 NAN = np.asarray(np.nan)
 SLACK = 0.03
 """Tolerance of monotonicity for finite steps. [m]"""
-CASES = settings(max_examples=25, deadline=None)
+CASES = examples(25)
 masses = st.floats(0.2, 1.0)
 areas = st.floats(1e-4, 8e-3)
 curves = st.sampled_from([STEADY, ROUGH, LONG])

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit import units
@@ -12,6 +12,7 @@ from fieldkit.flight.plausibility import LIMITS
 from fieldkit.importing.read import read
 from fieldkit.ledger.rows import differences
 from fieldkit.presentation.export import csv_table, document
+from tests.effort import examples
 from tests.samples import any_motor
 
 pytestmark = pytest.mark.fast
@@ -50,7 +51,7 @@ def as_json(held: list[Flight]) -> str:
 
 @pytest.mark.parametrize("write", [csv_table, as_json])
 def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
-    @settings(max_examples=60, deadline=None)
+    @examples(60)
     @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
     def law(held: list[Flight]) -> None:
         intake = read(write(held).encode("utf-8"), "export", any_motor)

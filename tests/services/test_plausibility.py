@@ -112,6 +112,7 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     return run
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "what", [pytest.param(WHOLLY[0], marks=pytest.mark.thorough), *(what for what in IMPOSSIBLE if what != WHOLLY[0])]
 )
@@ -213,6 +214,7 @@ def median(told: Told, rows: list[dict[str, object]]) -> dict[str, Any]:
     return dict(made)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", [name for name in IMPOSSIBLE if name.startswith("one")])
 def test_one_impossible_flight_changes_no_forecast(what: str, told: Told) -> None:
     rows = IMPOSSIBLE[what]

@@ -60,6 +60,7 @@ def linear_target(student: bool) -> tuple[Model, Data, Target]:
     return model, data, target(model, data, at, linear(model, near), student=student)
 
 
+@pytest.mark.thorough
 def test_the_sampler_agrees_with_the_closed_form_of_a_linear_model() -> None:
     model, data, density = linear_target(student=False)
     read, scatter = density.readouts, {kind.bends: kind.sd for kind in model.scatter}

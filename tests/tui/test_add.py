@@ -28,6 +28,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ledger.db"
 
 
+@pytest.mark.thorough
 async def test_ten_readouts_take_fewer_than_45_keys_besides_their_digits(file: Path) -> None:
     keys = ["a"]
     for text in READ_OFF:

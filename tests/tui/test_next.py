@@ -542,6 +542,7 @@ async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path
         assert not {title for title in plain if title not in helped and not title[:1].isdigit()}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(60, 20), (250, 70)], ids=str)
 async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file: Path, size: tuple[int, int]) -> None:
     with patch("fieldkit.capture.ports", list):

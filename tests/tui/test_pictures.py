@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -80,8 +81,15 @@ def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fieldkit.services.typed_flight.TypedFlight.estimate", lambda self, typed: ESTIMATE)
 
 
-@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
-@pytest.mark.parametrize("scene", SCENES)
+def pictures() -> Iterator[Any]:
+    """Every scene in one size, and in the others in the thorough run."""
+    for number, scene in enumerate(SCENES):
+        for place, size in enumerate(SIZES):
+            marks = () if place == number % len(SIZES) else pytest.mark.thorough
+            yield pytest.param(scene, size, id=f"{scene}-{size[0]}x{size[1]}", marks=marks)
+
+
+@pytest.mark.parametrize(("scene", "size"), pictures())
 async def test_a_page_looks_as_it_did_and_can_be_read(
     scene: str, size: tuple[int, int], file: Path, snapshot: SnapshotAssertion
 ) -> None:

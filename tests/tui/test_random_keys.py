@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.effort import THOROUGH
 from tests.pressing import ROOT, season
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
@@ -29,7 +30,7 @@ def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
 
 
 def test_some_random_keys_do_no_harm(tmp_path: Path) -> None:
-    assert pressed(1, 150, tmp_path)["errors"] == []
+    assert pressed(1, 150 if THOROUGH else 50, tmp_path)["errors"] == []
 
 
 @pytest.mark.slow

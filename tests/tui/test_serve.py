@@ -526,6 +526,7 @@ def alive(processes: Iterable[int]) -> set[int]:
     return found
 
 
+@pytest.mark.sampled
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, None])
 async def test_apps_that_nobody_reads_end_with_their_server_or_their_page(

@@ -23,6 +23,7 @@ OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
 """Endings of a header that look like a unit but are not: `wind_direction` is a column of its own."""
 _NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
+_LETTER = re.compile(r"[^\W\d_]")
 _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
 
 
@@ -171,18 +172,33 @@ def _ours(words: str, taken: Collection[str]) -> str:
 
     An own name is never read as a shorter other one: `coast_to_apogee_s` does not begin with the other name `coast`.
     """
-    own = max((len(name) for name in BY_NAME if _begins(words, name)), default=0)
+    own = max((len(name) for name in _beginnings(words) if name in BY_NAME), default=0)
     for spelled in dict.fromkeys((words, usual_name(words))):
-        names = synonyms() if spelled == words else {**synonyms(), **{name: name for name in BY_NAME}}
-        for other, name in names.items():
-            if len(other) >= own and _begins(spelled, other) and name not in taken:
+        names = _ranked(own_too=spelled != words)
+        found = [(*names[other], other) for other in _beginnings(spelled) if other in names and len(other) >= own]
+        for _, name, other in sorted(found):
+            if name not in taken:
                 return name + spelled.removeprefix(other)
     return words
 
 
-def _begins(words: str, name: str) -> bool:
-    """Whether a header is a name, or a name and more words."""
-    return words == name or words.startswith(f"{name}_")
+def _beginnings(words: str) -> list[str]:
+    """The names that a header may be: all of it, or its first words as far as a name can be long."""
+    return [words[: mark.start()] for mark in re.finditer("_", words[: _longest() + 1])] + [words]
+
+
+@cache
+def _longest() -> int:
+    """Length of the longest name of a column."""
+    return max(map(len, [*synonyms(), *BY_NAME]))
+
+
+@cache
+def _ranked(*, own_too: bool) -> Mapping[str, tuple[int, str]]:
+    """Synonyms, and fieldkit's own names if they are asked for too: the place in the list, the first counts, and the
+    own name."""
+    names = {**synonyms(), **({name: name for name in BY_NAME} if own_too else {})}
+    return {other: (place, name) for place, (other, name) in enumerate(names.items())}
 
 
 def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
@@ -191,20 +207,19 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
     Raises BadValue for a known column with an unknown unit, unless another column already contains the quantity (not
     `strict`) or the ending is a separate word: then the column counts as unknown.
     """
+    if not _LETTER.search(spelled):
+        return ColumnRole(spelled.strip())  # at once, because the first line of a log may be thousands of numbers
     words = _ours(plain(spelled), taken)
     if words in TEXT_COLUMNS or words in BY_NAME:
         return ColumnRole(spelled.strip(), words)
     if told := _beside(words, strict=strict):
         return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
-    for name in sorted(BY_NAME, key=len, reverse=True):
+    if name := max((one for one in _beginnings(words) if one in BY_NAME), key=len, default=""):
         column, ending = BY_NAME[name], words.removeprefix(f"{name}_")
-        if ending == words:
-            continue
         if ending in units.UNITS[column.quantity]:
             return ColumnRole(spelled.strip(), name, ending)
         if strict and "_" not in ending and ending not in NO_UNITS:
             units.unit(column.quantity, ending)
-        break
     return ColumnRole(spelled.strip())
 
 

@@ -47,6 +47,7 @@ def test_a_forecast_gives_back_the_rocket_that_it_is_for(dry_mass: float, cd: fl
     assert matched(forecast_of(dry_mass, cd)) == pytest.approx((dry_mass, cd), rel=0.02)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("scale", [0.3, 0.8])
 def test_the_total_spread_of_many_simulated_flights_is_learned(scale: float) -> None:
     flights = simulated(scale, scale * DESIGN_DRAG)

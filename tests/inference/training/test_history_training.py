@@ -88,6 +88,7 @@ def test_the_command_trains_a_network_that_answers(
     assert 0 < quick_answer(history(5), quick_candidates, ensemble).none < 1
 
 
+@pytest.mark.thorough
 def test_training_that_was_cut_short_continues(small: None, tmp_path: Path) -> None:
     from concurrent.futures import ThreadPoolExecutor
 

@@ -86,6 +86,7 @@ def test_nothing_is_missing_if_nothing_is(smooth: int) -> None:
     assert sum(alarms) <= 1
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("rocket", "term", "strength"),
     [
