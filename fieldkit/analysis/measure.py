@@ -145,7 +145,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     found = agreement(track, push, seen, rise)
     if found is None or found.believed:
         lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
-        return _Trust(replace(push, scale=found.scale) if found is not None else push, lag=lag)
+        return _Trust(replace(push, scale=found.scale, blur=found.blur) if found is not None else push, lag=lag)
     leaning = None if found.derived else leaning_flight(track, push, seen, rise)
     if leaning is not None:
         return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
