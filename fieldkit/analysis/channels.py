@@ -77,8 +77,8 @@ class Push:
     `weighs` if the channel itself includes gravity, so that its scale is visible on the pad. `full` marks the samples
     at the end of the range, to which `missed` has been added based on the heights; None if the range was never
     exceeded. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the ratio of the climb from heights to
-    the climb from the accelerometer; it differs from 1 because of calibration, tilt, or a pressure error [1]. `blur` is the delay of a
-    channel that a filter made, and so about the time over which it spreads a change of thrust [s].
+    the climb from the accelerometer; it differs from 1 because of calibration, tilt, or a pressure error [1].
+    `blur` is the delay of a filtered channel, and so about the time over which it spreads a change of thrust [s].
     """
 
     time: Float[Array, "time"]
