@@ -23,7 +23,8 @@ START = datetime(2026, 5, 3, 13, 4, 5)
 def samples() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, heights and speeds of a small flight. [s], [m], [m/s]"""
     (series,) = log(fly(SMALL), Logger(start=0.0, wait=5.0), np.random.default_rng(4))
-    return series.time, series.altitude, np.gradient(series.altitude, series.time)
+    height = np.asarray(series.altitude)
+    return series.time, height, np.asarray(np.gradient(height, series.time))
 
 
 def text_of(line: Line) -> bytes:
@@ -68,7 +69,7 @@ def test_labels_can_be_mapped() -> None:
     text = text_of(lambda t, h, v: f"time: {t:.2f} s, top: {h:.2f}")
     opened = open_log(text, "monitor.txt", None, [ColumnChoice({"altitude": "top [m]"})])
     (reading,) = [item for item in opened.found if isinstance(item, Reading)]
-    assert np.allclose(reading.clocks[0].altitude, samples()[1], atol=0.006)
+    assert np.allclose(np.asarray(reading.clocks[0].altitude), samples()[1], atol=0.006)
 
 
 def test_labels_without_a_time_are_not_read() -> None:
