@@ -1,6 +1,6 @@
 """Sentences of a satellite receiver (NMEA 0183) as a table: the fixes of its `GGA` sentences.
 
-A receiver or the ground station of a tracker sends `$GPGGA,130405.20,4807.038,N,01131.000,E,1,08,0.9,545.4,M,...*41`: the
+A receiver or the ground station of a tracker sends `$GPGGA,130405.20,4807.038,N,01131.000,E,1,08,0.9,545.4,M,...`: the
 time of day in UTC, latitude and longitude in degrees and minutes, the quality of the fix (0 for none), satellites,
 dilution, and the height above sea level. Other sentences, and those with a wrong checksum, are left out.
 
