@@ -40,7 +40,7 @@ def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: flo
     (series,) = log(truth, Logger(start=0.0, wait=wait, rate=10.0), np.random.default_rng(6))
     height = np.asarray(series.altitude)
     both = np.concatenate([height, fraction * height])
-    recorded = measure((Series(time=np.arange(both.size) * 0.1, altitude=both),))
+    recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
     duration = recorded.figures["duration"]
     assert abs(duration.value - truth.readouts()["duration"]) < 3 * duration.sd
     assert recorded.figures["apogee"].value == pytest.approx(max(fraction, 1.0) * truth.readouts()["apogee"], rel=0.01)
@@ -53,5 +53,5 @@ def test_a_rocket_that_is_carried_up_a_hill_after_landing_is_no_next_flight() ->
     height = np.asarray(series.altitude)
     walk = height[-1] + np.clip(np.arange(3000) * 0.1, 0, 0.4 * height.max())
     both = np.concatenate([height, walk])
-    recorded = measure((Series(time=np.arange(both.size) * 0.1, altitude=both),))
+    recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
     assert not any("another flight" in note for note in recorded.notes)
