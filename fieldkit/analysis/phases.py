@@ -1,4 +1,7 @@
-"""The phases of the flight in a log (pad, rise, apogee and fall) as robust starting values for the fits."""
+"""The phases of the flight in a log (pad, rise, apogee and fall) as robust starting values for the fits.
+
+Derivation: a climb is a rise between two minima of smoothed heights; running medians reject spikes.
+"""
 
 from dataclasses import dataclass, replace
 
