@@ -32,6 +32,9 @@ delays what a mass feels. [s]"""
 MAX_DERIVED_DELAY = 0.05
 """Largest delay of an acceleration that shows no gravity on the way down. It was derived from heights or from several
 sensors rather than measured in the airframe, and is trusted only if it is on time. [s]"""
+_MAX_BLUR = 0.05
+"""Such a delay as a fraction of the boost, if that is longer: a filter blurs thrust by about as much as it delays it,
+which a long boost shows as well as before. [1]"""
 _HANGING_TIME, _LEVEL, _QUIET = 3.0, 0.7, 3.0
 """How long after apogee the rocket hangs or lies, with its axis anywhere but upright [s]. If an acceleration has
 gravity removed, its median from then on is near zero and its spread is small [m/s^2]."""
@@ -60,7 +63,8 @@ class Agreement:
     """Ratio of the climb from heights to the climb from the accelerometer [1], and the accelerometer's delay [s].
 
     `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
-    remains after that [1]. `derived` if the channel was computed rather than measured by a sensor.
+    remains after that [1]. `derived` if the channel was computed rather than measured by a sensor. `boost` is the
+    duration of the boost according to the heights [s].
     """
 
     scale: float
@@ -70,6 +74,7 @@ class Agreement:
     misfit: float = 0.0
     missed_sd: float = 0.0
     derived: bool = False
+    boost: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
@@ -80,8 +85,15 @@ class Agreement:
     @property
     def is_off(self) -> bool:
         """Whether the clocks differ by more than sensor delays explain."""
-        latest = MAX_DERIVED_DELAY + self.step / 2 if self.derived else MAX_DELAY + self.step
+        latest = MAX_DELAY + self.step
+        if self.derived:
+            latest = min(latest, max(MAX_DERIVED_DELAY, _MAX_BLUR * self.boost) + self.step / 2)
         return not -MAX_LEAD - self.step <= self.late <= latest
+
+    @property
+    def blur(self) -> float:
+        """Time over which the filter of a derived channel spreads a change of thrust. [s]"""
+        return max(self.late - self.step / 2, 0.0) if self.derived else 0.0
 
     @property
     def why(self) -> str:
@@ -122,7 +134,8 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
-    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), _is_derived(push, seen))
+    derived, boost = _is_derived(push, seen), seen.fastest - lift.time
+    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost)
 
 
 def _is_derived(push: Push, seen: Outline) -> bool:

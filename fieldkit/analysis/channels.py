@@ -78,6 +78,7 @@ class Push:
     at the end of the range, to which `missed` has been added based on the heights; None if the range was never
     exceeded. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the ratio of the climb from heights to
     the climb from the accelerometer; it differs from 1 because of calibration, tilt, or a pressure error [1].
+    `blur` is the delay of a filtered channel, and so about the time over which it spreads a change of thrust [s].
     """
 
     time: Float[Array, "time"]
@@ -89,6 +90,7 @@ class Push:
     missed: float = 0.0
     missed_speed_sd: float = 0.0
     scale: float = 1.0
+    blur: float = 0.0
 
 
 def heights(clocks: Sequence[Series]) -> Heights | None:

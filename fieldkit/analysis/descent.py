@@ -25,6 +25,8 @@ _DELAY_SD, _BRAKED_SLACK = 1.0, 2.0
 """Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
 are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
 speed plus this slack does not reveal when it was braked."""
+_STRAIGHT, _MIN_LINE_SAMPLES = 0.2, 6
+"""Largest change of the speed in the last part of a descent that counts as straight, and its fewest samples. [1]"""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
@@ -125,10 +127,25 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     if last.sum() < 4:
         return Event(about, 1.0, track.source), level
     every = max(1, last.sum() // 200)
-    slope, middle = typical_line(time[last][::every], height[last][::every])
+    slope, middle = _final_line(time[last][::every], height[last][::every])
     moment = (level - middle) / slope if slope < -0.3 else about
     moment = float(np.clip(moment, about - 2, about + 1))
     return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
+
+
+def _final_line(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[float, float]:
+    """Slope and intercept of the last part of a descent that is straight: a fall without a parachute accelerates."""
+    slope, middle = typical_line(time, height)
+    while time.size >= 2 * _MIN_LINE_SAMPLES:
+        late = time > (time[0] + time[-1]) / 2
+        if late.sum() < _MIN_LINE_SAMPLES:
+            break
+        time, height = time[late], height[late]
+        later = typical_line(time, height)
+        if abs(later[0] - slope) < _STRAIGHT * abs(later[0]):
+            break
+        slope, middle = later
+    return slope, middle
 
 
 def _last_fall(going: Int[Integers, "_"], speed: Float[Array, "_"], typical: float) -> int:

@@ -141,6 +141,7 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     if found is None or lift is None or found[0].time >= end - 0.2:
         return lift, _FlightPart(notes=notes)
     burnout, speed = found
+    burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur))) if felt else burnout
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)
 

@@ -21,10 +21,11 @@ from fieldkit.analysis.notes import (
     FILLED_NOTE,
     NO_FLIGHT,
     NO_HEIGHT,
+    OTHER_FLIGHT,
     REJECTED_NOTE,
     SLANTED_NOTE,
 )
-from fieldkit.analysis.phases import Outline, outline
+from fieldkit.analysis.phases import Outline, next_flight, outline
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.satellites import sightings
@@ -41,6 +42,8 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
+_NEXT_MARGIN = 1.0
+"""How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
 """Smallest delay of heights relative to an accelerometer that is corrected. [s]"""
 
@@ -73,6 +76,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     seen = outline(track)
     if seen is None:
         return Recorded(notes=(NO_FLIGHT,))
+    later = next_flight(track, seen) if seen.down else None
+    if later is not None:
+        track, seen = _before(later - _NEXT_MARGIN, track, seen)
     start = seen.lift if seen.lift is not None else seen.fastest
     push = pushes(clocks, start - 15, seen.top + 20)
     full = at_its_end(push, start, seen.fastest) if push is not None else None
@@ -104,7 +110,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
     found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
-    return replace(found, notes=(*found.notes, *trust.notes), track=above)
+    others = () if later is None else (OTHER_FLIGHT.format(later - float(track.time[0])),)
+    return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)
 
 
 def _ascents(*log: Any) -> list[LaggedAscent]:
@@ -153,7 +160,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     found = agreement(track, push, seen, rise)
     if found is None or found.is_consistent:
         lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
-        return _Trust(replace(push, scale=found.scale) if found is not None else push, lag=lag)
+        return _Trust(replace(push, scale=found.scale, blur=found.blur) if found is not None else push, lag=lag)
     slanted = None if found.derived else slanted_flight(track, push, seen, rise)
     if slanted is not None:
         return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))
@@ -194,6 +201,12 @@ def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline
     lift = None if seen.lift is None else seen.lift - lag
     earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
     return replace(track, time=track.time - lag, lag=lag), earlier
+
+
+def _before(end: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
+    """Heights up to a time, and their outline. [s]"""
+    first = slice(0, int(np.searchsorted(track.time, end)))
+    return replace(track, time=track.time[first], height=track.height[first]), replace(seen, calm=seen.calm[first])
 
 
 def _without(wrong: Flags, track: Heights, seen: Outline) -> tuple[Heights, Outline]:

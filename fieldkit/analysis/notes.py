@@ -7,6 +7,9 @@ UNSEEN_TOP_NOTE = (
     "the apogee is in a gap of {:.0f} s: between {:.0f} m, as recorded, and {:.0f} m, after a coast without drag"
 )
 LOST_IN_BOOST = "a gap of {:.0f} s begins in the boost and ends after apogee: no apogee, top speed or burn time"
+OTHER_FLIGHT = (
+    "another flight follows {:.0f} s after the start of the log: it is not measured; save it as a log of its own"
+)
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is missing or distorted: no top speed, burn time or acceleration"
 NO_PAD = "the log begins in flight and its heights are not above the pad: no apogee"

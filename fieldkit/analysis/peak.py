@@ -84,7 +84,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     """Peak of an accelerometer's readings in the boost; None if it is not above their error.
 
     Its scale error is about as large as the difference between its climb and that of the heights, which have errors of
-    their own.
+    their own. A filter lowers the peak by about as large a fraction as its delay is of the boost.
     """
     width = max(3, round(_WINDOW / median_step(time)))
     smooth = running_median(net, width | 1)
@@ -96,7 +96,8 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     if median_step(time) > 1.5 * _WINDOW:  # between samples that differ there may be more than at either
         coarse = max(coarse, float(np.abs(np.diff(net)).max()) / 4)
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
-    sd = np.sqrt((scale * value) ** 2 + 0.5**2 + coarse**2)
+    blurred = push.blur / max(float(np.ptp(time)), _WINDOW)
+    sd = np.sqrt((scale * value) ** 2 + (blurred * value) ** 2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), push.source) if value > 2 * sd else None
 
 

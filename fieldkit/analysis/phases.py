@@ -1,6 +1,9 @@
-"""The phases of the flight in a log (pad, rise, apogee and fall) as robust starting values for the fits."""
+"""The phases of the flight in a log (pad, rise, apogee and fall) as robust starting values for the fits.
 
-from dataclasses import dataclass
+Derivation: a climb is a rise between two minima of smoothed heights; running medians reject spikes.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +26,9 @@ _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 270.0, 1.0
 """If a climb appears faster than this [m/s], it is evaluated over a window of this length to both sides [s]."""
 LONGEST_CLIMB = 120.0
 """Longest time from lift-off to apogee. [s]"""
+_DOWN, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
+"""Below this fraction of its climb a rocket is down; the next flight of a log climbs at least by this fraction of the
+climb and of its speed, and has at least so many samples. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +90,24 @@ def outline(track: Heights) -> Outline | None:
         transonic,
         float(speed[fastest]),
     )
+
+
+def next_flight(track: Heights, seen: Outline) -> float | None:
+    """When the next flight in the same log lifts off, after the rocket is down; None if there is none. [s]"""
+    gain = seen.top_height - seen.pad
+    after = int(np.searchsorted(track.time, seen.top))
+    low = np.minimum.accumulate(seen.calm[after:])
+    again = np.flatnonzero(
+        (low - seen.pad < _DOWN * gain)
+        & (seen.calm[after:] - low > max(LEAST_GAIN, 8 * track.noise, _LEAST_NEXT * gain))
+    )
+    if not again.size:
+        return None
+    begin = after + int(np.argmin(seen.calm[after : after + again[0]]))
+    end = int(np.searchsorted(track.time, track.time[after + again[0]] + LONGEST_CLIMB))
+    rest = replace(track, time=track.time[begin:end], height=track.height[begin:end])
+    found = outline(rest) if rest.time.size >= _MIN_NEXT else None
+    return found.lift if found is not None and found.climbs > _LEAST_NEXT * seen.climbs else None
 
 
 def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Float[Array, "_"]:

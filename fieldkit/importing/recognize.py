@@ -10,8 +10,10 @@ from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
+from fieldkit.importing.tables.labeled_lines import labeled_table
 from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
+from fieldkit.importing.tables.nmea import fixes_table
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import shown
 from fieldkit.plugins import plugins
@@ -188,14 +190,15 @@ def _beside(opened: ParsedLog, others: Sequence[str]) -> ParsedLog:
 
 
 def table_of(log: bytes, source: str) -> bytes:
-    """A log unchanged, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
+    """A log unchanged, or the sheet of a spreadsheet, sentences or labeled values as CSV. Raises DamagedLog."""
     return _sheet_of(log, source).content
 
 
 def _sheet_of(log: bytes, source: str) -> SheetTable:
-    """A log unchanged, or the sheet of a spreadsheet that is read. Raises DamagedLog."""
+    """A log unchanged, or the sheet of a spreadsheet or labeled values that are read. Raises DamagedLog."""
     if not is_spreadsheet(log):
-        return SheetTable(log)
+        table = fixes_table(log) or labeled_table(log)
+        return SheetTable(log if table is None or claims(log) else table)
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))
     except DamagedLog as error:

@@ -1,9 +1,15 @@
-"""The descent speed if no sensor shows when the parachute was ejected."""
+"""Landing after a fall, and the descent speed if no sensor shows when the parachute was ejected."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
+from fieldkit.analysis import measure
 from fieldkit.analysis.descent import _from_unseen_ejection
+from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
+from tests.analysis.recordings import SMALL, Logger, fly, log
 
 pytestmark = pytest.mark.fast
 
@@ -15,3 +21,37 @@ def test_an_unseen_ejection_up_to_one_and_a_half_seconds_early_is_within_the_unc
     mean, sd = _from_unseen_ejection(height / lasts, height, lasts)
     assert abs(mean - true) < 2.5 * sd
     assert sd < 0.08 * mean
+
+
+@pytest.mark.parametrize("rate", [5.0, 20.0])
+@pytest.mark.parametrize("part", [0.4, 0.6])
+def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, rate: float) -> None:
+    """It still accelerates in its last seconds, so that the line through these reaches the ground too late."""
+    truth = fly(replace(SMALL, burn=part * SMALL.burn, delay=1000.0))
+    recorded = measure(log(truth, Logger(start=0.0, wait=3.0, rate=rate), np.random.default_rng(6)))
+    duration = recorded.figures["duration"]
+    assert abs(duration.value - truth.readouts()["duration"]) < 2 * duration.sd
+
+
+@pytest.mark.parametrize("fraction", [0.5, 1.3])
+@pytest.mark.parametrize("wait", [120.0, 900.0])
+def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: float, wait: float) -> None:
+    truth = fly(SMALL)
+    (series,) = log(truth, Logger(start=0.0, wait=wait, rate=10.0), np.random.default_rng(6))
+    height = np.asarray(series.altitude)
+    both = np.concatenate([height, fraction * height])
+    recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
+    duration = recorded.figures["duration"]
+    assert abs(duration.value - truth.readouts()["duration"]) < 3 * duration.sd
+    assert recorded.figures["apogee"].value == pytest.approx(max(fraction, 1.0) * truth.readouts()["apogee"], rel=0.01)
+    assert any("another flight follows" in note for note in recorded.notes) == (fraction < 1)
+
+
+def test_a_rocket_that_is_carried_up_a_hill_after_landing_is_no_next_flight() -> None:
+    truth = fly(SMALL)
+    (series,) = log(truth, Logger(start=0.0, wait=5.0, rate=10.0), np.random.default_rng(6))
+    height = np.asarray(series.altitude)
+    walk = height[-1] + np.clip(np.arange(3000) * 0.1, 0, 0.4 * height.max())
+    both = np.concatenate([height, walk])
+    recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
+    assert not any("another flight" in note for note in recorded.notes)

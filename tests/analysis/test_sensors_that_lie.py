@@ -385,3 +385,22 @@ def test_a_whole_flight_is_drawn_from_lift_off_to_landing() -> None:
     assert acceleration == pytest.approx(-GRAVITY, abs=4)
     sinks = curve.speed[(curve.time > curve.events["landing"] - 10) & (curve.time < curve.events["landing"] - 3)]
     assert sinks.mean() == pytest.approx(-recorded.figures["descent_speed"].value, rel=0.2)
+
+
+@pytest.mark.parametrize("rocket", [HARD, FAST], ids=["hard", "fast"])
+@pytest.mark.parametrize("late", [0.02, 0.05, 0.1])
+def test_a_filtered_vertical_acceleration_is_used_if_the_boost_is_much_longer_than_its_delay(
+    rocket: Rocket, late: float
+) -> None:
+    """A device's own filter delays its acceleration and deforms its heights near the speed of sound."""
+    truth = flown(rocket)
+    series, *_ = recording(truth, wait=2.0, rate=100.0)
+    mach = np.interp(series.time, truth.time, truth.speed, left=0, right=0) / SOUND
+    fakes = 120.0 * np.clip(np.minimum((mach - 0.8) / 0.05, (1.2 - mach) / 0.05), 0, 1)
+    vertical = np.interp(series.time, truth.time, truth.acceleration, left=0.0, right=0.0)
+    vertical[series.time > truth.ejection] = 0.0
+    heights = series.altitude - delayed(fakes, 0.01, 2.0)
+    recorded = measure((replace(series, altitude=heights, acceleration=delayed(vertical, 0.01, late)),))
+    assert not any("not used" in note for note in recorded.notes)
+    assert not misses(recorded, truth, "burn_time", "top_speed", "peak_accel", "coast_to_apogee", sds=2.5)
+    assert recorded.figures["top_speed"].sd < 0.04 * truth.readouts()["top_speed"]

@@ -1,0 +1,91 @@
+"""Lines of labeled values as a table: the text of a serial monitor, or JSON with an object for each sample.
+
+`Alt: 123.4 m, Vel: 12.3 m/s, Time: 4200 ms`, `t=4.2 alt=123.4` and `{"time_ms": 4200, "altitude_m": 123.4}` become the
+rows of a CSV table whose headers are the labels with their units. A record ends before a label that it already has, so
+that its values may also be on several lines. A serial monitor may write the time of day in front of each line; it is
+the clock if no label is.
+"""
+
+import io
+import re
+from collections.abc import Iterator, Mapping
+
+from fieldkit.importing.tables.headings import QUANTITIES, channel, heading, unit_named
+from fieldkit.importing.tables.text import blocks, first_lines
+
+_PAIR = re.compile(
+    r"([^\W\d_][\w .()/°²%\[\]-]{0,30}?)[\"']?[ \t]{0,3}[:=][ \t]{0,5}[\"']?"
+    r"(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?|[+-]?(?:\d{1,20}(?:\.\d{0,20}|,\d{1,20})?|\.\d{1,20})(?:[eE][+-]?\d{1,3})?)(?![\d:.])"
+    r"(?=[ \t]{0,2}([A-Za-zµμ°%²³/0-9]{0,8}))"
+)
+"""A label, a number or a time of day, and what may be its unit."""
+_STAMP = re.compile(r"[\[(\s]{0,3}((?:\d{4}-\d\d-\d\d[T ])?\d{1,2}:\d\d:\d\d(?:[.,]\d{1,9})?)")
+"""The time that a serial monitor writes in front of a line."""
+_STAMP_NAME = "time of line"
+_MIN_RECORDS, _LOOKED_AT = 10, 60
+"""Fewest records that form a table, and the number of first lines that show whether there are any. [1]"""
+_MIN_LABELED = 0.5
+"""Smallest fraction of these lines that have a label, and of the records that have a time. [1]"""
+_MAX_SIZE, _HEAD_SIZE, _MAX_LABELS = 32 << 20, 65_536, 60
+"""Largest size of such a text, and size of its beginning, which names its labels [byte]; the most of these [1]."""
+
+_Record = Mapping[str, str]
+
+
+def labeled_table(log: bytes) -> bytes | None:
+    """The labeled values of a text as CSV, a row for each record below one of names; None if it is no such text."""
+    if len(log) > _MAX_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
+        return None
+    units: dict[str, str] = {}
+    first = list(_records(log[:_HEAD_SIZE], units))
+    timed = [name for name in units if channel(heading(name)) == "time"]
+    names = [name for name in units if name != _STAMP_NAME or timed == [_STAMP_NAME]]
+    with_time = sum(any(name in record for name in timed) for record in first)
+    if len(first) < _MIN_RECORDS or len(names) < 2 or with_time < _MIN_LABELED * len(first):
+        return None
+    table = io.BytesIO()
+    header = ",".join(f"{name} [{units[name]}]" if units[name] else name for name in names)
+    table.write(f"{header}\n".encode())
+    for record in _records(log, units):
+        table.write(",".join([record.get(name, "") for name in names]).encode() + b"\n")
+    return table.getvalue()
+
+
+def _is_labeled(lines: list[str]) -> bool:
+    """Whether most of the lines that are not empty have a label with a value."""
+    filled = [line[:4096] for line in lines if line.strip()]
+    return sum(_PAIR.search(line) is not None for line in filled) >= max(1.0, _MIN_LABELED * len(filled))
+
+
+def _records(log: bytes, units: dict[str, str]) -> Iterator[_Record]:
+    """The records of a text; `units` receives the unit of each label."""
+    record: dict[str, str] = {}
+    for _, lines in blocks(log):
+        for line in lines:
+            for name, value, unit in _pairs(line):
+                if name in record:
+                    yield record
+                    record = {}
+                if name in units or len(units) < _MAX_LABELS:
+                    units[name] = units.get(name) or unit
+                    record[name] = value
+    if record:
+        yield record
+
+
+def _pairs(line: str) -> Iterator[tuple[str, str, str]]:
+    """Labels, values and units in a line, after the time in front of it."""
+    stamp, before = _STAMP.match(line), ""
+    for pair in _PAIR.finditer(line, stamp.end() if stamp else 0):
+        if stamp:
+            yield _STAMP_NAME, stamp[1].replace(",", "."), ""
+            stamp = None
+        label, value, unit = pair.groups()
+        name = " ".join(label.removeprefix(before).split())
+        before = unit if _is_unit(unit) else ""
+        if name:
+            yield name, value.replace(",", "."), before
+
+
+def _is_unit(text: str) -> bool:
+    return bool(text) and any(unit_named(quantity, text) is not None for quantity in set(QUANTITIES.values()))
