@@ -15,7 +15,8 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
+from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn

@@ -14,8 +14,8 @@ from textual.widgets import Static
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import or_why
 from fieldkit.services.forecasts import predict_plans
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.tag_card import OWN_TAG_ROW, Shift, TagCard, meaning
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen

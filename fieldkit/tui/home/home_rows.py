@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import build_of, sparkline
 from fieldkit.quantities import number
-from fieldkit.services.flight_facts import or_why
 from fieldkit.settings import Settings
-from fieldkit.tui.asking import go_on
+from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets.cards import motor_name
