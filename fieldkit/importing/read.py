@@ -116,14 +116,14 @@ def read_recordings(
     return readings
 
 
-def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
+def read_plans(table: bytes, source: str, check_motor: CheckMotor) -> list[Flight]:
     """The planned flights of a table, one per row, in order; readouts in it are ignored.
 
     A plan without a `flight_id` is named after its row, such as `row-2`. Raises DamagedLog for the first bad row,
     because skipping a plan would assign forecasts to the wrong plans.
     """
     plans = []
-    for item in open_log(table, source, format).found:
+    for item in open_log(table, source, None).found:
         if isinstance(item, DamagedLog):
             raise shown_damage(item, source)
         if isinstance(item, Reading) and item.describes == "flight":

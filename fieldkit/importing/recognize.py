@@ -96,7 +96,6 @@ def _lacks(like: Likeness) -> str:
 
 def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
     """The user's mapping for such a table of samples or of flights."""
-
     found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
     if found is not None or not choices:
         return found
@@ -127,8 +126,6 @@ def _hint(log: bytes) -> str:
 
 def _is_without_names(head: bytes) -> bool:
     """Whether a file is a table of numbers without a line of names."""
-    from fieldkit.importing.tables.layout import layout_of
-
     try:
         return not layout_of(head).named
     except DamagedLog:

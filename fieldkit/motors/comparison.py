@@ -72,10 +72,8 @@ class CatalogueComparison:
     differences: tuple[Difference, ...]
 
 
-def compare_tests(
-    catalogue: Catalogue, content: bytes, name: str, tolerance: float = DIFFERENCE
-) -> CatalogueComparison:
-    """Catalog values that differ from a table of tests by more than `tolerance`, largest difference first.
+def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueComparison:
+    """Catalog values that differ from a table of tests by more than `DIFFERENCE`, largest difference first.
 
     If a motor has several tests, the mean of those with the best basis counts. Raises BadValue that names the row and
     the column.
@@ -100,7 +98,7 @@ def compare_tests(
         for column in FIGURES:
             if (value := _number(row.get(column), f"{name}, row {number}, {column}")) is not None:
                 figures.setdefault(column, []).append((basis, value, row.get("source") or name))
-    found = [one for motor, figures in tests.values() for one in _differences(motor, figures, tolerance)]
+    found = [one for motor, figures in tests.values() for one in _differences(motor, figures)]
     found.sort(key=lambda one: -abs(one.ratio))
     return CatalogueComparison(rows, len(tests), tuple(dict.fromkeys(unknown)), tuple(found))
 
@@ -117,15 +115,13 @@ def listed_figures(motor: Motor) -> dict[str, float]:
     }
 
 
-def _differences(
-    motor: Motor, figures: Mapping[str, Sequence[tuple[int, float, str]]], tolerance: float
-) -> list[Difference]:
+def _differences(motor: Motor, figures: Mapping[str, Sequence[tuple[int, float, str]]]) -> list[Difference]:
     listed, found = listed_figures(motor), []
     for column, tests in figures.items():
         best = min(basis for basis, _, _ in tests)
         values = [value for basis, value, _ in tests if basis == best]
         tested = sum(values) / len(values)
-        if listed[column] > 0 and abs(tested / listed[column] - 1) > tolerance:
+        if listed[column] > 0 and abs(tested / listed[column] - 1) > DIFFERENCE:
             field, unit = FIGURES[column]
             source = next(source for basis, _, source in tests if basis == best)
             basis = BASES[best] if best < len(BASES) else ""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from fieldkit import files
 from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.motors import rasp, rocksim
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.motors.own_corrections import read_own_corrections
@@ -15,8 +16,6 @@ MAX_MOTOR_FILE_SIZE = 16 << 20
 
 def read(data: bytes, source: str) -> list[Motor]:
     """The motors in a file; RockSim or RASP is recognized by content. Raises DamagedLog."""
-    from fieldkit.motors import rasp, rocksim
-
     markup = data.lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n\0").startswith(b"<")
     return rocksim.read(data, source) if markup else rasp.read(data, source)
 

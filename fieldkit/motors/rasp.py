@@ -9,7 +9,7 @@ Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/
 """
 
 from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays
-from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+from fieldkit.motors.motor import Motor
 
 _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
 
@@ -50,13 +50,3 @@ def _header(words: list[str], place: FileLine) -> MotorDraft:
         propellant_mass=place.above(propellant, "propellant", "kg", 0.0),
         loaded_mass=place.above(loaded, "loaded mass", "kg", 0.0),
     )
-
-
-def write(motor: Motor) -> bytes:
-    """A motor as a RASP file, with full precision. Delays that are not recorded become a dash."""
-    delay = "-".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays) or "-"
-    numbers = (motor.diameter * 1e3, motor.length * 1e3, delay, motor.propellant_mass, motor.loaded_mass)
-    words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]
-    header = " ".join(["_".join(motor.designation.split()), *words, motor.maker or "unknown"])
-    samples = [f"   {float(t)!r} {float(f)!r}" for t, f in zip(motor.time[1:], motor.thrust[1:], strict=True)]
-    return "\n".join([f"; {motor.maker} {motor.designation}, {motor.source}", header, *samples, ";", ""]).encode()

@@ -57,10 +57,10 @@ def _flown(setup: Setup, motor: str) -> FlightResult:
     return flown
 
 
-def at_the_edge(flown: FlightResult, names: Iterable[str], draw: int = 0) -> dict[str, float]:
-    """Readouts of one draw by column name with its unit (`apogee_m`); undefined readouts are omitted."""
+def at_the_edge(flown: FlightResult, names: Iterable[str]) -> dict[str, float]:
+    """Readouts of the first draw by column name with its unit (`apogee_m`); undefined readouts are omitted."""
     readouts = flown.readouts()
-    found = {BY_NAME[name]: float(readouts[name].reshape(-1)[draw]) for name in names}
+    found = {BY_NAME[name]: float(readouts[name].reshape(-1)[0]) for name in names}
     return {
         column.header: units.unit(column.quantity, column.unit).from_si(value)
         for column, value in found.items()

@@ -10,9 +10,6 @@ from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.physics.atmosphere import altimeter_gain, density_altitude, pad_air
 from fieldkit.quantities import density, written
 
-WEATHER = ("temperature", "pressure", "humidity", "wind")
-"""The weather conditions. [names of columns]"""
-
 
 @dataclass(frozen=True, slots=True)
 class PadAir:

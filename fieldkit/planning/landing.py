@@ -2,7 +2,7 @@
 brings the landing closest to the pad."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -222,14 +222,15 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     return float(np.interp(0.0, beyond[around], TRIED_WINDS[around]))
 
 
-SI = ShownUnits()
+PROFILE_HEIGHTS = (0.0, 100.0, 300.0)
+"""Heights at which the wind is listed. [m]"""
 
 
-def profile_in_words(wind: WindProfile, shown: ShownUnits = SI, heights: Sequence[float] = (0.0, 100.0, 300.0)) -> str:
+def profile_in_words(wind: WindProfile, shown: ShownUnits) -> str:
     """The wind at several heights: `4.0 m/s at the pad, 7.0 m/s at 100 m, 8.2 m/s at 300 m`."""
-    along, across = wind.components(np.array(heights))
+    along, across = wind.components(np.array(PROFILE_HEIGHTS))
     speeds = np.hypot(along, across)
-    aloft = zip(speeds[1:], heights[1:], strict=True)
+    aloft = zip(speeds[1:], PROFILE_HEIGHTS[1:], strict=True)
     more = ", ".join(f"{shown.speed(speed)} at {shown.length(height)}" for speed, height in aloft)
     return f"{shown.speed(speeds[0])} at the pad, {more}"
 

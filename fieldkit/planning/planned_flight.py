@@ -1,6 +1,5 @@
 """A planned flight with its complete forecast: apogee, descent, safety lines, and the best rail angle."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +20,6 @@ from fieldkit.planning.landing import (
     wind_that_holds,
 )
 from fieldkit.planning.limits import Limits
-from fieldkit.planning.rules import RuleSet
 from fieldkit.planning.safety import safety_lines
 
 
@@ -54,9 +52,7 @@ class PlannedFlight:
         }
 
 
-def planned_flight(
-    rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits, rules: Sequence[RuleSet] | None = None
-) -> PlannedFlight:
+def planned_flight(rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits) -> PlannedFlight:
     """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
     figures. Raises BadValue, ImpossibleFlight.
     """
@@ -65,7 +61,7 @@ def planned_flight(
     down = landing(prediction, fall)
     opens = down.down.ballistic.mean() < UNSAFE_RISK
     rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE) if opens else ()
-    lines = safety_lines(prediction, site, fall, limits, rules)
+    lines = safety_lines(prediction, site, fall, limits)
     unknown = plan.wind is None and site.size is not None
     holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
     return PlannedFlight(prediction, fall, down, tuple(lines), tuple(rail), holds)

@@ -18,11 +18,11 @@ TYPED_AT = "at"
 """Key of the time at which the weather was entered, ISO 8601, local time."""
 
 
-def typed_weather(ledger: "Ledger", now: datetime | None = None) -> tuple[dict[str, str], datetime | None]:
+def typed_weather(ledger: "Ledger") -> tuple[dict[str, str], datetime | None]:
     """Today's weather as entered, and when; empty if none was entered today."""
     kept = ledger.draft(WEATHER_DRAFT) or {}
     typed = datetime.fromisoformat(kept[TYPED_AT]) if TYPED_AT in kept else None
-    if typed is None or typed.date() != (now or datetime.now()).date():
+    if typed is None or typed.date() != datetime.now().date():
         return {}, None
     return {name: text for name, text in kept.items() if name in WEATHER}, typed
 

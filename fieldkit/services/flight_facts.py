@@ -1,19 +1,20 @@
 """What is computed for one flight: the drag and thrust inferred from its readouts, and its forecast."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
 
-from fieldkit.errors import FieldkitError, ImpossibleFlight
+import numpy as np
+
+from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.inference.network.flights import infer
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
 from fieldkit.quantities import area_unit, counted
+from fieldkit.services.forecasts import forecast_from_others
+from fieldkit.services.inferred import FlightInference, draws
+from fieldkit.services.saved_forecasts import of_flight
 from fieldkit.shapes import Array, Float
 
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
-    from fieldkit.motors import Catalogue
-
-T = TypeVar("T")
 DRAWS = 4000
 """Number of draws of a posterior for its plot. [1]"""
 
@@ -38,13 +39,8 @@ class ForecastFacts:
     by: str
 
 
-def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: str = "SI") -> DragFacts:
+def drag_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = "SI") -> DragFacts:
     """The posterior from a single flight, an area in the unit of a system. Raises FieldkitError if there is none."""
-    import numpy as np
-
-    from fieldkit.inference.network.flights import infer
-    from fieldkit.services.inferred import FlightInference, draws
-
     guarded = infer([flight], motors, "field")
     if not guarded.inferred:
         raise ImpossibleFlight(guarded.left_out[0])
@@ -57,12 +53,9 @@ def drag_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: st
     return DragFacts(area / factor, f"drag area {unit}", thrust, warnings)
 
 
-def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system: str = "SI") -> ForecastFacts:
+def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = "SI") -> ForecastFacts:
     """The forecast saved before a flight, or else a forecast from the other flights; figures in the text are in the
     units of a system. Raises FieldkitError if there is none."""
-    from fieldkit.services.forecasts import forecast_from_others
-    from fieldkit.services.saved_forecasts import of_flight
-
     kept = of_flight(ledger, motors, flight)
     if kept is not None:
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
@@ -75,15 +68,3 @@ def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue", system
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     others = counted(made.rests_on, "other clean flight")
     return ForecastFacts(low, middle, high, f"none saved; computed from {others}")
-
-
-def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
-    """The result, or the reason in one line, without an error or a notice."""
-
-    def tried() -> T | str:
-        try:
-            return work()
-        except FieldkitError as error:
-            return str(error)
-
-    return tried

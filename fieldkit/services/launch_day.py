@@ -3,19 +3,19 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import answer_text, read_answer
 from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
 from fieldkit.services.day_weather import WEATHER, WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
+from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.motors import Catalogue
-    from fieldkit.services.saved_forecasts import SavedForecast
-    from fieldkit.settings import Settings
+from fieldkit.services.manual_entry import PLAN
+from fieldkit.services.planning import completed_plan
+from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
+from fieldkit.settings import Settings
 
 PLAN_DRAFT = "plan"
 """Name under which the ledger saves the plan of the next flight."""
@@ -28,7 +28,7 @@ class Overview:
 
     plan: Flight
     weather: Flight
-    forecast: "SavedForecast | None"
+    forecast: SavedForecast | None
     flights: tuple[ListedFlight, ...]
     total: int
 
@@ -86,11 +86,8 @@ def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlig
     return [ListedFlight(id, one, None) for id, one in zip(ledger.ids(latest), latest, strict=True)][::-1]
 
 
-def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
+def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
     """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger."""
-    from fieldkit.services.manual_entry import PLAN
-    from fieldkit.services.saved_forecasts import by_flight, list_forecasts
-
     flights = ledger.flights()
     plan = planned(ledger, flights)
     if plan is None:
@@ -106,14 +103,11 @@ def overview(ledger: Ledger, motors: "Catalogue") -> Overview | None:
     return Overview(plan, weather, waiting[-1] if waiting else None, tuple(listed), len(flights))
 
 
-def first_forecast(ledger: Ledger, motors: "Catalogue", settings: "Settings", plan: Flight) -> "Prediction":
+def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: Flight) -> Prediction:
     """Save the plan of a rocket that has not flown, and the forecast of its first flight.
 
     Raises UnknownMotor, and ImpossibleFlight for a plan without a dry mass.
     """
-    from fieldkit.services.forecasts import predict_plans
-    from fieldkit.services.planning import completed_plan
-
     texts = answer_texts(plan, ("rocket", "config", "dry_mass", "diameter"))
     save_plan(ledger, texts | typed_weather(ledger)[0])
     full = completed_plan(ledger, motors, plan, settings)

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.stats import norm
@@ -13,15 +13,14 @@ from scipy.stats import norm
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.files import read
 from fieldkit.flight import Flight
+from fieldkit.inference.laplace.high_power import Departure, DesignForecast, departure, learn_high_power, log_density
 from fieldkit.model.high_power import is_high_power
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
 from fieldkit.motors import Catalogue
+from fieldkit.physics.atmosphere import pad_air
 from fieldkit.scoring.proper_scores import crps, interval_score
 from fieldkit.services.imports import gather
 from fieldkit.shapes import Array, Float
-
-if TYPE_CHECKING:
-    from fieldkit.inference.laplace.high_power import Departure, DesignForecast
 
 FORECAST_COLUMN = ("predicted_", "_m")
 """Beginning and end of the name of a column with forecast apogees."""
@@ -37,7 +36,7 @@ class HighPowerTable:
 
     name: str
     digest: str
-    forecasts: "tuple[DesignForecast, ...]"
+    forecasts: tuple[DesignForecast, ...]
 
 
 def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
@@ -56,11 +55,8 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
     return HighPowerTable(path.stem, hashlib.sha256(read(path)).hexdigest(), tuple(found))
 
 
-def _usable(flight: Flight, motors: Catalogue) -> "DesignForecast | None":
+def _usable(flight: Flight, motors: Catalogue) -> DesignForecast | None:
     """What a row says, or None if it lacks something."""
-    from fieldkit.inference.laplace.high_power import DesignForecast
-    from fieldkit.physics.atmosphere import pad_air
-
     begin, end = FORECAST_COLUMN
     apogees = [_positive(text) for name, text in flight.extra.items() if name.startswith(begin) and name.endswith(end)]
     mach, known = _positive(flight.extra.get(MACH_COLUMN, "")), tuple(apogee for apogee in apogees if apogee)
@@ -91,8 +87,6 @@ def learn_from_table(table: HighPowerTable, hyperprior: Hyperprior) -> Hyperprio
 
     Raises ImpossibleFlight if a flight cannot be simulated.
     """
-    from fieldkit.inference.laplace.high_power import departure, learn_high_power, log_density
-
     departures = [departure(one, hyperprior) for one in table.forecasts]
     start = replace(hyperprior, high_power=1.0, design_drag=DESIGN_DRAG)
     found = learn_high_power(departures, start)
@@ -111,11 +105,9 @@ def learn_from_table(table: HighPowerTable, hyperprior: Hyperprior) -> Hyperprio
     return replace(found, about={**hyperprior.about, "high_power_flights": record})
 
 
-def scores(departures: "Sequence[Departure]", start: Hyperprior) -> list[dict[str, Any]]:
+def scores(departures: Sequence[Departure], start: Hyperprior) -> list[dict[str, Any]]:
     """Scores of forecasts of first flights relative to the forecast apogee, cross-validated by rocket, for the card:
     with the figures of model rockets, with those fitted to the other rockets, and of simpler methods."""
-    from fieldkit.inference.laplace.high_power import learn_high_power
-
     rows: dict[str, list[tuple[float, float, float]]] = {}
     for rocket in dict.fromkeys(one.rocket for one in departures):
         others = [one for one in departures if one.rocket != rocket]

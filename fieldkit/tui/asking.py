@@ -117,3 +117,15 @@ class AskingScreen(Screen[None]):
     def complain(self, text: str) -> None:
         """Show a notice that must be dismissed."""
         self.field_app.show_notice(text, error=True)
+
+
+def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
+    """The result, or the reason in one line, without an error or a notice."""
+
+    def tried() -> T | str:
+        try:
+            return work()
+        except FieldkitError as error:
+            return str(error)
+
+    return tried

@@ -13,6 +13,8 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.host import Host
 from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.dialogs import HelpScreen
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -57,7 +59,6 @@ class Finder(Provider):
         """Flights, rockets and motors."""
         host, resources = self._host, self._host.resources
         resources.import_engine()
-        from fieldkit.tui.widgets import cards
 
         flights = resources.ledger.flights()
         ids = resources.ledger.ids(flights)
@@ -99,13 +100,10 @@ class Finder(Provider):
                     yield Entry(f"Command: {command}", "Copies it", partial(self._copy, command))
 
     def _show_help(self, title: str, about: Help) -> None:
-        from fieldkit.tui.widgets.dialogs import HelpScreen
-
         self.app.push_screen(HelpScreen(f"Help: {title}", about, ()))
 
     def _about_motor(self, motor: "Motor") -> None:
         from fieldkit.tui.next.motor_facts import facts
-        from fieldkit.tui.widgets.dialogs import HelpScreen
 
         name = f"{motor.maker} {motor.designation}"
         about = Help(

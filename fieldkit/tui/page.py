@@ -19,6 +19,8 @@ from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
+from fieldkit.tui.widgets.dialogs import HelpScreen
+from fieldkit.tui.widgets.table import Table
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
@@ -36,7 +38,6 @@ class Page:
 @cache
 def pages() -> dict[str, Page]:
     """Every page by the name of its module, in the order of their numbers."""
-
     found: dict[str, Page] = {}
     for module in iter_modules(screens.__path__):
         page = getattr(import_module(f"{screens.__name__}.{module.name}"), "PAGE", None)
@@ -175,8 +176,6 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
-        from fieldkit.tui.widgets.dialogs import HelpScreen
-
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
 
     def _keys(self) -> list[tuple[str, str]]:
@@ -218,6 +217,4 @@ class PageScreen(AskingScreen):
 
     def resting_place(self) -> Widget | None:
         """Where the focus goes when a field is left: the first table, if there is one."""
-        from fieldkit.tui.widgets.table import Table
-
         return next(iter(self.query(Table)), None)

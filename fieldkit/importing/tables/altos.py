@@ -29,7 +29,6 @@ STATES: Mapping[str, tuple[int, ...]] = {
     "landing": (8,),
 }
 """The states that mark an event: 3 boost, 4 fast, 5 coast, 6 drogue, 7 main, 8 landed."""
-BOOST = 3
 
 
 def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:

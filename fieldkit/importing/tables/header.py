@@ -37,13 +37,11 @@ class Header:
         ]
 
 
-def find_header(
-    log: bytes, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
-) -> Header | None:
+def find_header(log: bytes, fits: Callable[[Sequence[str]], bool]) -> Header | None:
     """The first row near the start of a log whose names, in lower case and single-spaced, fit. Raises DamagedLog."""
     for row, ways in enumerate(_first_rows(log[:HEAD]), start=1):
         for separator, names in ways:
-            if separator in separators and fits(names):
+            if fits(names):
                 return Header(row, names, separator)
     return None
 
@@ -51,33 +49,29 @@ def find_header(
 @lru_cache(maxsize=2)
 def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
     """Names of the cells of each line for each separator; cached, because every parser examines the same few lines."""
-    return [list(_ways(line, SEPARATORS)) for line in lines_of(decode(head))]
+    return [list(_ways(line)) for line in lines_of(decode(head))]
 
 
-def _ways(line: str, separators: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _ways(line: str) -> Iterator[tuple[str, tuple[str, ...]]]:
     """The names of a line for each separator, without the empty ones that a spreadsheet appends."""
-    for separator in separators:
+    for separator in SEPARATORS:
         names = [_plain(cell) for cell in line.split(separator)]
         while len(names) > 1 and not names[-1]:
             names.pop()
         yield separator, tuple(names)
 
 
-def header_in(
-    line: str, row: int, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
-) -> Header | None:
+def header_in(line: str, row: int, fits: Callable[[Sequence[str]], bool]) -> Header | None:
     """A line as the header of a table, if its names fit."""
-    for separator, names in _ways(line, separators):
+    for separator, names in _ways(line):
         if fits(names):
             return Header(row, names, separator)
     return None
 
 
-def header_or_damage(
-    log: bytes, fits: Callable[[Sequence[str]], bool], expected: str, separators: Sequence[str] = SEPARATORS
-) -> Header:
+def header_or_damage(log: bytes, fits: Callable[[Sequence[str]], bool], expected: str) -> Header:
     """The header of a table, as `find_header` finds it. Raises DamagedLog that states what was expected."""
-    found = find_header(log, fits, separators)
+    found = find_header(log, fits)
     if found is None:
         raise DamagedLog(f"found no header, expected {expected}")
     return found

@@ -89,7 +89,6 @@ def fit_lanes(
     lanes: Sequence[Lane],
     angle_slope: Float[Array, "flight readout"],
     rounds: int = ROUNDS,
-    worth: float = -np.inf,
     on_progress: Callable[[float], None] | None = None,
     *,
     near: bool = False,
@@ -97,8 +96,8 @@ def fit_lanes(
 ) -> list[Fit]:
     """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
 
-    A lane whose log evidence stays below `worth` is abandoned. `on_progress` is called with the fraction done. With an
-    initial `flight_weight`, the noise of single flights follows a Student t.
+    `on_progress` is called with the fraction done. With an initial `flight_weight`, the noise of single flights follows
+    a Student t.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]
@@ -123,7 +122,6 @@ def fit_lanes(
             i
             for i in moving
             if (turn <= 0 or _above(results[i], best[lanes[i].kind] - MAX_LOG_EVIDENCE_BEHIND))
-            and _above(results[i], worth)
             and (walks[i].advance(results[i], near=near) or turn < 0)
         ]
         joined |= _joined(lanes, walks, moving)
@@ -199,7 +197,7 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
     return result is not None and result.log_evidence > log_evidence
 
 
-def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
+def refits_without(whole: Fit, rows: Sequence[int]) -> list[Fit]:
     """Fits without each of some flights, in parallel, starting from the fit to all of them."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = known_angle_slope(whole.model, whole.tangent)
@@ -207,7 +205,7 @@ def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) 
     found = [solve(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, likely) for row in rows]
     walks = [DampedSteps(whole.tangent.at) for _ in rows]
     moving = list(range(len(rows)))
-    for _ in range(rounds):
+    for _ in range(REFIT_ROUNDS):
         moving = [i for i in moving if walks[i].advance(found[i])]
         if not moving:
             break

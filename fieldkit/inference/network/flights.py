@@ -7,6 +7,9 @@ from typing import Any, Literal
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
+from fieldkit.inference.network.ensemble import load
+from fieldkit.inference.network.field_ensemble import infer_field
+from fieldkit.inference.network.posterior import infer_paper
 from fieldkit.motors import Catalogue, Found
 
 Model = Literal["field", "paper"]
@@ -65,8 +68,6 @@ def known_flights(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Fl
 
 
 def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
-    from fieldkit.inference.network.field_ensemble import infer_field
-
     known, left_out = _known(flights, motors)
     if not known:
         return Inferences((), tuple(left_out))
@@ -107,9 +108,6 @@ def _doubted(flight: Flight, motors: Catalogue) -> str | None:
 
 
 def _paper(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
-    from fieldkit.inference.network.ensemble import load
-    from fieldkit.inference.network.posterior import infer_paper
-
     ensemble = load("paper")
     inferred, left_out = [], []
     for flight in flights:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK_COLOR, FAINT_COLOR, GRID_COLOR = "#1b1f24", "#6b7280", "#e5e7eb"
-BEFORE_COLOR, AFTER_COLOR, EXTRA_COLOR = "#d55e00", "#0072b2", "#009e73"
+BEFORE_COLOR, AFTER_COLOR = "#d55e00", "#0072b2"
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 10,

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -12,25 +12,27 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
+from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts, or_why
+from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
+from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
+from fieldkit.tui.flights.log_view import LogLook, LogView, look_at_flight
 from fieldkit.tui.flights.removal import REMOVE, close, leave, remove
+from fieldkit.tui.flights.tag_screen import TagScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.groups import Group
 from fieldkit.tui.widgets.hanging import hanging, stacked
-
-if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
-    from fieldkit.tui.flights.log_view import LogLook
-    from fieldkit.tui.resources import Resources
-    from fieldkit.tui.widgets.groups import Group
+from fieldkit.tui.widgets.plots import Plot, draw_density
 
 MIN_LINES_FOR_ROCKET = 50
 """Lines of a terminal from which a flight without a log shows its rocket below. [cell]"""
@@ -106,8 +108,6 @@ class FlightScreen(PageScreen):
 
     def turn_to(self, id: str) -> None:
         """Show another flight: the old contents are cleared, and the new ones appear as they are read."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self._flight_id, self._flight, self._text = id, None, []
         for question in ("ask", "said", "forecast", "log", "rocket", "look"):
             self.workers.cancel_group(self, question)
@@ -123,8 +123,6 @@ class FlightScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """One scrolling page: figures on the left, plots on the right."""
-        from fieldkit.tui.widgets.plots import Plot
-
         yield Static(id="heading")
         with VerticalScroll(id="all"), Horizontal(id="columns"):
             yield Static(PLACES["figures"], id="figures")
@@ -183,8 +181,6 @@ class FlightScreen(PageScreen):
         self.ask(or_why(partial(drawn, self.resources.ledger, self._flight_id, system)), self._have_log, "log")
 
     def _have_log(self, log: Drawn | str) -> None:
-        from fieldkit.tui.widgets.plots import Plot
-
         title = self.query_one("#log-title", Static)
         for name in TRACES:
             trace = log.traces.get(name) if isinstance(log, Drawn) else None
@@ -203,12 +199,10 @@ class FlightScreen(PageScreen):
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
 
-    def _have_rocket(self, rocket: "tuple[Group, Start | None] | None") -> None:
+    def _have_rocket(self, rocket: tuple[Group, Start | None] | None) -> None:
         self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     def _have_said(self, said: "Hills | str") -> None:
-        from fieldkit.tui.widgets.plots import Plot
-
         for plot in self.query("#hills Plot"):
             plot.display = not isinstance(said, str)
         if isinstance(said, str):
@@ -244,21 +238,15 @@ class FlightScreen(PageScreen):
 
     def action_tag(self) -> None:
         """Choose tags."""
-        from fieldkit.tui.flights.tag_screen import TagScreen
-
         if self._flight is not None:
             self.app.push_screen(TagScreen(self._flight_id, self._flight))
 
     def action_look(self) -> None:
         """Show the log with a cursor."""
-        from fieldkit.tui.flights.log_view import look_at_flight
-
         work = partial(look_at_flight, self.resources.ledger, self._flight_id, self.resources.settings.units)
         self.ask(work, self._have_look, "look")
 
-    def _have_look(self, look: "LogLook | str") -> None:
-        from fieldkit.tui.flights.log_view import LogView
-
+    def _have_look(self, look: LogLook | str) -> None:
         if isinstance(look, str):
             self.complain(look)
         elif self.is_current:
@@ -266,8 +254,6 @@ class FlightScreen(PageScreen):
 
     def action_edit(self) -> None:
         """Edit the flight."""
-        from fieldkit.tui.flights.edit_form import ask_changes
-
         if self._flight is not None:
             ask_changes(self, self._flight_id, self._flight, partial(setattr, self, "_flight_id"))
 
@@ -284,10 +270,8 @@ class Hills:
     warnings: tuple[str, ...]
 
 
-def hills(flight: Flight, resources: "Resources") -> Hills:
+def hills(flight: Flight, resources: Resources) -> Hills:
     """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
-    from fieldkit.tui.widgets.plots import draw_density
-
     said = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
     drawn = tuple(
         (

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME
+from fieldkit.quantities import spelled, unit_of
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -65,7 +66,6 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
     """The log of a flight as traces, or the reason there is nothing to draw."""
     import numpy as np
 
-    from fieldkit.quantities import spelled, unit_of
     from fieldkit.services.replay import recording_of
 
     found = recording_of(ledger, id)

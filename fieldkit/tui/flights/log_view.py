@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -12,19 +12,19 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from fieldkit import units
+from fieldkit.analysis.whole_flight import FlightCurve
 from fieldkit.flight import BY_NAME, MEASURED
+from fieldkit.ledger import Ledger
 from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of
 from fieldkit.safe_text import printable
+from fieldkit.services.imports import FileView, FlightView
+from fieldkit.services.imports.view import flight_view
+from fieldkit.services.replay import recording_of
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
-
-if TYPE_CHECKING:
-    from fieldkit.analysis.whole_flight import FlightCurve
-    from fieldkit.ledger import Ledger
-    from fieldkit.services.imports import FileView, FlightView
 
 CHANNELS = {"height": "apogee", "speed": "top_speed", "acceleration": "peak_accel"}
 """The plots from top to bottom, and the readout with the unit of each."""
@@ -40,10 +40,10 @@ class LogLook:
 
     title: str
     facts: Hanging
-    curve: "FlightCurve | None"
+    curve: FlightCurve | None
 
 
-def looks_at(file: "FileView", system: str) -> list[LogLook]:
+def looks_at(file: FileView, system: str) -> list[LogLook]:
     """One entry for each flight and each simulation of a file; an entry without a curve if there is none."""
     whole = _file_facts(file, system)
     shown = [
@@ -57,11 +57,8 @@ def looks_at(file: "FileView", system: str) -> list[LogLook]:
     return shown or [LogLook(file.file, stacked(whole), None)]
 
 
-def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
+def look_at_flight(ledger: Ledger, id: str, system: str) -> LogLook | str:
     """The view of the log of a flight in the ledger, or the reason there is none."""
-    from fieldkit.services.imports.view import flight_view
-    from fieldkit.services.replay import recording_of
-
     found = recording_of(ledger, id)
     if found is None or found.reading is None:
         return "this flight has no log with samples"
@@ -69,7 +66,7 @@ def look_at_flight(ledger: "Ledger", id: str, system: str) -> LogLook | str:
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
-def _file_facts(file: "FileView", system: str) -> list[Hanging]:
+def _file_facts(file: FileView, system: str) -> list[Hanging]:
     """The reason for the format of a file, its columns, and what would be stored."""
     columns = [
         (
@@ -90,7 +87,7 @@ def _file_facts(file: "FileView", system: str) -> list[Hanging]:
     return blocks + ([cards.lines("Notes", notes)] if notes else [])
 
 
-def _readouts(one: "FlightView", system: str) -> Hanging:
+def _readouts(one: FlightView, system: str) -> Hanging:
     """The readouts with the device's own values, each with its sensor."""
     rows = []
     for column in MEASURED:
@@ -108,7 +105,7 @@ def _readouts(one: "FlightView", system: str) -> Hanging:
     return cards.lines("Readouts", rows)
 
 
-def _events(one: "FlightView", system: str) -> Hanging:
+def _events(one: FlightView, system: str) -> Hanging:
     """The events in their order, seconds from lift-off, and the height at each."""
     rows = []
     for event in one.events:

@@ -2,20 +2,19 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import numpy as np
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import KNOWN_TAGS, TAGS
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.quantities import counted, measure
 from fieldkit.tui.next.intervals import Interval, Intervals
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
+from fieldkit.tui.widgets.plots import Plot, draw_density
 
 OWN_TAG_ROW = "another ..."
 """The row for a new tag."""
@@ -27,7 +26,7 @@ MAX_NAMED_FLIGHTS = 12
 class Shift:
     """Results for the rocket with the current tags: Cd, and the next flight on the same motor."""
 
-    forecast: "Prediction"
+    forecast: Prediction
 
     def lines(self, system: str) -> list[tuple[str, str]]:
         """Cd, apogee and their basis."""
@@ -45,8 +44,6 @@ class Shift:
 
     def drag(self, name: str) -> Interval:
         """Cd as a line."""
-        import numpy as np
-
         return Interval(name, *(float(x) for x in np.quantile(self.forecast.cd, (0.05, 0.5, 0.95))))
 
 
@@ -77,8 +74,6 @@ class TagCard(VerticalScroll):
 
     def show_shift(self, before: Shift, now: Shift, system: str) -> None:
         """Cd and the next apogee when the list was opened, and now."""
-        from fieldkit.tui.widgets.plots import Plot, draw_density
-
         same = before.forecast is now.forecast
         for name, title, spelled in (
             ("drag", "Cd of the rocket, 90% interval, ● median", lambda value: f"{value:.2f}"),

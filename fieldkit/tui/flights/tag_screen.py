@@ -14,7 +14,8 @@ from textual.widgets import Static
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import or_why
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.tag_card import OWN_TAG_ROW, Shift, TagCard, meaning
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
@@ -104,8 +105,6 @@ class TagScreen(PageScreen):
         self._moved()
 
     def _shift(self, flight: Flight) -> Shift:
-        from fieldkit.services.forecasts import predict_plans
-
         if not flight.motor:
             raise ImpossibleFlight("no forecast of the same flight: its motor is not known")
         plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)

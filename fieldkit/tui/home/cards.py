@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.presentation import home_text
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.tui.next.intervals import Interval, bar
@@ -81,8 +82,6 @@ class NextCard(HomeCard):
 
     def show(self, view: "Overview | None", system: str) -> None:
         """The open forecast, else the rocket to plan."""
-        from fieldkit.presentation import home_text
-
         self.border_subtitle = ""
         if view is None:
             self.say("No rocket yet. Choose a first step below and press Enter.")
@@ -109,8 +108,6 @@ class LastCard(HomeCard):
 
     def show(self, view: "Overview | None", system: str, today: date) -> None:
         """The last flight with its forecast, and the flights of the day in one line."""
-        from fieldkit.presentation import home_text
-
         last = view.last if view is not None else None
         self.display = view is not None
         if view is None or last is None or last.flight.apogee is None:

@@ -4,8 +4,11 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
+from fieldkit.presentation.home_text import build_of, sparkline
 from fieldkit.quantities import number
 from fieldkit.settings import Settings
+from fieldkit.tui.asking import go_on, or_why
+from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
@@ -33,8 +36,6 @@ def flight_row(
     flights: "Sequence[ListedFlight]", settings: Settings, width: int
 ) -> "Callable[[ListedFlight, str], Sequence[str]]":
     """The cells of a flight and its profile, all intervals on one scale."""
-    from fieldkit.presentation.home_text import build_of
-
     system = settings.units
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
 
@@ -68,11 +69,6 @@ def _bounds(one: "ListedFlight") -> Bounds | None:
 
 def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
     """The profile of each flight that has a log, by its number."""
-    from fieldkit.presentation.home_text import sparkline
-    from fieldkit.services.flight_facts import or_why
-    from fieldkit.tui.asking import go_on
-    from fieldkit.tui.flights.log_plot import Drawn, drawn
-
     found: dict[str, str] = {}
     for one in flights:
         go_on()

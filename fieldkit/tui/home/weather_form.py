@@ -5,14 +5,14 @@ from functools import partial
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import measure, unit_of
+from fieldkit.services.day_weather import WEATHER, save_weather
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup.setup_lists import same
 
 
 def ask_weather(page: PageScreen, now: Flight) -> None:
     """Ask for today's weather and save it."""
-    from fieldkit.services.day_weather import WEATHER
-
     system = page.resources.settings.units
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: not known.") for name in WEATHER]
     texts = {name: measure(BY_NAME[name], now.number(name), system) for name in WEATHER}
@@ -23,14 +23,11 @@ def ask_weather(page: PageScreen, now: Flight) -> None:
 def _answered(page: PageScreen, now: Flight, texts: dict[str, str], values: dict[str, object] | None) -> None:
     if values is None:
         return
-    from fieldkit.tui.setup.setup_lists import same
 
     system = page.resources.settings.units
     values = {name: now.number(name) if same(name, new, texts[name], system) else new for name, new in values.items()}
 
     def work() -> bool:
-        from fieldkit.services.day_weather import save_weather
-
         return save_weather(page.resources.ledger, Flight().with_changes(**values))
 
     page.change(work, partial(_saved, page))

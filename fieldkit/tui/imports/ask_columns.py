@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from fieldkit.services.flight_facts import or_why
 from fieldkit.services.imports.mappings import TableColumns, table_columns
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm
 from fieldkit.tui.page import PageScreen
 

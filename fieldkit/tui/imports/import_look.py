@@ -12,6 +12,7 @@ from textual.content import Content
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import read_changes
+from fieldkit.importing.tables.mapping import read_choice, remember, remembered
 from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
@@ -67,13 +68,10 @@ class ReadOptions:
 
     def defaults(self) -> dict[str, object]:
         """Values that files lack, as fields of a flight. Raises BadValue."""
-
         return read_changes(Flight(), self.given)
 
     def named(self) -> "list[ColumnChoice]":
         """The column mapping as typed. Raises BadValue."""
-        from fieldkit.importing.tables.mapping import read_choice
-
         return [read_choice(self.columns)] if self.columns else []
 
 
@@ -117,8 +115,6 @@ def _by_key(options: re.Match[str]) -> str:
 
 def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt":
     """Store a file in the ledger, and save its column mapping."""
-    from fieldkit.importing.tables.mapping import remember
-
     receipt, _ = _bring_in(resources, path, reading, dry_run=False)
     for mapped in receipt.mapped:
         if mapped.chosen:
@@ -130,7 +126,6 @@ def _bring_in(
     resources: "Resources", path: Path, reading: ReadOptions, *, dry_run: bool
 ) -> "tuple[Receipt, tuple[Flight, ...]]":
     """The result of importing a file, and its flights."""
-    from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports import gather, take_in
 
     choices = [*reading.named(), *remembered()]

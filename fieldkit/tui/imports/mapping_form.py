@@ -1,7 +1,7 @@
 """The form that maps the columns of a table, and the list of saved mappings."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -11,6 +11,7 @@ from textual.screen import ModalScreen
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
+from fieldkit.importing import ColumnChoice
 from fieldkit.importing.manual_entry import Question
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS
@@ -20,9 +21,6 @@ from fieldkit.tui.add.fields import Form
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.table import Head, Table
-
-if TYPE_CHECKING:
-    from fieldkit.importing import ColumnChoice
 
 _ABOUT = {
     "time": "The clock, in any unit: s, ms, us, 12:04:05.3.",

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Container, Vertical, VerticalScroll
@@ -11,6 +10,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
+from fieldkit.services.findings import Findings
 from fieldkit.tui.loop.loop_look import PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
@@ -21,10 +21,8 @@ from fieldkit.tui.loop.loop_words import (
     verdict,
     version_rows,
 )
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
-
-if TYPE_CHECKING:
-    from fieldkit.services.findings import Findings
 
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
@@ -54,8 +52,6 @@ class Panels(Container):
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
-        from fieldkit.tui.widgets.plots import Plot
-
         with VerticalScroll(id="p-Verdict", classes="panel"):
             yield Static(id="verdict")
         with Container(id="p-Residuals", classes="panel"):
@@ -77,8 +73,6 @@ class Panels(Container):
 
     def forget(self, why: str = "") -> None:
         """Clear the findings: no search has run yet, or the reason `why` there are none."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self.found = None
         for name, text in (TEXT_BEFORE_RUN | {"at-length": ""} | ({"verdict": why} if why else {})).items():
             self.query_one(f"#{name}", Static).update(text)
@@ -91,7 +85,7 @@ class Panels(Container):
             bar = "█" * round(share * 24)
             self.query_one("#verdict", Static).update(Content(f"searching: {printable(text)}\n[{bar:24}]"))
 
-    def show(self, found: "Findings", system: str) -> None:
+    def show(self, found: Findings, system: str) -> None:
         """Show the findings."""
         self.found = found
         self.show_verdict(system)
@@ -110,8 +104,6 @@ class Panels(Container):
 
     def show_residuals(self, turn: int, system: str) -> None:
         """Residuals against a column, flight by flight."""
-        from fieldkit.tui.widgets.plots import Plot
-
         if self.found is not None:
             said, points, ticks = residual_points(self.found, turn, system)
             self.query_one("#against", Static).update(Content(said))

@@ -2,20 +2,24 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME
+from fieldkit.ledger import Version
+from fieldkit.physics.effect import effects
+from fieldkit.presentation.condition_axis import in_units
+from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, miss_bars, what_forecasts_become
 from fieldkit.quantities import counted, in_system, measure, rounded
 from fieldkit.safe_text import printable
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.residual import columns_of, kinds_of, residuals
+from fieldkit.services.findings import Compared, Findings
+from fieldkit.services.forecasts import version_adds
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Version
-    from fieldkit.selection.diagnose import Diagnosis
-    from fieldkit.services.findings import Compared, Findings
 
 MAX_BARS = 60
 """Number of latest flights whose errors are drawn: a row of 80 columns has room for them. [1]"""
@@ -24,7 +28,7 @@ EVEN_LOG_BAYES_FACTOR = 0.5
 Parts = list[str | tuple[str, str]]
 
 
-def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Content:
+def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
     the test that would decide, the consequences of accepting it, and the leave-one-out errors."""
     diagnosis = found.diagnosis
@@ -48,10 +52,8 @@ def verdict(found: "Findings", system: str, *, accepted: bool = False) -> Conten
     return Content.assemble(*parts)
 
 
-def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]:
+def _sections(found: Findings, system: str) -> Iterable[tuple[str, list[str]]]:
     """Parts of a verdict with titles, besides its name and its errors."""
-    from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, what_forecasts_become
-
     diagnosis = found.diagnosis
     leftover = [found.unexplained.in_words] if found.unexplained is not None else []
     yield "Effect on the next flight", [*leftover, in_next_flight(found.next_flight, system)]
@@ -63,16 +65,14 @@ def _sections(found: "Findings", system: str) -> Iterable[tuple[str, list[str]]]
     yield "What accepting changes", [what_forecasts_become(found)]
 
 
-def _bars(found: "Findings", system: str) -> list[str]:
+def _bars(found: Findings, system: str) -> list[str]:
     """The errors of the latest flights, before and after."""
-    from fieldkit.presentation.loop_text import miss_bars
-
     most, before, after = miss_bars(found, MAX_BARS)
     highest = measure(cards.APOGEE, most, system)
     return [f"before  {before}", f"after   {after}", f"the highest bar is {highest}"]
 
 
-def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
+def _errors(title: str, compared: Compared, system: str) -> Iterable[str]:
     """Mean error before and after with its interval, and the number of flights inside their intervals."""
     if not compared.before.flights:
         return
@@ -83,16 +83,9 @@ def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
         yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90%"
 
 
-def residual_points(
-    found: "Findings", turn: int, system: str = "SI"
-) -> tuple[str, list[tuple[float, float]], list[str]]:
+def residual_points(found: Findings, turn: int, system: str = "SI") -> tuple[str, list[tuple[float, float]], list[str]]:
     """Residuals against the column with the `turn`-th strongest correlation: its title, the points, and labels of the
     axis if the column is not numeric."""
-    import numpy as np
-
-    from fieldkit.presentation.condition_axis import in_units
-    from fieldkit.selection.residual import columns_of, kinds_of, residuals
-
     diagnosis = found.diagnosis
     off = residuals(diagnosis)
     numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
@@ -114,7 +107,7 @@ def residual_points(
     return f"residual / expected scatter, vs. {title}: {tested}", points, ticks
 
 
-def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
+def fingerprint(found: Findings, turn: int, *, narrow: bool = False) -> Content:
     """The fingerprints of the residual and of an effect, with shorter bars if `narrow`."""
     if not found.fingerprints:
         return Content("no effect to compare with")
@@ -135,7 +128,7 @@ def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Conten
     return Content.assemble(*parts)
 
 
-def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ...]]:
+def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]]:
     """Effects with their places, the most probable first: description, probability, evidence, and strength in the units
     of a system."""
     rows: dict[str, tuple[str, ...]] = {}
@@ -153,11 +146,9 @@ def ranking_rows(diagnosis: "Diagnosis", system: str) -> dict[str, tuple[str, ..
     return rows
 
 
-def effect_at_length(diagnosis: "Diagnosis", row: str, system: str) -> Content:
+def effect_at_length(diagnosis: Diagnosis, row: str, system: str) -> Content:
     """Details of a row of the ranking: the effect, its strength, its evidence, and the test that would distinguish
     it, in the units of a system."""
-    from fieldkit.physics.effect import effects
-
     item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
     place, (mean, sd) = item.best.candidate.place, item.best.strength()
     effect = effects().get(place.effect)
@@ -179,17 +170,15 @@ def _odds(log_bayes: float) -> str:
     return f"{said} to 1 {'for' if log_bayes > 0 else 'against'} it"
 
 
-def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
+def version_rows(versions: Sequence[Version], system: str) -> dict[int, tuple[str, ...]]:
     """Models by number, the plain one first: date, added effects, and which is in use."""
     used = any(version.active for version in versions)
     rows: dict[int, tuple[str, ...]] = {PLAIN_MODEL: ("0", "", "plain", "", "" if used else "in use ✓")}
     return rows | {version.number: _version(version, system) for version in versions}
 
 
-def _version(version: "Version", system: str) -> tuple[str, ...]:
+def _version(version: Version, system: str) -> tuple[str, ...]:
     """A row: the effects that a model added, and the errors before and after."""
-    from fieldkit.services.forecasts import version_adds
-
     payload = version.payload
     errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
     made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""

@@ -1,17 +1,16 @@
 """The form of a contest day on the screen Decide: announcements, declarations, and the size of the site."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from fieldkit.importing.manual_entry import Question
+from fieldkit.flight.site import Site
+from fieldkit.importing.manual_entry import Question, read_lift_off_mass
+from fieldkit.motors import Motor
+from fieldkit.planning.contest_day import Day, read_part
 from fieldkit.quantities import measure, unit_of
+from fieldkit.services.manual_entry import dry_mass_under
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
-    from fieldkit.motors import Motor
-    from fieldkit.planning.contest_day import Day
 
 DAY = (
     Question("target", "Announced target", "The apogee announced that day, such as 785ft. Empty: the season's own."),
@@ -26,24 +25,20 @@ WEIGHED = Question(
 )
 
 
-def questions(site: "Site") -> tuple[Question, ...]:
+def questions(site: Site) -> tuple[Question, ...]:
     """The questions about the day; about the site only if it has a name to save it under."""
     return (*DAY, *(site_form.ROOM if site.name else ()), WEIGHED)
 
 
-def read(motor: "Motor", name: str, text: str, unit: str) -> object:
+def read(motor: Motor, name: str, text: str, unit: str) -> object:
     """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue."""
-    from fieldkit.importing.manual_entry import read_lift_off_mass
-    from fieldkit.planning.contest_day import read_part
-    from fieldkit.services.manual_entry import dry_mass_under
-
     if name != WEIGHED.name:
         return read_part(name, text, unit)
     mass = read_lift_off_mass(text, unit)
     return None if mass is None else dry_mass_under(mass, motor)
 
 
-def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:
+def texts(day: Day, site: Site, system: str) -> dict[str, str]:
     """Known values as text to edit."""
     return site_form.room(site, system) | {
         "target": measure(cards.APOGEE, day.target, system),
@@ -60,10 +55,8 @@ def units(system: str) -> dict[str, str]:
     return site_form.units(system) | own
 
 
-def answered(values: dict[str, Any], day: "Day", site: "Site", system: str) -> "tuple[Day, Site]":
+def answered(values: dict[str, Any], day: Day, site: Site, system: str) -> tuple[Day, Site]:
     """The day and the site from the answers of the form; an answer with the same text was not changed."""
-    from fieldkit.planning.contest_day import read_part
-
     shown, unit = texts(day, site, system), units(system)
     asked = [question.name for question in questions(site) if question != WEIGHED]
     new = {name: values[name] for name in asked if values[name] != read_part(name, shown[name], unit.get(name, ""))}

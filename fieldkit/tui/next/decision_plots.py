@@ -2,24 +2,23 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from fieldkit.forecast.evaluation.forward_in_time import Forecast
+from fieldkit.planning.delay import Delays
+from fieldkit.planning.quantiles import three
 from fieldkit.quantities import measure
+from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast
+from fieldkit.shapes import Array, Float
+from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.intervals import Interval, Intervals
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.forward_in_time import Forecast
-    from fieldkit.planning.delay import Delays
-    from fieldkit.services.saved_forecasts import SavedForecast
-    from fieldkit.shapes import Array, Float
-    from fieldkit.tui.next.answer import Answer
+from fieldkit.tui.widgets.plots import draw_density
 
 MAX_DRAWN_FORECASTS = 24
 """Number of latest forecasts to draw."""
 
 
-def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
+def of_delays(answer: Answer, judged: Delays) -> Answer:
     """When each delay fires, relative to apogee."""
     rows = tuple(
         Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
@@ -31,30 +30,22 @@ def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
     return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
 
 
-def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, system: str) -> "Answer":
+def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float, system: str) -> Answer:
     """The density of the apogee at that mass, with the target."""
-    from fieldkit.planning.quantiles import three
-    from fieldkit.tui.widgets.plots import draw_density
-
     marks = [(target, "◎"), *((value, "") for value in three(apogee))]
     title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5%, median and 95%"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
 
 
-def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
+def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     """The density of the points of a flight."""
-    from fieldkit.planning.quantiles import three
-    from fieldkit.tui.widgets.plots import draw_density
-
     low, middle, high = three(points)
     draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
     return replace(answer, title="Points of a flight, fewer are better; lines are 5%, median and 95%", draw=draw)
 
 
-def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
+def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: str) -> Answer:
     """The saved forecasts, newest first, and the apogees flown."""
-    from fieldkit.services.saved_forecasts import LISTED_STATES
-
     rows = tuple(
         Interval(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
         for one in reversed([one for one in found if one.state in LISTED_STATES][-MAX_DRAWN_FORECASTS:])
@@ -62,14 +53,14 @@ def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", syst
     return _against_flown(answer, rows, system)
 
 
-def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "Answer":
+def of_forecasts(answer: Answer, rows: Sequence[Forecast], system: str) -> Answer:
     """Each flight with its forecast from the earlier ones, the newest first."""
     last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
     drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
     return _against_flown(answer, drawn, system)
 
 
-def _against_flown(answer: "Answer", rows: tuple[Interval, ...], system: str) -> "Answer":
+def _against_flown(answer: Answer, rows: tuple[Interval, ...], system: str) -> Answer:
     if not rows:
         return answer
     title = "Forecast and flown: 90% of flights should fall on the line; ● median, ◆ flown"

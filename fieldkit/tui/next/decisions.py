@@ -3,28 +3,38 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
+from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue, Found, Motor
+from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.paths import data_file
+from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.check import SafetyCheck, safety_text
+from fieldkit.planning.contest import Season, declared_score, outlook, score, season
+from fieldkit.planning.contest_day import Day
+from fieldkit.planning.contest_limits import allowed, approved_motors
+from fieldkit.planning.delay import delays, drill_of
+from fieldkit.planning.descent_rate import fall_of
+from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.limits import Limit
+from fieldkit.planning.planned_flight import planned_flight
+from fieldkit.planning.safety import safety_lines
+from fieldkit.presentation.landing_text import landing_in_words
+from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
+from fieldkit.presentation.score_text import against_the_bar, histogram
 from fieldkit.quantities import measure
+from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
+from fieldkit.services.track_record import replayed
 from fieldkit.tui.next import decision_plots
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.landing_plots import of_landing
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
-    from fieldkit.forecast.evaluation.comparison import ScoreReport
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.ledger import Ledger
-    from fieldkit.motors import Catalogue, Motor
-    from fieldkit.planning.check import SafetyCheck
-    from fieldkit.planning.contest import Season
-    from fieldkit.planning.contest_day import Day
-    from fieldkit.planning.forecasts import Rocket
-    from fieldkit.planning.limits import Limit
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
@@ -42,18 +52,14 @@ class Decision:
     """A plan on a motor, and the inputs of its answers; pictures are in the units of a `system`."""
 
     plan: Flight
-    rocket: "Rocket"
-    site: "Site"
-    limits: "dict[str, Limit]"
-    motor: "Motor"
+    rocket: Rocket
+    site: Site
+    limits: dict[str, Limit]
+    motor: Motor
     system: str = "SI"
 
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
-        from fieldkit.motors import Found
-        from fieldkit.planning.delay import delays, drill_of
-        from fieldkit.presentation.planning_text import delays_in_words
-
         fast = self.limits["eject_speed"].value
         tool = drill_of(self.motor, data_file("drills.toml"))
         takes_off = tool.takes_off if tool else ()
@@ -62,12 +68,8 @@ class Decision:
         words = tuple(delays_in_words(judged, fast, tool, self.system))
         return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
-    def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
+    def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
         """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
-        from fieldkit.motors import Found
-        from fieldkit.planning.ballast import Goal, ballast
-        from fieldkit.presentation.planning_text import ballast_in_words
-
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
@@ -79,13 +81,9 @@ class Decision:
         answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
         return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
-    def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
+    def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
-        from fieldkit.motors import Found
-        from fieldkit.planning.contest import outlook
-        from fieldkit.presentation.planning_text import outlook_in_words
-
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
@@ -95,11 +93,6 @@ class Decision:
 
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
-        from fieldkit.motors import Found
-        from fieldkit.planning.check import safety_text
-        from fieldkit.planning.planned_flight import planned_flight
-        from fieldkit.presentation.landing_text import landing_in_words
-
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one.prediction, one.down, one.fall, one.rail, self.site, self.system, one.holds)
         words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
@@ -108,14 +101,10 @@ class Decision:
 
     def noted(self, answer: Answer) -> Answer:
         """An answer with what is not modeled of a cluster."""
-        from fieldkit.motors.several import CLUSTER_NOTE
-
         return replace(answer, words=(*answer.words, f"  note      {CLUSTER_NOTE}")) if self.motor.parts else answer
 
-    def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+    def saved_forecasts(self, ledger: Ledger, motors: Catalogue) -> Answer:
         """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""
-        from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
-
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
             return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
@@ -126,12 +115,8 @@ class Decision:
             words += [f"  {line}" for line in in_words(one, self.system)]
         return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
-    def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+    def fared(self, ledger: Ledger, motors: Catalogue) -> Answer:
         """The quality of forecasts of this rocket: of each flight from all rockets' earlier flights."""
-        from fieldkit.forecast.evaluation.comparison import judged_report
-        from fieldkit.presentation.score_text import against_the_bar, histogram
-        from fieldkit.services.track_record import replayed
-
         rocket = self.plan.rocket
         rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
@@ -142,9 +127,7 @@ class Decision:
         answer = Answer((*words, *said), tuple(histogram(found.calibration)))
         return decision_plots.of_forecasts(answer, rows, self.system)
 
-    def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
-        from fieldkit.planning.contest import declared_score, score
-
+    def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
         scored = score(rule, ledger.flights(self.plan.rocket))
         if not scored:
             return
@@ -162,13 +145,8 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = (), area: float = 1.0) -> tuple[str, ...]:
+    def _beside(self, said: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety checks, with a fraction of the parachute's area. [1]"""
-        from fieldkit.planning.check import safety_text
-        from fieldkit.planning.descent_rate import fall_of
-        from fieldkit.planning.safety import safety_lines
-        from fieldkit.presentation.planning_text import conditions_in_words
-
         fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
         lines = safety_lines(said, self.site, fall, self.limits)
         return (
@@ -178,7 +156,7 @@ class Decision:
         )
 
 
-def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
+def _missed(found: ScoreReport, system: str) -> Iterator[str]:
     """The error of each method, and the fraction of flights in the intervals, as a table."""
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
     for way in found.ways:
@@ -188,15 +166,11 @@ def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
     yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
-def _limits_of(rule: "Season", said: "Prediction", day: "Day") -> "list[SafetyCheck]":
+def _limits_of(rule: Season, said: Prediction, day: Day) -> list[SafetyCheck]:
     """The season's limits on a plan, with the flyer's own list of approved motors."""
-    from fieldkit.planning.contest_limits import allowed, approved_motors
-
     return allowed(rule, said.plan, said.found, day.length, approved_motors(rule.year, data_file("seasons")))
 
 
-def rule_of(year: int) -> "Season":
+def rule_of(year: int) -> Season:
     """The rule of a season, the flyer's if there is one. Raises BadValue for an unknown season."""
-    from fieldkit.planning.contest import season
-
     return season(year, data_file("seasons"))

@@ -1,24 +1,21 @@
 """The forecast of one motor: the apogee in large digits, its safety checks, its density, and all figures below."""
 
-from typing import TYPE_CHECKING
-
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.next import motor_rows, next_words
+from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging, stacked
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.planning.motor_guide import MotorChoice
-    from fieldkit.tui.next.next_plan import Plan
+from fieldkit.tui.widgets.plots import Plot, draw_density
 
 
 class ForecastCard(VerticalScroll):
@@ -33,8 +30,6 @@ class ForecastCard(VerticalScroll):
 
     def compose(self) -> ComposeResult:
         """From the largest to the smallest."""
-        from fieldkit.tui.widgets.plots import Plot
-
         yield Static("", id="title")
         yield Big(id="big")
         yield Static("", id="range")
@@ -42,7 +37,7 @@ class ForecastCard(VerticalScroll):
         yield Plot(id="hill")
         yield Static("", id="more")
 
-    def show(self, plan: "Plan", one: "MotorChoice", settings: Settings) -> None:
+    def show(self, plan: Plan, one: MotorChoice, settings: Settings) -> None:
         """The forecast of a plan on a motor."""
         system = settings.units
         title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
@@ -58,18 +53,14 @@ class ForecastCard(VerticalScroll):
 
     def clear(self) -> None:
         """Clear the card: no motor, or no forecast yet."""
-        from fieldkit.tui.widgets.plots import Plot
-
         for name in ("title", "range", "safety", "more"):
             self.query_one(f"#{name}", Static).update("")
         self.query_one(Big).show("")
         self.query_one(Plot).show(None)
         self.text = ""
 
-    def _show_hill(self, said: "Prediction", settings: Settings) -> None:
+    def _show_hill(self, said: Prediction, settings: Settings) -> None:
         """The distribution of the apogee, with its interval and the target."""
-        from fieldkit.tui.widgets.plots import Plot, draw_density
-
         marks = [(settings.target, "◎")] if settings.target else []
         marks += [(float(place), "") for place in said.apogee_quantiles()]
         spell = motor_rows.whole

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from fieldkit.planning.planned_flight import PlannedFlight
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.planning.planned_flight import PlannedFlight
 
 DRAWN_FLIGHTS = 30
 """Number of draws with lines from pad to apogee to landing. [1]"""
@@ -22,7 +22,7 @@ CELL_ASPECT = 2.0
 """Aspect ratio of a terminal's cell, height over width. [1]"""
 
 
-def of_landing(answer: Answer, one: "PlannedFlight", size: float | None, system: str) -> Answer:
+def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: str) -> Answer:
     """The answer with both pictures; `size` is of the field across. [m]"""
     unit = spelled(unit_of(cards.APOGEE, system))
     field = ", circle the field" if size else ""
@@ -34,10 +34,8 @@ def of_landing(answer: Answer, one: "PlannedFlight", size: float | None, system:
     )
 
 
-def _from_the_side(one: "PlannedFlight", scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
+def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
     """Pad, apogee and landing of some draws, joined by straight lines."""
-    import numpy as np
-
     said, down = one.prediction, one.down
     drift = np.broadcast_to(np.nan_to_num(said.drift), said.apogee.shape)
     for row in range(min(DRAWN_FLIGHTS, len(said.apogee))):
@@ -48,10 +46,8 @@ def _from_the_side(one: "PlannedFlight", scaled: Callable[[float], float], plt: 
     plt.yfrequency(4)
 
 
-def _from_above(one: "PlannedFlight", size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
+def _from_above(one: PlannedFlight, size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
     """Landings, their ellipse and the field around the pad, with equal scales on the screen."""
-    import numpy as np
-
     down = one.down
     along, across = ([scaled(float(x)) for x in part[:DRAWN_LANDINGS]] for part in (down.along, down.across))
     outline = [[scaled(float(x)) for x in column] for column in down.ellipse().outline().T]

@@ -1,19 +1,17 @@
 """A motor in the words of a flyer, and its thrust curve as a plot."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fieldkit.motors import Motor
+from fieldkit.motors.motor import delays_text
 from fieldkit.quantities import written
 from fieldkit.safe_text import printable
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
 
 KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
 
 
-def facts(motor: "Motor", system: str) -> tuple[tuple[str, str], ...]:
+def facts(motor: Motor, system: str) -> tuple[tuple[str, str], ...]:
     """The catalog data of a motor, name and value with its unit; masses in the units of a system."""
-    from fieldkit.motors.motor import delays_text
 
     def mass(value: float) -> str:
         return written(value, "g", system, 1 if system == "SI" else None)
@@ -46,7 +44,7 @@ def facts(motor: "Motor", system: str) -> tuple[tuple[str, str], ...]:
     return tuple((name, printable(value)) for name, value in pairs if value)
 
 
-def draw_thrust(motor: "Motor", plt: Any, ink: Any) -> None:
+def draw_thrust(motor: Motor, plt: Any, ink: Any) -> None:
     """Thrust against time, and the average while it burns."""
     plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)
     start, end = motor.burning

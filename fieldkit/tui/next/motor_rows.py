@@ -4,19 +4,17 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
+from fieldkit.forecast.prediction import median
+from fieldkit.motors import Motor
+from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.settings import Settings
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Cells, Head
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
-    from fieldkit.planning.motor_guide import MotorChoice
 
 NAME, SHORT_NAME = 22, 14
 """Cells for a motor's name, with and without its manufacturer."""
@@ -30,7 +28,7 @@ class MotorColumn:
 
     title: str
     width: int
-    text: "Callable[[MotorChoice], str]"
+    text: Callable[[MotorChoice], str]
 
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
@@ -47,7 +45,7 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
     shared = Counter(motor.designation for motor in motors.found)
     heads += [Head(column.title, column.width, right=not (drawn and column is columns[-1])) for column in columns]
 
-    def cells(motor: "Motor") -> Sequence[str]:
+    def cells(motor: Motor) -> Sequence[str]:
         one = motors.known.get(motor)
         called = f"{motor.maker} {motor.designation}" if with_maker else motor.designation
         called = f"{called} {motor.maker}" if not with_maker and shared[motor.designation] > 1 else called
@@ -87,7 +85,7 @@ def _apogee(settings: Settings) -> MotorColumn:
 
 
 def _range(settings: Settings) -> MotorColumn:
-    def text(one: "MotorChoice") -> str:
+    def text(one: MotorChoice) -> str:
         low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
         return f"{low}-{high}"
 
@@ -106,9 +104,7 @@ def _rail(settings: Settings, *, wide: bool) -> MotorColumn:
     column = BY_NAME["top_speed"]
     title = f"rail {spelled(unit_of(column, settings.units))}" if wide else "rail"
 
-    def text(one: "MotorChoice") -> str:
-        from fieldkit.forecast.prediction import median
-
+    def text(one: MotorChoice) -> str:
         speed = median(one.prediction.rail_speed)
         return "" if speed is None else number(column, speed, settings.units)
 
@@ -123,14 +119,14 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
     mark = " ◎ target" if target else ""
 
-    def text(one: "MotorChoice") -> str:
+    def text(one: MotorChoice) -> str:
         low, middle, high = (float(x) for x in one.prediction.apogee_quantiles())
         return bar(Interval("", low, middle, high), 0.0, top, width, (target,) if target else ())
 
     return MotorColumn(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
 
 
-def off(choice: "MotorChoice", settings: Settings) -> str:
+def off(choice: MotorChoice, settings: Settings) -> str:
     """Forecast minus target; from 100 on without a decimal."""
     target = settings.target
     if not target:

@@ -8,6 +8,7 @@ from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.paths import data_file
+from fieldkit.planning.limits import limits
 from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
@@ -100,7 +101,6 @@ def read_plan(resources: "Resources") -> Plan | None:
 
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
     """
-    from fieldkit.planning.limits import limits
     from fieldkit.planning.motor_guide import Wanted, widest_motor
     from fieldkit.services import launch_day
     from fieldkit.services.planning import completed_plan, rocket_of

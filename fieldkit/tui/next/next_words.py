@@ -1,50 +1,42 @@
 """The forecast of a motor in words and figures, for the card next to the motors."""
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
+from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.motors.names import with_delay
+from fieldkit.planning.air import air_of
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, in_units
+from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.presentation.forecast_text import narrows
 from fieldkit.quantities import in_system, measure, number, spelled, unit_of
 from fieldkit.tui.next import motor_rows
+from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.planning.check import SafetyCheck, Verdict
-    from fieldkit.planning.motor_guide import MotorChoice
-    from fieldkit.tui.next.next_plan import Plan
 
 Pairs = list[tuple[str, str]]
 
 
-def rail_speed(said: "Prediction", system: str) -> str:
+def rail_speed(said: Prediction, system: str) -> str:
     """The median speed at the end of the rail."""
-    from fieldkit.forecast.prediction import median
-
     return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
 
 
-def title(plan: "Plan", one: "MotorChoice") -> str:
+def title(plan: Plan, one: MotorChoice) -> str:
     """Rocket and motor: `Astra A on AeroTech F24W-4`."""
-    from fieldkit.motors.names import with_delay
-
     motor = one.motor.designation if one.delay is None else with_delay(one.motor.designation, one.delay)
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
     return f"{build} on {one.motor.maker} {motor}"
 
 
-def interval(said: "Prediction", system: str) -> str:
+def interval(said: Prediction, system: str) -> str:
     """The text after the large figure: `m on the altimeter, 90% 179-317`."""
     low, _, high = (motor_rows.whole(float(x), system) for x in said.apogee_quantiles())
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
-def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
+def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
     """The figures below the density, name and value."""
-    from fieldkit.forecast.prediction import median
-    from fieldkit.planning.air import air_of
-    from fieldkit.presentation.forecast_text import narrows
-
     said = one.prediction
     fires = [f"{delay:g} s {motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
     misfit = plan.misfit(one.motor) or ", ".join(line.name for line in one.why_not)
@@ -65,10 +57,8 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
     ]
 
 
-def checks(one: "MotorChoice", system: str) -> Pairs:
+def checks(one: MotorChoice, system: str) -> Pairs:
     """The safety checks, each with its figures and its limit, in the units of a system."""
-    from fieldkit.planning.check import ADVICE_NOTE, MARKS, in_units
-
     lines = [
         (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_units(line.finding, system)}")
         for line in one.lines
@@ -76,17 +66,15 @@ def checks(one: "MotorChoice", system: str) -> Pairs:
     return [*lines, ("", ADVICE_NOTE)]
 
 
-def saved_in_words(said: "Prediction", system: str) -> str:
+def saved_in_words(said: Prediction, system: str) -> str:
     """The notice of a saved forecast with its values."""
     low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
     return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a to add the flight, u to undo"
 
 
-def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:
+def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterable[str]:
     """The names of all checks, those that fail first: `⊘ rail exit speed`, `? ground wind, ceiling`."""
-    from fieldkit.planning.check import MARKS
-
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
     groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)
     return (f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)

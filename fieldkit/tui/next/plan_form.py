@@ -5,6 +5,7 @@ from collections.abc import Callable
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import unit_of
+from fieldkit.services.launch_day import save_plan
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
 from fieldkit.tui.page import PageScreen
@@ -45,8 +46,6 @@ def keep_plan(page: PageScreen, plan: Flight) -> None:
     """Save a plan, and its weather as today's."""
 
     def work() -> bool:
-        from fieldkit.services.launch_day import save_plan
-
         return save_plan(page.resources.ledger, plan_texts(plan))
 
     page.change(work, lambda _: page.field_app.changed())

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from textual.binding import Binding, BindingType
 from textual.containers import Container, VerticalScroll
@@ -12,8 +12,15 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.flight.site import Site
 from fieldkit.paths import data_file
+from fieldkit.planning.contest import season_of, seasons
+from fieldkit.planning.contest_day import Day
 from fieldkit.safe_text import printable
+from fieldkit.services.contest_day import day_of, keep_day
+from fieldkit.services.launch_day import planned_mass, save_mass
+from fieldkit.services.planning import rocket_of
+from fieldkit.services.sites import put_site, site_of
 from fieldkit.settings import Settings
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.help import Help
@@ -22,11 +29,8 @@ from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
-    from fieldkit.planning.contest_day import Day
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
@@ -109,7 +113,6 @@ class PlanScreen(PageScreen):
     def __init__(self, decision: Decision) -> None:
         super().__init__()
         self._decision = decision
-        from fieldkit.planning.contest import season_of
 
         self._view, self._aim, self._share = 0, 0, SHARES.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
@@ -117,8 +120,6 @@ class PlanScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the current one with its picture."""
-        from fieldkit.tui.widgets.plots import Plot
-
         yield TabLine(VIEWS, "screen.view")
         with VerticalScroll():
             with Container(id="words"):
@@ -150,8 +151,6 @@ class PlanScreen(PageScreen):
 
     def _draw(self, answer: Answer) -> None:
         """The picture of the answer, if there is one."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self.query_one("#picture").set_class(bool(answer.title), "-shown")
         self.query_one("#title", Static).update(Content(answer.title))
         intervals = self.query_one("#intervals", Static)
@@ -163,11 +162,6 @@ class PlanScreen(PageScreen):
             plot.show(draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:
-        from fieldkit.services.contest_day import day_of
-        from fieldkit.services.launch_day import planned_mass
-        from fieldkit.services.planning import rocket_of
-        from fieldkit.services.sites import site_of
-
         ledger, plan = self.resources.ledger, self._decision.plan
         rocket = rocket_of(ledger, self.resources.motors, plan.rocket)  # another program may have added flights
         if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
@@ -204,8 +198,6 @@ class PlanScreen(PageScreen):
 
     def action_season(self, by: int) -> None:
         """The next or previous season."""
-        from fieldkit.planning.contest import seasons
-
         years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
@@ -217,14 +209,11 @@ class PlanScreen(PageScreen):
 
     async def action_day(self) -> None:
         """Enter the announcements and declarations of the day, and the size of the field."""
-        from fieldkit.services.contest_day import day_of
-        from fieldkit.services.sites import site_of
-
         ledger, season, name = self.resources.ledger, self._season, self._decision.plan.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
         await self.settled("day")
 
-    def _ask_day(self, season: int, known: "tuple[Day, Site]") -> None:
+    def _ask_day(self, season: int, known: tuple[Day, Site]) -> None:
         (day, site), system = known, self.resources.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
@@ -232,7 +221,7 @@ class PlanScreen(PageScreen):
         form = Form(title, contest_form.questions(site), texts, units, read)
         self.app.push_screen(form, partial(self._have_day, season, known))
 
-    def _have_day(self, season: int, known: "tuple[Day, Site]", values: dict[str, object] | None) -> None:
+    def _have_day(self, season: int, known: tuple[Day, Site], values: dict[str, object] | None) -> None:
         if values is None:
             return
         day, site = contest_form.answered(values, *known, self.resources.settings.units)
@@ -240,10 +229,6 @@ class PlanScreen(PageScreen):
         weighed = cast("float | None", values[contest_form.WEIGHED.name])
 
         def work() -> None:
-            from fieldkit.services.contest_day import keep_day
-            from fieldkit.services.launch_day import save_mass
-            from fieldkit.services.sites import put_site
-
             keep_day(self.resources.ledger, season, day)
             if site != known[1]:
                 put_site(self.resources.ledger, site)

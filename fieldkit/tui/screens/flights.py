@@ -13,7 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.quantities import spelled, unit_of
-from fieldkit.services.flight_facts import or_why
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP

@@ -12,8 +12,10 @@ from textual.containers import Horizontal
 from textual.widget import Widget
 
 from fieldkit.flight import Flight
+from fieldkit.services.listed_flights import listed_at_once
 from fieldkit.tui.help import Help
 from fieldkit.tui.home import first_run
+from fieldkit.tui.home.cards import LastCard, NextCard
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
 from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
@@ -80,8 +82,6 @@ class HomeScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
-        from fieldkit.tui.home.cards import LastCard, NextCard
-
         yield Choices()
         with Horizontal(id="cards"):
             yield NextCard(id="next")
@@ -105,8 +105,6 @@ class HomeScreen(PageScreen):
         self._show()
 
     def _read_first(self) -> "list[ListedFlight]":
-        from fieldkit.services.listed_flights import listed_at_once
-
         return listed_at_once(self.resources.where)
 
     def _have_first(self, latest: "list[ListedFlight]") -> None:
@@ -148,7 +146,6 @@ class HomeScreen(PageScreen):
         """Show the launch day in the columns that fit."""
         if not self._have_read:
             return  # the text of the cards needs the engine, which a worker imports
-        from fieldkit.tui.home.cards import LastCard, NextCard
 
         system, table = self.resources.settings.units, self.query_one(Table)
         steps = self._view is None or not (self._view.flights or self._view.forecast)

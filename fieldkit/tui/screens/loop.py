@@ -13,8 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
-from fieldkit.services.flight_facts import or_why
-from fieldkit.tui.asking import go_on
+from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.loop.loop_help import LOOP_HELP
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of

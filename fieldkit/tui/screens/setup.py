@@ -11,6 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
+from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.setup.setup_help import SETUP_HELP
 from fieldkit.tui.setup.setup_lists import (
@@ -23,6 +24,7 @@ from fieldkit.tui.setup.setup_lists import (
     sites_listed,
 )
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import HelpScreen
 from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
@@ -236,9 +238,7 @@ class SetupScreen(PageScreen):
                 self._change_setting(message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
-        from fieldkit.tui.help import Help
         from fieldkit.tui.next import motor_facts
-        from fieldkit.tui.widgets.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
         facts = motor_facts.facts(motor, self.resources.settings.units)

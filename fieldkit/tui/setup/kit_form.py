@@ -1,18 +1,17 @@
 """Kits on the Setup page: add, change, and delete one."""
 
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.planning.kits import Kit
 from fieldkit.quantities import measure, unit_of
+from fieldkit.services.kits import delete_kit, save_kit
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskYes
-
-if TYPE_CHECKING:
-    from fieldkit.planning.kits import Kit
 
 QUESTIONS = (
     Question("name", "Kit", "Its name: a rocket of this name starts with the figures of the kit."),
@@ -24,7 +23,7 @@ QUESTIONS = (
 )
 
 
-def ask_kit(page: PageScreen, kit: "Kit | None") -> None:
+def ask_kit(page: PageScreen, kit: Kit | None) -> None:
     """A form over a kit, or over a new one."""
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[_column(name)], system) for name in ("dry_mass", "diameter", "mount")}
@@ -33,9 +32,8 @@ def ask_kit(page: PageScreen, kit: "Kit | None") -> None:
     page.app.push_screen(form, partial(_answered, page, kit, texts))
 
 
-def ask_delete(page: PageScreen, kit: "Kit") -> None:
+def ask_delete(page: PageScreen, kit: Kit) -> None:
     """Delete a kit if that is confirmed: its file has no undo."""
-    from fieldkit.services.kits import delete_kit
 
     def sure(yes: bool | None) -> None:
         if yes:
@@ -44,7 +42,7 @@ def ask_delete(page: PageScreen, kit: "Kit") -> None:
     page.app.push_screen(AskYes(f"Delete the kit {kit.name}? Flights and rockets stay as they are."), sure)
 
 
-def kit_text(kit: "Kit | None", name: str, system: str) -> str:
+def kit_text(kit: Kit | None, name: str, system: str) -> str:
     """A figure of a kit in the units of a system; diameters of mounts in mm."""
     value = None if kit is None else getattr(kit, name)
     if name == "mount":
@@ -65,11 +63,8 @@ def _column(name: str) -> str:
     return "diameter" if name == "mount" else name
 
 
-def _answered(page: PageScreen, kit: "Kit | None", texts: dict[str, str], values: dict[str, object] | None) -> None:
+def _answered(page: PageScreen, kit: Kit | None, texts: dict[str, str], values: dict[str, object] | None) -> None:
     """Save the kit; a figure with the same text was not changed."""
-    from fieldkit.planning.kits import Kit
-    from fieldkit.services.kits import save_kit
-
     if values is None:
         return
     system, typed = (

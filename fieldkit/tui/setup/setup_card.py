@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -12,18 +12,19 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
+from fieldkit.flight.start import Start
+from fieldkit.motors import Motor
+from fieldkit.planning.air import air_of
+from fieldkit.planning.check import MARKS
+from fieldkit.planning.kits import Kit
 from fieldkit.quantities import density, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
+from fieldkit.tui.widgets.plots import Plot, spaced
 from fieldkit.tui.widgets.rocket_drawing import caption, centers, drawing
-
-if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
-    from fieldkit.motors import Motor
-    from fieldkit.planning.kits import Kit
 
 DRAWING_WIDTH = 56
 """Width of the drawn rocket: that of the narrowest card. [cell]"""
@@ -58,8 +59,6 @@ class SetupCard(VerticalScroll):
 
     def show(self, facts: Facts) -> None:
         """The whole card, with its picture if there is room."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self.query_one("#facts", Static).update(stacked(facts.blocks))
         plot = next(iter(self.query(Plot)), None)
         if plot is None and facts.draw is not None:
@@ -71,13 +70,13 @@ class SetupCard(VerticalScroll):
             plot.show(facts.draw)
 
 
-def of_motor(motor: "Motor", system: str) -> Facts:
+def of_motor(motor: Motor, system: str) -> Facts:
     """A motor and its thrust curve, with masses in the units of a system."""
     said = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor, system))
     return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 
-def of_build(group: Group, system: str, design: "Start | None" = None) -> Facts:
+def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
     """A configuration of a rocket, with its design if known: drawing, mass, stability, motors, apogees."""
     flights, length = group.flights, design.length if design is not None else None
     pairs = [
@@ -99,17 +98,15 @@ def of_build(group: Group, system: str, design: "Start | None" = None) -> Facts:
     return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
 
 
-def _stability(design: "Start") -> str:
+def _stability(design: Start) -> str:
     """The stability margin of a design, marked if it is low."""
-    from fieldkit.planning.check import MARKS
-
     if design.margin is None:
         return ""
     low = f" {MARKS['unsafe']} below {MIN_MARGIN:g}" if design.margin < MIN_MARGIN else ""
     return f"{design.margin:.1f} calibers off the rod, as simulated{low}"
 
 
-def _side_view(diameter: float, design: "Start | None") -> Hanging:
+def _side_view(diameter: float, design: Start | None) -> Hanging:
     """The rocket from the side with its centers of gravity and of pressure, and which parts are sketched."""
     length = design.length if design is not None else None
     lines = drawing(length, diameter, DRAWING_WIDTH)
@@ -121,8 +118,6 @@ def _side_view(diameter: float, design: "Start | None") -> Hanging:
 
 def of_site(place: LaunchSite, system: str) -> Facts:
     """A site: its air, its flights, and the limits for its safety checks."""
-    from fieldkit.planning.air import air_of
-
     site, flights = place.site, place.flights
     rockets = sorted({one.rocket for one in flights if one.rocket})
     pairs = [
@@ -140,7 +135,7 @@ def of_site(place: LaunchSite, system: str) -> Facts:
     return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
 
 
-def of_kit(kit: "Kit", system: str) -> Facts:
+def of_kit(kit: Kit, system: str) -> Facts:
     """A kit, with its drawing if its diameter is known."""
     unknown = "not known: Enter to set it"
     pairs = [
@@ -186,8 +181,6 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
 
 def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
     """The apogees in order, and the ceiling, with the first and the last id below."""
-    from fieldkit.tui.widgets.plots import spaced
-
     heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]
     for clean, marker, colour in ((True, "●", ink.line), (False, "✗", ink.mark)):
         places = [place for place, one in enumerate(flights) if one.clean is clean]

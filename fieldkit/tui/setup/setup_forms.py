@@ -2,21 +2,20 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
+from fieldkit.motors import Motor
+from fieldkit.motors.own import import_file
 from fieldkit.paths import expanded, motor_folder
 from fieldkit.quantities import counted, measure, unit_of
+from fieldkit.services.sites import SITES, with_site
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.setup.setup_lists import RAIL, answer_of, same
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.groups import Group, LaunchSite
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
 
 BUILD = (
     Question("rocket", "Rocket", "Its name; renames it in every flight of this build."),
@@ -77,8 +76,6 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
     site = site_form.answered(was, values, texts, system)
 
     def work() -> int:
-        from fieldkit.services.sites import SITES, with_site
-
         ledger = page.resources.ledger
         beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
         return ledger.edit_all(place.ids, was.name, beside, **changes)
@@ -116,15 +113,13 @@ def _import(page: PageScreen, text: str | None) -> None:
     if not text or not text.strip():
         return
 
-    def work() -> "list[Motor]":
-        from fieldkit.motors.own import import_file
-
+    def work() -> list[Motor]:
         return import_file(expanded(text.strip()), motor_folder())
 
     page.ask(work, partial(_imported, page), "import")
 
 
-def _imported(page: PageScreen, motors: "list[Motor]") -> None:
+def _imported(page: PageScreen, motors: list[Motor]) -> None:
     page.resources.forget_motors()
     page.show_notice(f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}")
     page.field_app.changed()

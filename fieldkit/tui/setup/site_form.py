@@ -1,15 +1,14 @@
 """A launch site on the Setup page: its elevation, and its properties for safety checks."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fieldkit.flight import BY_NAME
+from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.planning.contest_day import read_part
 from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
 
 ROOM = (
     Question(
@@ -27,7 +26,7 @@ QUESTIONS = (
 )
 
 
-def room(site: "Site", system: str) -> dict[str, str]:
+def room(site: Site, system: str) -> dict[str, str]:
     """Size and ceiling as text to edit."""
     return {question.name: measure(cards.APOGEE, getattr(site, question.name), system) for question in ROOM}
 
@@ -40,8 +39,6 @@ def units(system: str) -> dict[str, str]:
 
 def read(name: str, text: str, unit: str) -> object:
     """An answer as typed. Raises BadValue."""
-    from fieldkit.planning.contest_day import read_part
-
     return read_part(name, text, unit) if name in room_names() else read_answer(name, text, unit)
 
 
@@ -50,7 +47,7 @@ def room_names() -> set[str]:
     return {question.name for question in ROOM}
 
 
-def answered(site: "Site", values: dict[str, Any], texts: dict[str, str], system: str) -> "Site":
+def answered(site: Site, values: dict[str, Any], texts: dict[str, str], system: str) -> Site:
     """The site from the answers; a length with the same text was not changed."""
     known: dict[str, Any] = {}
     for name, field in {"site_elevation": "elevation", **{name: name for name in room_names()}}.items():

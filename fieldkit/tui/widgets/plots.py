@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from rich.text import Text
 from textual.app import RenderResult
 from textual.color import Color
@@ -110,8 +111,6 @@ def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: i
 
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
     """A smooth density of draws: places and heights (Gaussian kernels, Silverman's rule of thumb, 1986)."""
-    import numpy as np
-
     values = values[np.isfinite(values)]
     spread = min(values.std(), np.subtract(*np.quantile(values, [0.75, 0.25])) / 1.34) or values.std() or 1e-9
     width = 0.9 * spread * len(values) ** -0.2
