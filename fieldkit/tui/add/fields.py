@@ -88,7 +88,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """
 
     DEFAULT_CSS = """
-    Form { align: center middle; background: $backdrop; }
+    Form { align: center middle; background: $backdrop; layers: base above; }
     Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
     Form VerticalScroll { height: auto; max-height: 60vh; }
