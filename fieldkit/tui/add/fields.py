@@ -20,6 +20,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.hanging import marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
 
@@ -77,7 +78,7 @@ class Field(Horizontal):
         """Show a note on the answer."""
         if text != self._noted:
             self._noted = text
-            self.query_one(".note", Static).update(Content(printable(text)), layout=False)
+            self.query_one(".note", Static).update(marked(printable(text)), layout=False)
 
 
 class Form(ModalScreen[dict[str, object] | None]):
@@ -151,7 +152,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         if isinstance(field, Field):
             note = self._read(field)[1] if field.answer or self._refused else ""
             about = printable(note) if note.startswith(("✗", "? ")) else field.question.help
-            self.query_one("#help", Static).update(Content(about))
+            self.query_one("#help", Static).update(marked(about))
 
     def on_descendant_blur(self) -> None:
         """Close the list when another line gets the focus."""

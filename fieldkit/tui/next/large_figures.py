@@ -18,7 +18,8 @@ def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
     if not judged.delays or not isfinite(judged.delays[0].after_apogee[1]):
         return answer
     best = judged.delays[0]
-    fires = f"fires {best.after_apogee[1]:+.1f} s after apogee"
+    after = best.after_apogee[1]
+    fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
     about = ("s, the best delay", fires, f"{best.too_fast:.0%} chance of too fast")
     return replace(answer, large=f"{best.delay:g}", about=about)
 
