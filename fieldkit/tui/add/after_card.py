@@ -66,8 +66,8 @@ class AfterCard(VerticalScroll, can_focus=True):
     AfterCard Big { margin: 0 2 0 0; }
     AfterCard .facts { width: 1fr; }
     AfterCard > .bars, AfterCard > .next { margin-top: 1; }
-    AfterCard > .hill { height: 1fr; min-height: 14; max-height: 24; margin-top: 1; display: none; border-top: solid $border-blurred;
-        border-title-color: $foreground; }
+    AfterCard > .hill { height: 1fr; min-height: 14; max-height: 24; margin-top: 1; display: none;
+        border-top: solid $border-blurred; border-title-color: $foreground; }
     AfterCard > .earlier { margin-top: 1; display: none; }
     .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
     """

@@ -82,7 +82,10 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
             falls=True,
         ),
         Shown(
-            "rocket", 14 if wide else 6 if tight else 8 if brief else 0, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()
+            "rocket",
+            14 if wide else 6 if tight else 8 if brief else 0,
+            lambda r, _: r.flight.rocket,
+            lambda r: r.flight.rocket.lower(),
         ),
         Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
         Shown("motor", motor, lambda r, _: cards.motor_name(r.flight.motor, motor), lambda r: r.flight.motor),

@@ -39,9 +39,7 @@ def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[He
     return [*heads, Head(heading(bars, scale, system), bars)] if bars else heads
 
 
-def _row(
-    profiles: int, bars: int, scale: HeightScale, system: str
-) -> "Callable[[ListedFlight, str], Sequence[str]]":
+def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable[[ListedFlight, str], Sequence[str]]":
     from fieldkit.presentation.home_text import build_of
 
     def cells(one: "ListedFlight", profile: str) -> Sequence[str]:

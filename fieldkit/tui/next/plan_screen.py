@@ -123,20 +123,19 @@ class PlanScreen(PageScreen):
         from fieldkit.tui.widgets.plots import Plot
 
         yield TabLine(VIEWS, "screen.view")
-        with VerticalScroll():
-            with Container(id="words"):
-                with Vertical(id="main"):
-                    with Horizontal(id="figure"):
-                        yield Big()
-                        yield Static("", id="about")
-                    yield Static("", id="answer")
-                    with Container(id="picture"):
-                        yield Static("", id="title")
-                        yield Static("", id="intervals")
-                        with Container(id="plots"):
-                            yield Plot(id="first")
-                            yield Plot(id="second")
-                yield Static("", id="beside")
+        with VerticalScroll(), Container(id="words"):
+            with Vertical(id="main"):
+                with Horizontal(id="figure"):
+                    yield Big()
+                    yield Static("", id="about")
+                yield Static("", id="answer")
+                with Container(id="picture"):
+                    yield Static("", id="title")
+                    yield Static("", id="intervals")
+                    with Container(id="plots"):
+                        yield Plot(id="first")
+                        yield Plot(id="second")
+            yield Static("", id="beside")
 
     def on_mount(self) -> None:
         """Keys scroll the answer."""
