@@ -27,7 +27,7 @@ def listed(
     """The columns that fit in a width, profiles only if a flight has a log, and the cells of a flight and its profile,
     all intervals on one scale."""
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
-    profiles = PROFILE_CELLS if width >= NORMAL_TABLE and any(one.flight.log for one in flights) else 0
+    profiles = PROFILE_CELLS if width >= NORMAL_TABLE and any(one.flight.has_log for one in flights) else 0
     bars = max(20, width - 64 - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
     return _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
 

@@ -130,7 +130,7 @@ class HomeScreen(PageScreen):
         self._view, self._have_read = view, True
         self._show()
         flights = view.flights if view is not None else ()
-        wanted = [one for one in flights if one.flight.log and self._profile(one) is None]
+        wanted = [one for one in flights if one.flight.has_log and self._profile(one) is None]
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
 
     def _profile(self, one: "ListedFlight") -> str | None:
