@@ -68,7 +68,7 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     if digits is not None and (shown == unit or places <= DECIMALS[unit]):
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
-    return f"{scale.from_si(value):.{places}f} {spelled(shown)}"
+    return f"{round(scale.from_si(value), places) + 0.0:.{places}f} {spelled(shown)}"  # zero is never negative
 
 
 _NOTE_FIGURE = re.compile(r"(?<![\w.,'])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")

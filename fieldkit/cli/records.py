@@ -74,7 +74,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     with open_ledger(context) as ledger:
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
-        recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
+        recording = _recording(ledger, flight) if found.has_log else None
         forecast = prediction_of(ledger, found)
     if json:
         from fieldkit.cli.compare import document as measured

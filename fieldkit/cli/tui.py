@@ -19,6 +19,9 @@ def open_app(ledger: str | None) -> None:
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
     if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise FieldkitError("the app needs a terminal; the commands do the same: fieldkit --help")
+    from fieldkit.tui.memory import pause_collection
+
+    pause_collection()
     from fieldkit.tui.app import run
 
     run(ledger)

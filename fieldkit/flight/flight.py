@@ -63,6 +63,11 @@ class Flight:
         value: float | None = getattr(self, name)
         return value
 
+    @property
+    def has_log(self) -> bool:
+        """Whether it was imported from a log, or names one."""
+        return bool(self.log) or "log_format" in self.extra
+
     def readouts(self) -> dict[str, float]:
         """The recorded readouts by name, in SI, including those computed from a log."""
         return {c.name: v for c in MEASURED if (v := self.number(c.name)) is not None}

@@ -1,41 +1,11 @@
 """Motor names as written on casings, in ledgers and in short: `F24-4W`, `aerotech f24`, `H128W-14A`."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
-from types import MappingProxyType
 
+from fieldkit.flight.makers import MAKERS
 from fieldkit.motors.motor import PLUGGED_DELAY
-
-MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "AeroTech": ("AEROTECH", "AERO TECH", "AERO-TECH", "AT", "RCS"),
-        "Cesaroni": ("CESARONI TECHNOLOGY", "CESARONI", "CTI"),
-        "Estes": ("ESTES INDUSTRIES", "ESTES"),
-        "Quest": ("QUEST AEROSPACE", "QUEST", "Q-JET", "QJET"),
-        "Loki": ("LOKI RESEARCH", "LOKI"),
-        "AMW": ("ANIMAL MOTOR WORKS", "AMW"),
-        "KBA": ("KOSDON BY AEROTECH", "KBA"),
-        "Kosdon": ("KOSDON TRM", "KOSDON"),
-        "Apogee": ("APOGEE COMPONENTS", "APOGEE"),
-        "Alpha": ("ALPHA HYBRIDS", "ALPHA"),
-        "Contrail": ("CONTRAIL ROCKETS", "CONTRAIL"),
-        "Ellis": ("ELLIS MOUNTAIN", "ELLIS"),
-        "Gorilla": ("GORILLA ROCKET MOTORS", "GORILLA"),
-        "Hypertek": ("HYPERTEK",),
-        "Klima": ("RAKETENMODELLBAU KLIMA", "KLIMA"),
-        "PML": ("PUBLIC MISSILES, LTD.", "PUBLIC MISSILES", "PML"),
-        "PP": ("PROPULSION POLYMERS", "PP"),
-        "RATT": ("R.A.T.T. WORKS", "RATT WORKS", "RATT"),
-        "Roadrunner": ("ROADRUNNER ROCKETRY", "ROADRUNNER"),
-        "RV": ("ROCKETVISION FLIGHT-STAR", "ROCKETVISION", "RV"),
-        "SCR": ("SOUTHERN CROSS ROCKETRY", "SCR"),
-        "SkyR": ("SKY RIPPER SYSTEMS", "SKY RIPPER", "SKYR"),
-        "TSP": ("PIOTR TENDERA ROCKET MOTORS", "TSP"),
-        "WCH": ("WEST COAST HYBRIDS", "WCH"),
-    }
-)
-"""Makers as the catalog names them, and other names that flyers use."""
 
 MAX_NAME = 1000
 """Length beyond which a text is no name of a motor or a cluster. [characters]"""

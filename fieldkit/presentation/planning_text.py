@@ -88,7 +88,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
         )
         yield f"  no change: a gain of {gain} ± {error} per flight is not significant"
         yield "            one more flight at the current mass would help; below is the effect of the change"
-    yield f"  dry mass  {shown.mass(best.mass)}: {'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
+    change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
+    yield f"  {'dry mass' if best.clear else 'change to':9} {shown.mass(best.mass)}: {change}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(prediction.true_apogee)[1])} above the pad"

@@ -19,7 +19,7 @@ def recorded_logs(
     logs are read; the others have `OLDER_LOGS_NOTE`."""
     seen = diagnosis.data.seen[:, 0]
     flights = [flight for flight, teaches in zip(diagnosis.model.flights, seen, strict=True) if teaches]
-    logged = [flight for flight in flights if flight.log or "log_format" in flight.extra]
+    logged = [flight for flight in flights if flight.has_log]
     latest = logged[-MAX_LOGS:]
     if not logged:
         return {}

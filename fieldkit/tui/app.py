@@ -19,7 +19,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, never_outlive, terminal
-from fieldkit.tui.memory import PassedBy, share_arenas
+from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
@@ -94,6 +94,7 @@ class FieldkitApp(Surviving):
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(CHECK_INTERVAL, partial(self._leave_if_gone, held))
         self.set_interval(LOOK_INTERVAL, self.look_round)
+        self.set_timer(START_TIME, resume_collection)
 
     def _leave_if_gone(self, held: int) -> None:
         """Quit if the terminal was closed: everything typed is already saved."""

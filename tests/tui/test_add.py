@@ -130,7 +130,9 @@ async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_un
         await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
         assert "Saved flight 13" in words(pilot)
         assert "Enter to add the next flight" in shown(pilot)
-        assert "Enter Next" in shown(pilot).splitlines()[-1]
+        keys = words(pilot).partition("Saved flight 13. u to undo.")[2]
+        assert "Enter Add another" in keys
+        assert "f Fly" in keys, "as suggested"
         await press(pilot, "u", "_")
         assert "Undone: add 13" in words(pilot)
         screen = pilot.app.screen
@@ -278,7 +280,8 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("config").line.value == "A"
-        assert screen.field("motor").line.value.startswith("AeroTech F24W-")
+        assert screen.field("motor").answer.startswith("AeroTech F24W-")
+        assert screen.field("motor").line.value.startswith("F24W-"), "complete on a short line"
         await press(pilot, *typed("830ft"), "ctrl+s", "_")
         said = words(pilot)
         assert "Saved flight 13. u to undo." in said

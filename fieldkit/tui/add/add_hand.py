@@ -13,6 +13,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.add.add_form import Answered, summary, together
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import marked
 
 
 class Hand(Horizontal):
@@ -43,7 +44,8 @@ class Hand(Horizontal):
 
     def _say(self, first: str, said: Answered, system: str) -> None:
         lines = [first, *together(said.flight, system)]
-        self.query_one("#says", Static).update(Content("\n".join(map(printable, lines))), layout=False)
+        text = Content("\n").join(marked(printable(line)) for line in lines)
+        self.query_one("#says", Static).update(text, layout=False)
 
     def _enlarge(self, field: Field, said: Answered, unit: str) -> None:
         """The number in large digits, its unit in the frame."""

@@ -14,6 +14,7 @@ from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.picker import Picker
 
 FORM_CSS = """
@@ -94,7 +95,12 @@ class Sheet:
         with self._page.prevent(Input.Changed):
             for name in texts.keys() & BY_NAME.keys() - self.touched:
                 if not self.field(name).typed:
-                    self.field(name).fill(texts[name], in_units(BY_NAME[name], texts[name], system) if system else "")
+                    self.field(name).fill(texts[name], self._shown(name, texts[name], system) if system else "")
+
+    def _shown(self, name: str, text: str, system: str) -> str:
+        """A default answer as the user reads it, a motor without its maker if its line is short."""
+        width = self.field(name).line.size.width
+        return motor_name(text, width) if name == "motor" and width else in_units(BY_NAME[name], text, system)
 
     def touch(self, field: Field, unit: str) -> None:
         """Note that a question was answered: a number without a unit keeps this one, whatever is typed elsewhere."""

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
@@ -65,13 +66,16 @@ class AfterCard(VerticalScroll, can_focus=True):
     AfterCard Big { margin: 0 2 0 0; }
     AfterCard .facts { width: 1fr; }
     AfterCard > .bars, AfterCard > .next { margin-top: 1; }
-    AfterCard > .hill { height: 14; margin-top: 1; display: none; border-top: solid $border-blurred;
-        border-title-color: $foreground; }
+    AfterCard > .hill { height: 1fr; min-height: 14; max-height: 24; margin-top: 1; display: none;
+        border-top: solid $border-blurred; border-title-color: $foreground; }
     AfterCard > .earlier { margin-top: 1; display: none; }
     .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
     """
-    enter = "Next"
+    enter = "Add another"
     """What Enter does, for the key bar."""
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast")
+    ]
     text = ""
     _drawn: tuple[Callable[[str], None], ...] = ()
 

@@ -20,6 +20,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.hanging import marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
 
@@ -77,7 +78,7 @@ class Field(Horizontal):
         """Show a note on the answer."""
         if text != self._noted:
             self._noted = text
-            self.query_one(".note", Static).update(Content(printable(text)), layout=False)
+            self.query_one(".note", Static).update(marked(printable(text)), layout=False)
 
 
 class Form(ModalScreen[dict[str, object] | None]):
@@ -88,7 +89,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     """
 
     DEFAULT_CSS = """
-    Form { align: center middle; background: $backdrop; }
+    Form { align: center middle; background: $backdrop; layers: base above; }
     Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
     Form VerticalScroll { height: auto; max-height: 60vh; }
@@ -151,7 +152,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         if isinstance(field, Field):
             note = self._read(field)[1] if field.answer or self._refused else ""
             about = printable(note) if note.startswith(("✗", "? ")) else field.question.help
-            self.query_one("#help", Static).update(Content(about))
+            self.query_one("#help", Static).update(marked(about))
 
     def on_descendant_blur(self) -> None:
         """Close the list when another line gets the focus."""

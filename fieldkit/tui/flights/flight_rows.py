@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 
-WITH_FORECASTS = 98
-"""Least width of a table with forecasts drawn: that of a screen of 100 columns. [cell]"""
+WITH_FORECASTS, TIGHT = 98, 76
+"""Least widths of a table with forecasts drawn next to all figures, and next to the most important ones: those of
+screens of 100 columns, and of 120 with the card beside it. [cell]"""
 
 
 @dataclass(slots=True, eq=False)
@@ -45,6 +46,8 @@ class Shown:
     text: Callable[[Row, str], str]
     order: Callable[[Row], Any]
     right: bool = False
+    falls: bool = False
+    """Whether the largest come first at first."""
 
 
 def _number(value: float | None, form: str) -> str:
@@ -62,22 +65,27 @@ def _date(form: str) -> Callable[[Row, str], str]:
     return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
 
 
-def columns(width: int, scale: HeightScale) -> list[Shown]:
-    """Ten columns at any width: narrow screens shorten the date, the rocket and the tags; with room for them, the
-    forecast and the flown apogee on a scale."""
-    wide, tight = width >= 134, width < 76
+def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool = False) -> list[Shown]:
+    """The columns that fit: narrow screens shorten the date, the rocket and the tags; with room for them, the forecast
+    and the flown apogee on a scale, which a narrow table `beside` the card of a flight has in place of alpha."""
+    brief = beside and TIGHT <= width < WITH_FORECASTS
+    wide, tight = width >= 134, width < TIGHT
     timed = width >= 108
     motor = 14 if wide else 6 if tight else 8
     shown = [
         Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
         Shown(
             "date",
-            16 if timed else 5 if tight else 10,
-            _date("%Y-%m-%d %H:%M" if timed else "%m-%d" if tight else "%Y-%m-%d"),
+            16 if timed else 5 if tight or brief else 10,
+            _date("%Y-%m-%d %H:%M" if timed else "%m-%d" if tight or brief else "%Y-%m-%d"),
             lambda r: (r.flight.date_time or datetime.min, r.place),
+            falls=True,
         ),
         Shown(
-            "rocket", 14 if wide else 6 if tight else 0, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()
+            "rocket",
+            14 if wide else 6 if tight else 8 if brief else 0,
+            lambda r, _: r.flight.rocket,
+            lambda r: r.flight.rocket.lower(),
         ),
         Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
         Shown("motor", motor, lambda r, _: cards.motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
@@ -87,6 +95,7 @@ def columns(width: int, scale: HeightScale) -> list[Shown]:
             lambda r, s: number(cards.APOGEE, r.flight.apogee, s) if r.flight.apogee is not None else "",
             lambda r: r.flight.apogee or 0.0,
             right=True,
+            falls=True,
         ),
         Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
         Shown(
@@ -96,17 +105,26 @@ def columns(width: int, scale: HeightScale) -> list[Shown]:
             lambda r: r.thrust or 0.0,
             right=True,
         ),
-        Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
+        Shown(
+            "miss",
+            6 if not tight else 5,
+            _miss,
+            lambda r: abs(r.miss) if r.miss is not None else -1.0,
+            right=True,
+            falls=True,
+        ),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
     ]
-    return [*shown, _drawn(width - sum(c.width + 1 for c in shown) - 2, scale)] if width >= WITH_FORECASTS else shown
+    shown = [one for one in shown if not (brief and one.title == "alpha")]
+    left = width - sum(c.width + 1 for c in shown) - 2
+    share = 2 / 3 if brief else 2 / 5
+    return [*shown, _drawn(int(left * share), scale, system)] if brief or width >= WITH_FORECASTS else shown
 
 
-def _drawn(left: int, scale: HeightScale) -> Shown:
-    """Forecasts and flown apogees on a scale, in two fifths of the width that is left. [cell]"""
-    room = left * 2 // 5
+def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
+    """Forecasts and flown apogees on a scale in a width. [cell]"""
     return Shown(
-        heading(room - 1, scale.target),  # and the arrow of a sorted column
+        heading(room - 1, scale, system),  # and the arrow of a sorted column
         room,
         lambda r, _: scale.line(r.forecast, r.flight.apogee, room),
         lambda r: r.forecast[1] if r.forecast is not None else -1.0,

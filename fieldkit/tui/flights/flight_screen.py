@@ -195,8 +195,8 @@ class FlightScreen(PageScreen):
                 self.ask(partial(rocket_of, self.resources.ledger, self._flight), self._have_rocket, "rocket")
             return
         events = sorted(log.events.items(), key=lambda one: one[1])
-        marks = ", ".join(f"{name} T{time:+.2f} s" for name, time in events)
-        title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
+        marks = printable(", ".join(f"{name} T{time:+.2f} s" for name, time in events))
+        title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}  l for a cursor\n{marks}"))
         self._text.append(f"Log  {marks}")
 
     def _have_rocket(self, rocket: tuple[Group, Start | None] | None) -> None:

@@ -135,7 +135,7 @@ class LogView(ModalScreen[None]):
         Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
         Binding("home", "event(-1)", "Previous event", show=False),
         Binding("end", "event(1)", "Next event", key_display="Home End"),
-        Binding("tab", "facts", "Plot/facts", priority=True),
+        Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Facts", key_display="↑↓"),
         Binding("pageup", "flight(-1)", "Previous flight", show=False),

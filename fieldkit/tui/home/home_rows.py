@@ -24,20 +24,25 @@ NORMAL_TABLE, WIDE_TABLE = 70, 96
 APOGEE = BY_NAME["apogee"]
 
 
-def flight_heads(width: int, target: float | None) -> list[Head]:
-    """The columns that fit in a width."""
+def listed(
+    flights: "Sequence[ListedFlight]", settings: Settings, width: int
+) -> "tuple[list[Head], Callable[[ListedFlight, str], Sequence[str]]]":
+    """The columns that fit in a width, profiles only if a flight has a log, and the cells of a flight and its profile,
+    all intervals on one scale."""
+    scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
+    profiles = PROFILE_CELLS if width >= NORMAL_TABLE and any(one.flight.has_log for one in flights) else 0
+    bars = max(20, width - 64 - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
+    return _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
+
+
+def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[Head]:
     heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
     heads += [Head("apogee", 7, True), Head("miss", 6, True)]
-    heads += [Head("profile", PROFILE_CELLS)] if width >= NORMAL_TABLE else []
-    return [*heads, Head(heading(_bar_width(width), target), _bar_width(width))] if width >= WIDE_TABLE else heads
+    heads += [Head("profile", profiles)] if profiles else []
+    return [*heads, Head(heading(bars, scale, system), bars)] if bars else heads
 
 
-def flight_row(
-    flights: "Sequence[ListedFlight]", settings: Settings, width: int
-) -> "Callable[[ListedFlight, str], Sequence[str]]":
-    """The cells of a flight and its profile, all intervals on one scale."""
-    system = settings.units
-    scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
+def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable[[ListedFlight, str], Sequence[str]]":
 
     def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
         flight, said = one.flight, one.forecast
@@ -46,10 +51,8 @@ def flight_row(
         miss = "" if said is None or said.miss is None else signed(said.miss, system) + "*" * said.stale
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [one.id, when, build_of(flight), motor, apogee, miss]
-        texts += [profile] if width >= NORMAL_TABLE else []
-        if width < WIDE_TABLE:
-            return texts
-        return [*texts, scale.line(_bounds(one), flight.apogee, _bar_width(width))]
+        texts += [profile] if profiles else []
+        return [*texts, scale.line(_bounds(one), flight.apogee, bars)] if bars else texts
 
     return cells
 
@@ -57,10 +60,6 @@ def flight_row(
 def signed(height: float, system: str) -> str:
     """A difference of heights [m] with its sign."""
     return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
-
-
-def _bar_width(width: int) -> int:
-    return max(20, width - 80)
 
 
 def _bounds(one: "ListedFlight") -> Bounds | None:

@@ -9,7 +9,8 @@ from fieldkit.tui.next.intervals import Intervals
 @dataclass(frozen=True, slots=True)
 class Answer:
     """An answer in lines with its details: its conditions and every safety check. `title` is that of its picture:
-    intervals on one scale, or the plot by `draw`, with an optional `second` plot next to it."""
+    intervals on one scale, or the plot by `draw`, with an optional `second` plot next to it. `large` is its main figure
+    in large digits, with up to three lines `about` it."""
 
     words: tuple[str, ...]
     beside: tuple[str, ...] = ()
@@ -17,6 +18,8 @@ class Answer:
     intervals: Intervals | None = None
     draw: Any = None
     second: Any = None
+    large: str = ""
+    about: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:

@@ -31,9 +31,10 @@ from fieldkit.presentation.score_text import against_the_bar, histogram
 from fieldkit.quantities import measure
 from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 from fieldkit.services.track_record import replayed
-from fieldkit.tui.next import decision_plots
+from fieldkit.tui.next import decision_plots, large_figures
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.landing_plots import of_landing
+from fieldkit.tui.next.next_words import worst_first
 from fieldkit.tui.widgets import cards
 
 Aim = Literal["chance", "error", "points"]
@@ -66,7 +67,8 @@ class Decision:
         left = tool.least_left if tool else 0.0
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
         words = tuple(delays_in_words(judged, fast, tool, self.system))
-        return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
+        answer = Answer(words, self._beside(judged.forecast))
+        return decision_plots.of_delays(large_figures.of_delay(answer, judged), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
         """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
@@ -79,6 +81,7 @@ class Decision:
         said = best.forecast
         more = _limits_of(rule, said, day) if rule else ()
         answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
+        answer = large_figures.of_ballast(answer, best, self.system)
         return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
@@ -89,14 +92,15 @@ class Decision:
         said = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = Answer(words, self._beside(said, _limits_of(rule, said, day), area))
-        return decision_plots.of_points(answer, ahead.points.ravel())
+        points = ahead.points.ravel()
+        return decision_plots.of_points(large_figures.of_points(answer, points), points)
 
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one.prediction, one.down, one.fall, one.rail, self.site, self.system, one.holds)
         words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
-        answer = Answer(words, tuple(safety_text(one.lines, self.system)))
+        answer = Answer(words, tuple(safety_text(worst_first(one.lines), self.system)))
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def noted(self, answer: Answer) -> Answer:
@@ -152,7 +156,7 @@ class Decision:
         return (
             *conditions_in_words(said.plan, self.rocket.starts, self.system),
             "",
-            *safety_text([*lines, *more], self.system),
+            *safety_text(worst_first([*lines, *more]), self.system),
         )
 
 

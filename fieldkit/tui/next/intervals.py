@@ -10,6 +10,8 @@ from textual.strip import Strip
 from textual.style import Style
 from textual.visual import RenderOptions, Visual
 
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.safe_text import printable
 
 FLOWN = "◆"
@@ -130,10 +132,15 @@ class HeightScale:
         return "".join(line)
 
 
-def heading(width: int, target: float | None) -> str:
-    """The heading of a column of forecasts and flown apogees in a width [cell], with a target if there is one."""
-    aim, sign = (f", target {TARGET}", f" {TARGET}") if target else ("", "")
+def heading(width: int, scale: HeightScale, system: str) -> str:
+    """The heading of a column of forecasts and flown apogees in a width [cell], with a target if there is one, and with
+    the ends of the scale if there is room."""
+    aim, sign = (f", target {TARGET}", f" {TARGET}") if scale.target else ("", "")
     long = f"forecast, flown {FLOWN}{aim}"
+    low, high = (number(BY_NAME["apogee"], end, system) for end in (scale.low, scale.high))
+    last = f"{high} {spelled(unit_of(BY_NAME['apogee'], system))}"
+    if scale.low < scale.high != 1.0 and len(low) + len(long) + len(last) + 4 <= width:
+        return f"{low}{long:^{width - len(low) - len(last)}}{last}"
     return long if len(long) <= width else f"forecast {FLOWN}{sign}"
 
 

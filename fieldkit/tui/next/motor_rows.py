@@ -58,11 +58,12 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
 
 
 def _brief(settings: Settings) -> list[MotorColumn]:
-    return [_apogee(settings), _off(settings), _eject("eject")]
+    """The distance from the target, or without a target the interval."""
+    return [_apogee(settings), *(_off(settings) or [_range(settings)]), _eject("eject")]
 
 
 def _narrow(settings: Settings) -> list[MotorColumn]:
-    return [_apogee(settings), _range(settings), _off(settings), _eject("eject"), _rail(settings, wide=False)]
+    return [_apogee(settings), _range(settings), *_off(settings), _eject("eject"), _rail(settings, wide=False)]
 
 
 def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
@@ -72,7 +73,7 @@ def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
         MotorColumn("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
         _apogee(settings),
         _range(settings),
-        _off(settings),
+        *_off(settings),
         MotorColumn("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
         _eject("eject s" if wide else "eject"),
         _rail(settings, wide=wide),
@@ -92,8 +93,9 @@ def _range(settings: Settings) -> MotorColumn:
     return MotorColumn("90%", 9, text)
 
 
-def _off(settings: Settings) -> MotorColumn:
-    return MotorColumn("off", 5, partial(off, settings=settings))
+def _off(settings: Settings) -> list[MotorColumn]:
+    """The distance from the target, if there is one."""
+    return [MotorColumn("off", 5, partial(off, settings=settings))] if settings.target else []
 
 
 def _eject(title: str) -> MotorColumn:

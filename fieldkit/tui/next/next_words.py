@@ -15,6 +15,8 @@ from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 
 Pairs = list[tuple[str, str]]
+WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
+"""Verdicts in the order in which a flyer should read them."""
 
 
 def rail_speed(said: Prediction, system: str) -> str:
@@ -61,7 +63,7 @@ def checks(one: MotorChoice, system: str) -> Pairs:
     """The safety checks, each with its figures and its limit, in the units of a system."""
     lines = [
         (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_units(line.finding, system)}")
-        for line in one.lines
+        for line in worst_first(one.lines)
     ]
     return [*lines, ("", ADVICE_NOTE)]
 
@@ -75,9 +77,13 @@ def saved_in_words(said: Prediction, system: str) -> str:
 
 def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterable[str]:
     """The names of all checks, those that fail first: `⊘ rail exit speed`, `? ground wind, ceiling`."""
-    worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
-    groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)
+    groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in WORST_FIRST)
     return (f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
+
+
+def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":
+    """The checks that fail first, else in their order."""
+    return sorted(lines, key=lambda line: WORST_FIRST.index(line.verdict))
 
 
 def _ejection(eject: float | None) -> str:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import ClassVar, cast
 
 from textual.binding import Binding, BindingType
-from textual.containers import Container, VerticalScroll
+from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
@@ -28,7 +28,8 @@ from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision
 from fieldkit.tui.page import PageScreen
-from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import answered, hanging
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 
@@ -96,7 +97,10 @@ class PlanScreen(PageScreen):
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
     PlanScreen #words { height: auto; layout: vertical; }
-    PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
+    PlanScreen #main, PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
+    PlanScreen #figure { height: 4; display: none; }
+    PlanScreen #figure.-shown { display: block; }
+    PlanScreen #about { width: 1fr; height: 3; padding: 0 0 0 2; }
     PlanScreen #beside { margin-top: 1; }
     PlanScreen #picture { height: auto; margin-top: 1; display: none; }
     PlanScreen #picture.-shown { display: block; }
@@ -105,8 +109,7 @@ class PlanScreen(PageScreen):
     PlanScreen #plots { height: auto; layout: vertical; }
     PlanScreen Plot { height: 10; width: 1fr; }
     PlanScreen.-tall Plot { height: 16; }
-    PlanScreen.-wide #words, PlanScreen.-normal #plots, PlanScreen.-wide #plots { layout: horizontal; }
-    PlanScreen.-wide.-tall Plot { height: 22; }
+    PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
@@ -121,16 +124,19 @@ class PlanScreen(PageScreen):
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the current one with its picture."""
         yield TabLine(VIEWS, "screen.view")
-        with VerticalScroll():
-            with Container(id="words"):
+        with VerticalScroll(), Container(id="words"):
+            with Vertical(id="main"):
+                with Horizontal(id="figure"):
+                    yield Big()
+                    yield Static("", id="about")
                 yield Static("", id="answer")
-                yield Static("", id="beside")
-            with Container(id="picture"):
-                yield Static("", id="title")
-                yield Static("", id="intervals")
-                with Container(id="plots"):
-                    yield Plot(id="first")
-                    yield Plot(id="second")
+                with Container(id="picture"):
+                    yield Static("", id="title")
+                    yield Static("", id="intervals")
+                    with Container(id="plots"):
+                        yield Plot(id="first")
+                        yield Plot(id="second")
+            yield Static("", id="beside")
 
     def on_mount(self) -> None:
         """Keys scroll the answer."""
@@ -144,8 +150,11 @@ class PlanScreen(PageScreen):
 
     def _say(self, answer: Answer) -> None:
         self._said = answer
-        for place, lines in (("#answer", answer.words), ("#beside", answer.beside)):
-            self.query_one(place, Static).update(hanging(lines))
+        self.query_one("#figure").set_class(bool(answer.large), "-shown")
+        self.query_one(Big).show(answer.large)
+        self.query_one("#about", Static).update(Content("\n".join(map(printable, answer.about))).stylize("bold"))
+        self.query_one("#answer", Static).update(answered(answer.words))
+        self.query_one("#beside", Static).update(hanging(answer.beside))
         self.query_one("#beside").display = bool(answer.beside)
         self._draw(answer)
 

@@ -61,7 +61,7 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter { height: 1; }
     FlightsScreen #filter Static { width: auto; padding: 0 1; }
     FlightsScreen #filter Input { width: 1fr; height: 1; }
-    FlightsScreen #beside { width: 30%; min-width: 48; display: none; padding: 0 1;
+    FlightsScreen #beside { width: 30%; min-width: 43; display: none; padding: 0 1;
         border-left: solid $border-blurred; }
     FlightsScreen.-wide #beside { display: block; }
     """
@@ -140,7 +140,8 @@ class FlightsScreen(PageScreen):
 
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
-        shown = columns(self.query_one(Table).size.width, self._scale)
+        beside = self.has_class("-wide")
+        shown = columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
         self._sort = min(self._sort, len(shown) - 1)
         return shown
 
@@ -212,7 +213,7 @@ class FlightsScreen(PageScreen):
 
     @on(Table.HeadClicked)
     def _head(self, message: Table.HeadClicked) -> None:
-        self._down = not self._down if message.column == self._sort else message.column == 1
+        self._down = not self._down if message.column == self._sort else self._shown()[message.column].falls
         self._sort = message.column
         self._refill()
 
@@ -256,7 +257,7 @@ class FlightsScreen(PageScreen):
     def action_sort(self) -> None:
         """Sort by the next column."""
         self._sort = (self._sort + 1) % len(self._shown())
-        self._down = self._sort in (1, 5, 8)
+        self._down = self._shown()[self._sort].falls
         self._refill()
         self._infer()
 

@@ -18,7 +18,7 @@ from fieldkit.tui.home import first_run
 from fieldkit.tui.home.cards import LastCard, NextCard
 from fieldkit.tui.home.choices import Choices
 from fieldkit.tui.home.first_run import FIRST_STEPS, Step, step_cells
-from fieldkit.tui.home.home_rows import flight_heads, flight_row, logs_of
+from fieldkit.tui.home.home_rows import listed, logs_of
 from fieldkit.tui.home.weather_form import ask_weather
 from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
@@ -128,7 +128,7 @@ class HomeScreen(PageScreen):
         self._view, self._have_read = view, True
         self._show()
         flights = view.flights if view is not None else ()
-        wanted = [one for one in flights if one.flight.log and self._profile(one) is None]
+        wanted = [one for one in flights if one.flight.has_log and self._profile(one) is None]
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
 
     def _profile(self, one: "ListedFlight") -> str | None:
@@ -165,8 +165,7 @@ class HomeScreen(PageScreen):
         """The rows of the table."""
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
-        settings = self.resources.settings
-        heads, cells = flight_heads(width, settings.target), flight_row(flights, settings, width)
+        heads, cells = listed(flights, self.resources.settings, width)
         table.show(heads, list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
 
     def on_resize(self, _event: events.Resize) -> None:

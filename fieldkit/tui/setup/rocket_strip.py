@@ -27,7 +27,7 @@ class RocketStrip(Horizontal):
 
     DEFAULT_CSS = f"""
     RocketStrip {{ height: {HEIGHT}; display: none; margin: 0 1; border-top: solid $border-blurred;
-        border-title-color: $foreground; }}
+        border-title-color: $foreground; border-title-align: right; }}
     RocketStrip VerticalScroll {{ width: 62; padding: 0 1; }}
     RocketStrip Static {{ height: auto; }}
     RocketStrip Plot {{ width: 1fr; height: 1fr; }}

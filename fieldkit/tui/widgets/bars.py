@@ -4,6 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import ceil
 
 from textual.content import Content
 from textual.widgets import Static
@@ -76,8 +77,11 @@ class NoticeBar(Static):
         lines = "\n".join(printable(line) for line in said.splitlines())
         more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
         more += "  [@click=app.whole_notice][b]W[/] full text[/]" if said != notice.text else ""
-        dismiss = "  [@click=app.read][b]Esc[/] dismiss[/]"
-        self.update(Content.assemble(mark, lines, Content.from_markup(more + dismiss)))
+        shown = Content.assemble(mark, lines, Content.from_markup(more))
+        dismiss = Content.from_markup("  [@click=app.read][b]Esc[/] dismiss[/]")
+        room = max(1, self.app.size.width - 2)
+        hint = notice.error or ceil((shown + dismiss).cell_length / room) == ceil(shown.cell_length / room)
+        self.update(shown + dismiss if hint else shown)  # a success leaves with the next notice, so the hint may go
 
     def _within(self, text: str) -> str:
         """A text shortened to leave room for its keys."""

@@ -6,6 +6,7 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
+from fieldkit.flight.makers import MAKERS
 from fieldkit.importing.manual_entry import answer_text
 from fieldkit.quantities import measure
 from fieldkit.safe_text import printable
@@ -57,8 +58,6 @@ def tags(flight: Flight) -> list[tuple[str, str]]:
 
 def motor_name(name: str, width: int) -> str:
     """A motor as typed, without its manufacturer if it is too long: `F24W-4` for `AeroTech F24W-4`."""
-    from fieldkit.motors.names import MAKERS
-
     maker, _, rest = name.partition(" ")
     return rest if rest and len(name) > width and maker in MAKERS else name
 

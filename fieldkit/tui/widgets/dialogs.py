@@ -79,7 +79,7 @@ class AskText(ModalScreen[str | None]):
     """One line to be typed; the result is the text, or None."""
 
     DEFAULT_CSS = """
-    AskText { align: center middle; background: $backdrop; }
+    AskText { align: center middle; background: $backdrop; layers: base above; }
     AskText > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
         padding: 0 1; }
     AskText Static { height: auto; }

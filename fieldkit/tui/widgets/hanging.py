@@ -14,6 +14,10 @@ from fieldkit.safe_text import printable
 
 MIN_LINE_WIDTH = 20
 """Minimum width of a wrapped line; below it the indent is only two. [cell]"""
+MARKS = {"✓": "$success", "!": "b $accent", "⊘": "b $error", "✗": "b $error"}
+"""Colors of the marks of a verdict at the start of a line."""
+NAME = re.compile(r"  (?=[a-z1]).{9} (?=\S)| {12}(?=\S)")
+"""The name before a value in a line of an answer, or the spaces below it."""
 LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
 """The prefix of a line: a name and the spaces after it, or spaces."""
 
@@ -51,7 +55,27 @@ class Hanging(Visual):
 
 def hanging(text: Iterable[str]) -> Hanging:
     """Lines of text, wrapped below their text after a name or spaces, else a little to the right."""
-    return Hanging(tuple((_column(line), Content(line)) for line in map(printable, text)))
+    return Hanging(tuple((_column(line), marked(line)) for line in map(printable, text)))
+
+
+def marked(line: str) -> Content:
+    """A line of text, the mark of a verdict at its start in its color."""
+    style = MARKS.get(line[:1]) if line[1:2] == " " else None
+    return Content(line).stylize(style, 0, 1) if style else Content(line)
+
+
+def answered(text: Iterable[str]) -> Hanging:
+    """The lines of an answer, wrapped in the same way: a heading, and values that stand out from their names."""
+    first, *rest = [printable(line) for line in text] or [""]
+    lines = [(_column(first), Content(first).stylize("b $primary"))]
+    return Hanging((*lines, *((_column(line), _named(line)) for line in rest)))
+
+
+def _named(line: str) -> Content:
+    name = NAME.match(line)
+    if name is None:
+        return marked(line)
+    return Content(line).stylize("$text-muted", 0, name.end()).stylize("b", name.end())
 
 
 def stacked(blocks: Iterable[Hanging]) -> Hanging:

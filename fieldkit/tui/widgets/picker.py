@@ -1,4 +1,8 @@
-"""Answers offered below an input: arrows or a click choose one, Enter accepts it, Esc closes the list."""
+"""Answers offered below an input: arrows or a click choose one, Enter accepts it, Esc closes the list.
+
+A screen that centers its form gives the list a layer `above`: in the same layer as the form, Textual centers both
+together, which moves the form up and its line under the list.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -22,8 +26,9 @@ class Picker(OptionList, can_focus=False):
     """The list of one form, below the current input, which keeps the focus."""
 
     DEFAULT_CSS = """
-    Picker { display: none; overlay: screen; constrain: inside inflect; height: auto; max-height: 10; width: 24;
-        border: round $border; background: $surface; color: $foreground; padding: 0; scrollbar-size-vertical: 1; }
+    Picker { display: none; layer: above; overlay: screen; constrain: inside inflect; height: auto; max-height: 10;
+        width: 24; border: round $border; background: $surface; color: $foreground; padding: 0;
+        scrollbar-size-vertical: 1; }
     Picker.-open { display: block; }
     Picker > .option-list--option-highlighted { color: $block-cursor-foreground;
         background: $block-cursor-background; text-style: bold; }

@@ -54,4 +54,4 @@ def centers(cg: float, cp: float, width: int) -> str:
 
 def caption(length: float | None) -> str:
     """The parts of a drawing that are to scale."""
-    return "" if length else "length not known: a sketch; import its .ork file for the length"
+    return "" if length else "a sketch: import its .ork file for its length"

@@ -1,0 +1,34 @@
+"""The makers of motors. This module needs no thrust curves, so that the first rows of the app need none."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "AeroTech": ("AEROTECH", "AERO TECH", "AERO-TECH", "AT", "RCS"),
+        "Cesaroni": ("CESARONI TECHNOLOGY", "CESARONI", "CTI"),
+        "Estes": ("ESTES INDUSTRIES", "ESTES"),
+        "Quest": ("QUEST AEROSPACE", "QUEST", "Q-JET", "QJET"),
+        "Loki": ("LOKI RESEARCH", "LOKI"),
+        "AMW": ("ANIMAL MOTOR WORKS", "AMW"),
+        "KBA": ("KOSDON BY AEROTECH", "KBA"),
+        "Kosdon": ("KOSDON TRM", "KOSDON"),
+        "Apogee": ("APOGEE COMPONENTS", "APOGEE"),
+        "Alpha": ("ALPHA HYBRIDS", "ALPHA"),
+        "Contrail": ("CONTRAIL ROCKETS", "CONTRAIL"),
+        "Ellis": ("ELLIS MOUNTAIN", "ELLIS"),
+        "Gorilla": ("GORILLA ROCKET MOTORS", "GORILLA"),
+        "Hypertek": ("HYPERTEK",),
+        "Klima": ("RAKETENMODELLBAU KLIMA", "KLIMA"),
+        "PML": ("PUBLIC MISSILES, LTD.", "PUBLIC MISSILES", "PML"),
+        "PP": ("PROPULSION POLYMERS", "PP"),
+        "RATT": ("R.A.T.T. WORKS", "RATT WORKS", "RATT"),
+        "Roadrunner": ("ROADRUNNER ROCKETRY", "ROADRUNNER"),
+        "RV": ("ROCKETVISION FLIGHT-STAR", "ROCKETVISION", "RV"),
+        "SCR": ("SOUTHERN CROSS ROCKETRY", "SCR"),
+        "SkyR": ("SKY RIPPER SYSTEMS", "SKY RIPPER", "SKYR"),
+        "TSP": ("PIOTR TENDERA ROCKET MOTORS", "TSP"),
+        "WCH": ("WEST COAST HYBRIDS", "WCH"),
+    }
+)
+"""Makers as the catalog names them, and other names that flyers use."""

@@ -1,0 +1,42 @@
+"""The main figure of a decision in large digits, with up to three lines about it."""
+
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from fieldkit.quantities import ShownUnits
+
+if TYPE_CHECKING:
+    from fieldkit.planning.ballast import Ballast
+    from fieldkit.planning.delay import Delays
+    from fieldkit.shapes import Array, Float
+    from fieldkit.tui.next.answer import Answer
+
+
+def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
+    """The best delay."""
+    if not judged.delays or not isfinite(judged.delays[0].after_apogee[1]):
+        return answer
+    best = judged.delays[0]
+    after = best.after_apogee[1]
+    fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
+    about = ("s, the best delay" + ", drilled" * (not best.on_sale), fires, f"{best.too_fast:.0%} chance of too fast")
+    return replace(answer, large=f"{best.delay:g}", about=about)
+
+
+def of_ballast(answer: "Answer", best: "Ballast", system: str) -> "Answer":
+    """The dry mass to fly: the current one unless a change is clearly better."""
+    shown = ShownUnits(system)
+    large, unit = shown.mass(best.mass if best.clear else best.mass - best.add).split(" ", 1)
+    change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}" if best.clear else "no change"
+    result = best.there if best.clear else best.today
+    return replace(answer, large=large, about=(f"{unit} dry mass", change, f"mean miss {shown.length(result.error)}"))
+
+
+def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
+    """The expected points of a flight."""
+    from fieldkit.planning.quantiles import three
+
+    low, _, high = three(points)
+    about = ("points expected per flight", f"90% {low:.0f}-{high:.0f}", "fewer are better")
+    return replace(answer, large=f"{points.mean():.0f}", about=about)

@@ -1,0 +1,175 @@
+"""What a flyer sees without scrolling: the line above its list of answers, bars, large figures, the picture of an
+answer, and labels that are complete."""
+
+import gc
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+from textual.widgets import Static
+
+from fieldkit.ledger import Ledger, models
+from fieldkit.services.imports import bring_in
+from fieldkit.settings import change_settings
+from fieldkit.tui.memory import pause_collection
+from fieldkit.tui.next.intervals import HeightScale, heading
+from fieldkit.tui.widgets.bars import NoticeBar
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import answered, marked
+from fieldkit.tui.widgets.picker import Picker
+from fieldkit.tui.widgets.plots import Plot
+from tests.pressing import ROOT, at_home, opened, press, shown, told, typed
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return at_home(tmp_path, monkeypatch)
+
+
+@pytest.fixture
+def collecting() -> Iterator[None]:
+    yield
+    gc.enable()
+
+
+@pytest.mark.parametrize("size", [(80, 24), (250, 70)], ids=lambda size: "x".join(map(str, size)))
+async def test_a_list_of_answers_opens_below_its_line_and_moves_no_form(
+    size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    async with opened(tmp_path / "new.db", size, page="home") as pilot:
+        await press(pilot, "enter", "_", *["down"] * 3)
+        line = pilot.app.screen.query_one("#in-motor")
+        before = line.region
+        await press(pilot, *typed("F24"))
+        offered = pilot.app.screen.query_one(Picker)
+        assert offered.open
+        assert line.region == before
+        assert offered.region.y == before.bottom
+        assert "▌F24 " in shown(pilot)
+
+
+@pytest.mark.parametrize(("columns", "column"), [(120, 9), (130, 9), (149, 10), (160, 10)])
+async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
+    columns: int, column: int, file: Path
+) -> None:
+    change_settings({"target": 243.84}, file.with_name("settings.json"))
+    async with opened(file, (columns, 36)) as pilot:
+        rows = [line.partition("│")[0] for line in shown(pilot).splitlines() if line[1:4].strip().isdigit()]
+        assert sum("◆" in row for row in rows) == 12
+        assert sum("◎" in row for row in rows) > 8, "unless a flight met the target"
+        assert "├─" in next(row for row in rows if row.startswith("▸12"))
+        assert "forecast" in shown(pilot).splitlines()[2]
+        await press(pilot, *["s"] * (column - 1))
+        assert "◎▲" in shown(pilot).splitlines()[2]
+
+
+async def test_motors_show_the_interval_in_place_of_the_distance_from_no_target(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "_")
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject"]
+        await press(pilot, "g", *typed("800ft"), "enter", "_")
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject"]
+
+
+async def test_a_decision_shows_its_figure_its_picture_and_what_fails_first(file: Path) -> None:
+    change_settings({"target": 243.84}, file.with_name("settings.json"))
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "right", "_")
+        screen = pilot.app.screen
+        assert screen.query_one(Big).value
+        assert "g dry mass" in told(pilot, "#about")
+        plot = screen.query_one("#first", Plot)
+        assert plot.region.bottom < 50, "visible without scrolling"
+        assert plot.region.right <= screen.query_one("#beside").region.x
+        marks = [line[0] for line in str(screen.query_one("#beside", Static).content).splitlines() if line[1:2] == " "]
+        assert [mark for mark in marks if mark in "⊘!?✓"] == sorted(
+            (mark for mark in marks if mark in "⊘!?✓"), key="⊘!?✓".index
+        )
+        await press(pilot, "right", "right", "right", "_")
+        assert not screen.query_one(Big).value
+
+
+async def test_a_motor_on_a_short_line_is_named_without_its_maker_and_saved_with_it(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "a", "_")
+        line = next(line for line in shown(pilot).splitlines() if "Motor" in line)
+        assert "▌F39T-" in line
+        await press(pilot, *typed("198m"), "ctrl+s", "_")
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("13").motor.startswith("AeroTech F39T")
+
+
+async def test_a_success_is_on_one_line_and_an_error_says_how_to_dismiss_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        said = "Lark on F24-4W: 265.4 m (170.0 m to 387.5 m). Each flight narrows it"
+        pilot.app.show_notice(said)  # type: ignore[attr-defined]
+        await press(pilot)
+        assert pilot.app.screen.query_one(NoticeBar).size.height == 1
+        assert "dismiss" not in told(pilot, "NoticeBar")
+        pilot.app.show_notice(said, error=True)  # type: ignore[attr-defined]
+        await press(pilot, "escape")
+        assert "Esc dismiss" in told(pilot, "NoticeBar")
+
+
+async def test_profiles_have_a_column_only_if_a_flight_has_a_log(file: Path) -> None:
+    async with opened(file, (120, 36), page="home") as pilot:
+        assert "profile" not in shown(pilot)
+        with Ledger.open(file) as ledger:
+            log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+            bring_in(ledger, [log], lambda name: None, defaults={"rocket": "Comet"})
+        pilot.app.changed()  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert "profile" in shown(pilot)
+        row = next(line for line in shown(pilot).splitlines() if " Comet " in line)
+        assert len(set(row) & set("▁▂▃▄▅▆▇█")) > 3, "height against time"
+
+
+def test_a_scale_shows_its_ends_if_there_is_room() -> None:
+    scale = HeightScale(131.1, 297.7, 243.84)
+    wide = heading(60, scale, "SI")
+    assert len(wide) == 60
+    assert wide.startswith("131.1 ")
+    assert wide.endswith(" 297.7 m")
+    assert heading(60, scale, "US").endswith(" 977 ft")
+    assert "131.1" not in heading(30, scale, "SI")
+    assert "0.0" not in heading(60, HeightScale.of([], None), "SI")
+
+
+def test_marks_and_values_stand_out_from_names() -> None:
+    line = answered(["Astra on F39", "  apogee    248 m", "            90% interval"]).lines[1][1]
+    assert [(str(span.style), line.plain[span.start : span.end]) for span in line.spans] == [
+        ("$text-muted", "  apogee    "),
+        ("b", "248 m"),
+    ]
+    assert [str(span.style) for span in marked("⊘ rail exit speed").spans] == ["b $error"]
+    assert not marked("!important").spans
+    assert not marked("plain").spans
+
+
+def test_first_rows_name_motors_without_numpy() -> None:
+    code = (
+        "import sys; from fieldkit.tui.widgets.cards import motor_name\n"
+        "assert motor_name('AeroTech F24W-4', 10) == 'F24W-4'\nassert 'numpy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "FIELDKIT_CHECK_SHAPES": ""})
+
+
+async def test_garbage_is_collected_again_once_the_app_has_started(
+    file: Path, collecting: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fieldkit.tui.app.START_TIME", 0.01)
+    pause_collection()
+    assert not gc.isenabled()
+    async with opened(file) as pilot:
+        while not gc.isenabled():
+            await pilot.pause(0.01)
