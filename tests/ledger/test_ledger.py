@@ -15,6 +15,7 @@ from sqlalchemy.engine import make_url
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.ledger import Ledger, Renewal
+from fieldkit.ledger.finding import PAGE
 from tests.effort import examples
 
 pytestmark = pytest.mark.fast
@@ -81,6 +82,20 @@ records = st.builds(
     extra=st.dictionaries(words, words, max_size=3),
     **{column.name: numbers for column in COLUMNS},
 )
+
+
+@pytest.mark.parametrize("where", [pytest.param("postgres", marks=[pytest.mark.postgres, needs_server])], indirect=True)
+def test_pages_are_of_one_state_of_a_server(ledger: Ledger, where: str) -> None:
+    """In SQLite a reader holds off writers instead."""
+    count = 2 * PAGE
+    ledger.add([FIRST.with_changes(flight_id=str(number)) for number in range(count)])
+    pages = ledger.summaries()
+    listed = len(next(pages))
+    with Ledger.open(where) as other:
+        other.remove(str(count - 1))
+        other.edit(str(count - 2), notes="edited meanwhile")
+    assert listed + sum(map(len, pages)) == count
+    assert sum(map(len, ledger.summaries())) == count - 1
 
 
 def test_ledger_in_ledger_out_same_flight(where: str) -> None:
