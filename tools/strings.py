@@ -91,6 +91,12 @@ def strings(file: Path) -> Sequence[tuple[int, str]]:
     return sorted(set(found))
 
 
+def _counted_noun(call: ast.Call) -> str | None:
+    """The noun of `counted(number, "flight")`."""
+    noun = call.args[1] if len(call.args) == 2 and _name(call.func) == "counted" else None
+    return str(noun.value) if isinstance(noun, ast.Constant) else None
+
+
 def _named(tree: ast.Module) -> Iterator[ast.Constant]:
     """Headings and labels of tables, and the values of literal types that are shown."""
     for node in ast.walk(tree):

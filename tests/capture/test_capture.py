@@ -464,7 +464,7 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
         view.show(PortOpened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
         for height, speed in ((100.0, 80.0), (250.0, 20.0), (240.0, -9.0)):
             view.show(Progress(1000, 10, 2, 0.5, Sample(height, 1.0, speed, "coast")))
-        view.heard -= 60
+        view.received_at -= 60
         view.show(Progress(1234, 10, 2, 0.5, view.last))
         view.show(Instruction("\x1b[31mred [bold]"))
     shown = screen.getvalue()

@@ -139,7 +139,7 @@ def test_a_micropeak_with_a_wrong_checksum_is_switched_on_again(tmp_path: Path) 
     wrong, right = devices.micropeak_stream(PAYLOADS[0], crc=0x1234), devices.micropeak_stream(PAYLOADS[0])
     with played(devices.talking(wrong + b"\x7f" + right)) as wire:
         events = heard(wire, "micropeak", tmp_path)
-    assert "damaged; switch the unit on again" in told(events)
+    assert "damaged; switch the unit off and on to receive it again" in told(events)
     assert ended(events).whole
     (log,) = logs_in(ended(events).file)
     assert log.content.strip() == right.strip()

@@ -363,8 +363,10 @@ def test_a_saved_forecast_and_its_miss_are_printed_once(
     assert shown.count("; flown ") == 1
     assert shown.lower().count("forecast") == 1
     assert "inside the 90% interval" in " ".join(shown.split()).replace("OUTSIDE", "inside")
+    assert main(["--ledger", str(file), "predict", *build[:4], "--dry-mass", "60g", "--diameter", "25mm"]) == 0
+    add([], *build[:2], "--motor", "B6-4", *build[4:], "--apogee", "120m")
     _, shown, _ = add([], *build, "--apogee", "251m")
-    assert "The forecast was stale: flight 1 added since." in " ".join(shown.split())
+    assert "The forecast was stale: flight 2 added since." in " ".join(shown.split())
 
 
 def test_an_impossible_flight_is_remarked_on_once(add: Add) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
+from fieldkit.file_lock import LOCK_NAME
 from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Note, Reading
 from fieldkit.importing.read import read
@@ -338,7 +339,7 @@ def test_a_choice_is_remembered_for_its_headers_alone(home: Path) -> None:
     remember(ColumnChoice({"time": "x"}, ("x", "y")))
     remember(ColumnChoice({"time": "b"}, ("a", "b")))
     assert [choice.channels for choice in remembered()] == [{"time": "b"}, {"time": "x"}]
-    assert [file.name for file in home.iterdir()] == ["mappings.json"]
+    assert {file.name for file in home.iterdir()} == {"mappings.json", LOCK_NAME}
 
 
 @pytest.mark.parametrize(

@@ -274,7 +274,7 @@ def test_simulate_flies_the_field_with_its_conditions(run: Run) -> None:
         (("--physics", "paper", "--wind-mps", "3"), 1, "the paper's physics has no delay and no conditions"),
         (("--dry-mass-g", "99999"), 1, "does not lift"),
         (("--dry-mass-g", "x"), 1, "expected a number"),
-        (("--motor", "Q0"), 1, "no such motor"),
+        (("--motor", "Q0"), 1, "found a class above O"),
         (("--cd", "nan"), 2, "--cd"),
     ],
 )

@@ -297,7 +297,7 @@ async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(fi
         assert "0 of 1 fit" in shown(pilot)
         assert "▸✗ H128W" in shown(pilot)
         await press(pilot, "c", "y", "c")
-        assert pilot.app.clipboard.startswith("motor ✗ H128W")
+        assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
         assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
 
 

@@ -210,7 +210,10 @@ def test_style_sheets_name_no_color_of_their_own() -> None:
     assert not [value for value in values if not all(re.fullmatch(ALLOWED, part) for part in value.split())]
 
 
-ALLOWED = r"\$[\w-]+|\d+%|none|transparent|auto|round|solid|heavy|tall|wide|blank|thick|dashed|inner|outer|vkey|hkey|left|center|right"
+ALLOWED = (
+    r"\$[\w-]+|\d+%|none|transparent|auto|round|solid|heavy|tall|wide|blank|thick|dashed|inner|outer|vkey|hkey"
+    r"|left|center|right"
+)
 """Words of a style sheet that are no color."""
 
 

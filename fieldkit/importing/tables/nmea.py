@@ -40,8 +40,7 @@ def _row(fix: "re.Match[bytes]") -> bytes:
 
 def _degrees(text: bytes, negative: bool) -> bytes:
     """Degrees of `4807.038`, which is 48 degrees and 7.038 minutes; empty if it is no number."""
-    whole, _, decimals = text.partition(b".")
-    if not (whole.isdigit() and len(whole) > 2 and (decimals.isdigit() or not decimals)):
+    if not (found := re.fullmatch(rb"(\d{1,3})(\d\d(?:\.\d*)?)", text)):
         return b""
-    degrees = int(whole[:-2][:3]) + float(whole[-2:] + b"." + (decimals or b"0")) / 60
+    degrees = float(found[1]) + float(found[2]) / 60
     return b"%.7f" % (-degrees if negative else degrees)

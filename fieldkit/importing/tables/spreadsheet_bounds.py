@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
+from fieldkit.quantities import counted
 
 MAX_CELLS = 4_000_000
 """Largest number of cells in all sheets, from the first corner of each to its last used cell; one takes about 100 bytes
@@ -129,7 +130,7 @@ class _Counted:
         self._last_row, self._last_column = max(self._last_row, row), max(self._last_column, column)
         if self.cells > MAX_CELLS:
             cells = f"{self._last_row} rows of {self._last_column} cells"
-            others = f" after {self._before} cells in other sheets" if self._before else ""
+            others = f" after {counted(self._before, 'cell')} in other sheets" if self._before else ""
             raise DamagedLog(f"found {cells} in a sheet{others}, expected at most {MAX_CELLS} cells")
 
     def _add(self, length: int) -> None:

@@ -20,7 +20,11 @@ def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
     best = judged.delays[0]
     after = best.after_apogee[1]
     fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
-    about = ("s, the best delay" + ", drilled" * (not best.on_sale), fires, f"{best.too_fast:.0%} chance of too fast")
+    about = (
+        "s, the best delay" + ", drilled" * (not best.on_sale),
+        fires,
+        f"too fast in {best.too_fast:.0%} of cases",
+    )
     return replace(answer, large=f"{best.delay:g}", about=about)
 
 
