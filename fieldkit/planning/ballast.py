@@ -85,16 +85,17 @@ class Result:
 class Ballast:
     """The dry mass to fly [kg], the mass to add to the current one [kg], and the results.
 
-    `forecast` is the flight at that mass, `slope` the change of apogee with mass [m/kg], `there` the result at that
-    mass and `today` the result without a change. `reach` is the lowest and the highest median apogee of the masses
-    tried [m]; the target is `met` if it lies between. `gain` is the mean improvement in points per flight, `gain_error`
-    its standard error, with as many flights as the forecast is based on; without a season a point is a foot off the
-    target, as in altitude contests.
+    `forecast` is the flight at that mass and `unchanged` the one at the current mass, `slope` the change of apogee with
+    mass [m/kg], `there` the result at that mass and `today` the result without a change. `reach` is the lowest and the
+    highest median apogee of the masses tried [m]; the target is `met` if it lies between. `gain` is the mean
+    improvement in points per flight, `gain_error` its standard error, with as many flights as the forecast is based on;
+    without a season a point is a foot off the target, as in altitude contests.
     """
 
     mass: float
     add: float
     forecast: Prediction
+    unchanged: Prediction
     slope: float
     there: Result
     today: Result
@@ -108,6 +109,11 @@ class Ballast:
     def clear(self) -> bool:
         """Whether the change is worth it: the points saved are significant, or the current mass exceeds the limit."""
         return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+
+    @property
+    def advised(self) -> Prediction:
+        """The forecast at the mass to fly: the current one unless a change is worth it."""
+        return self.forecast if self.clear else self.unchanged
 
     @property
     def apogee(self) -> Three:
@@ -167,6 +173,7 @@ def ballast(
         mass=mass,
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
         forecast=forecast,
+        unchanged=predictions[-1],
         slope=float(np.median(curve(mass, 1)[0])),
         there=_result(goal, *curve(mass)),
         today=_result(goal, apogee[:, -1], duration[:, -1]),

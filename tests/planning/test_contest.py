@@ -417,6 +417,8 @@ def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
     legal = ballast(Rocket((), (), None, 0), heavy, found, goal, draws=80)
     assert near.gain is not None
     assert not near.clear
+    assert near.advised.plan.dry_mass == plan.dry_mass
+    assert near.forecast.plan.dry_mass == pytest.approx(near.mass)
     assert "no change" in " ".join(ballast_in_words(near, goal))
     assert legal.mass + found.motor.loaded_mass <= 0.65 + 1e-9
 
@@ -427,6 +429,7 @@ def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> No
     best = ballast(Rocket((), (), None, 0), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)
     assert best.too_heavy
     assert best.clear
+    assert best.advised is best.forecast
     words = " ".join(ballast_in_words(best, Goal(rule.target, 3.0, "points", rule)))
     assert "at most 650 g on the pad" in words
     assert "no change" not in words

@@ -78,7 +78,7 @@ class Decision:
             return Answer(("No target yet. Press g on the Next page to set one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
-        said = best.forecast
+        said = best.advised
         more = _limits_of(rule, said, day) if rule else ()
         answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
         answer = large_figures.of_ballast(answer, best, self.system)
