@@ -452,6 +452,29 @@ def test_a_port_in_use_is_reported(tmp_path: Path) -> None:
         first.close()  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize(
+    "damaged",
+    ['{"at": Infinity, "t": 1}', '{"at": 1, "t": NaN}', '{"at": -3, "t": 1}', '{"at": 1, "t": ' + "9" * 400 + "}"],
+)
+def test_impossible_figures_in_a_journal_are_left_out(tmp_path: Path, damaged: str) -> None:
+    with begin(tmp_path, {"device": "eggtimer"}) as tape:
+        tape.heard(b"100,5\n")
+    sound = read_capture(tape.file)
+    with tape.file.with_suffix(JOURNAL).open("a", encoding="ascii") as journal:
+        journal.write(damaged + "\n")
+    assert read_capture(tape.file) == sound
+
+
+def test_the_first_and_the_last_year_are_no_start_of_a_capture(tmp_path: Path) -> None:
+    with begin(tmp_path, {"device": "eggtimer"}) as tape:
+        tape.heard(b"100,5\n")
+    journal = tape.file.with_suffix(JOURNAL)
+    text = journal.read_text(encoding="ascii")
+    began = str(read_capture(tape.file).fact("began"))
+    journal.write_text(text.replace(began, "9999-12-31T23:59:59-23:59"), encoding="ascii")
+    assert read_capture(tape.file).began is None
+
+
 def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     class Screen(StringIO):
         def isatty(self) -> bool:
