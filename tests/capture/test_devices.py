@@ -495,7 +495,7 @@ def test_a_memory_with_a_megabyte_of_nothing_in_its_answers_is_what_it_would_hav
     with played(devices.flooded(unit(), after * place, FLOOD + b"\r\n")) as wire:
         end = ended(heard(wire, device, tmp_path, LASTING))
     assert end.whole
-    assert len(read_capture(end.file).raw) > 1_000_000
+    assert len(read_capture(end.file).raw) > 900_000  # opening a port drops what has arrived by then, up to its buffer
     for log, wanted in zip(logs_in(end.file), logs_in(calm.file), strict=True):
         lines = [line for line in wanted.content.splitlines() if line]
         assert [line for line in log.content.splitlines() if line in lines] == lines
