@@ -1,5 +1,6 @@
 """`fieldkit add`: enter a flight, by answering questions or with options."""
 
+from collections.abc import Collection
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,12 +35,13 @@ def add(
 ) -> None:
     """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
 
-    With any flight option nothing is asked. Without a terminal, answers are read from standard input, one per line.
+    With any flight option nothing is asked; dry mass and diameter are by default those of the rocket's last flight.
+    Without a terminal, answers are read from standard input, one per line.
     """
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:
-            flight = _from_options(changes, lift_off_mass)
+            flight = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
             _doubt(ledger, flight)
             _add(ledger, flight, None)
         else:
@@ -63,6 +65,23 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
     if flight.dry_mass is not None:
         raise BadValue("found --dry-mass and --lift-off-mass, expected one of them")
     return _without_motor(flight, lift_off_mass, motors)
+
+
+def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "Flight":
+    """A flight with the mass and diameter of its plan or of the rocket's last flight if none are given; what is filled
+    in is printed."""
+    from fieldkit.flight import BY_NAME
+    from fieldkit.quantities import measure
+    from fieldkit.services.manual_entry import with_build
+
+    flight, filled = with_build(ledger, flight, given)
+    if filled:
+        values = [
+            f"{BY_NAME[one].title.lower()} {measure(BY_NAME[one], flight.number(one), system())}" for one in filled
+        ]
+        options = " and ".join(f"--{one.replace('_', '-')}" for one in filled)
+        complain(f"note: filled in {', '.join(values)}; change with {options}")
+    return flight
 
 
 def _without_motor(flight: "Flight", lift_off_mass: str, motors: MotorCheck) -> "Flight":
@@ -171,10 +190,10 @@ def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     from fieldkit import settings
     from fieldkit.presentation.after_flight_text import outcome_lines
     from fieldkit.services.after_flight import outcome
-    from fieldkit.services.plausible_flights import implausible_flights
+    from fieldkit.services.plausible_flights import excluded_flights
 
     print_card(flight, id)
-    ledger.remark(*implausible_flights([flight], MotorCheck().catalogue))  # before those of other flights
+    ledger.remark(*excluded_flights([flight], MotorCheck().catalogue))  # before those of other flights
     saved = prediction_of(ledger, flight)
     found = outcome(ledger, MotorCheck().catalogue, flight)
     if found is None:

@@ -28,7 +28,7 @@ class Rocket:
     earlier: int
     starts: tuple[Start, ...] = ()
     shared: SharedPrior | None = None
-    implausible: tuple[str, ...] = ()
+    excluded: tuple[str, ...] = ()
     """One line for each flight that no rocket can have flown and that is excluded from forecasts."""
     mount: float | None = None
     """Diameter of the motor mount of the kit that it is named after; None if not known. [m]"""
@@ -81,4 +81,4 @@ def forecast_plans(
     """Simulate the plans of a fit as in `fly_ahead`, with intervals widened for this rocket."""
     made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
     made = [one.corrected(rocket.stretched, rocket.earlier) for one in made]
-    return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]
+    return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in made]

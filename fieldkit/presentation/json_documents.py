@@ -55,7 +55,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             {"effect": str(trial.candidate.place), "readouts": [finite(asdict(mark)) for mark in row]}
             for trial, row in found.fingerprints
         ],
-        "implausible": list(found.implausible),
+        "implausible": list(found.excluded),
         "misses": misses(found),
         "missing_force": finite(testimony_document(found.testimony)),
     }

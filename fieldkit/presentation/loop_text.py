@@ -42,7 +42,7 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
     yield f"  verdict: {diagnosis.effect}: {in_system(diagnosis.why, system)}"
     for line in beside_verdict(found, system):
         yield f"  {line}"
-    for line in found.implausible:
+    for line in found.excluded:
         yield f"  {line}"
     yield ""
     yield from misses_drawn(found, system)

@@ -19,7 +19,7 @@ from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_average, flown
-from fieldkit.services.plausible_flights import implausible_flights
+from fieldkit.services.plausible_flights import excluded_flights
 
 SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""
@@ -81,7 +81,7 @@ def look(
     )
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
     found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
-    return replace(found, implausible=tuple(implausible_flights(ledger.flights(rocket), motors)))
+    return replace(found, excluded=tuple(excluded_flights(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

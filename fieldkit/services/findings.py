@@ -84,8 +84,8 @@ class Findings:
     unexplained: Leftover | None
     next_flight: NextFlight
     testimony: LogEvidence
-    implausible: tuple[str, ...] = ()
-    """A line for each implausible flight, which was excluded."""
+    excluded: tuple[str, ...] = ()
+    """Notes on the clean flights that the fit did not use."""
 
 
 def findings(

@@ -22,7 +22,7 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.manual_entry import PLAN, setup_answers
 from fieldkit.services.names import same_name
-from fieldkit.services.plausible_flights import followed, implausible_flights
+from fieldkit.services.plausible_flights import excluded_flights, followed
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
 if TYPE_CHECKING:
@@ -36,11 +36,11 @@ Which = Literal["before", "after"]
 def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[tuple[Flight, Found]]:
     """The flights of a rocket, or of all, that can be simulated, in order, each with its motor.
 
-    Clusters, staged flights, flights without a dry mass and implausible flights are left out; the ledger has a note on
-    each implausible one.
+    Clusters, staged flights, flights without a dry mass or a known motor, and implausible flights are left out; the
+    ledger's remarks name those without a mass or motor and the implausible ones.
     """
     flights = ledger.flights(rocket)
-    ledger.remark(*implausible_flights(flights, motors))
+    ledger.remark(*excluded_flights(flights, motors))
     return followed(flights, motors)
 
 
@@ -159,7 +159,7 @@ def predict_plans(
         )
         sure = stretch(surprises)
         finished = [one.corrected(sure, len(surprises)) for one in made]
-        if names := implausible_flights(ledger.flights(rocket), motors):
+        if names := excluded_flights(ledger.flights(rocket), motors):
             finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
             _keep(ledger, finished, before, which, decided=decided)

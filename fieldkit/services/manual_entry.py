@@ -1,6 +1,6 @@
 """A flight being entered, at a prompt or on a screen: default answers, units, and saving."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
@@ -27,6 +27,8 @@ PLAN = "plan"
 """Key under which a saved forecast holds the answers of the planned flight."""
 LAPSES = timedelta(days=14)
 """A forecast without a flight's name is for a flight at most this much later."""
+BUILD = ("dry_mass", "diameter")
+"""Questions that the last flight of the same build answers."""
 CONFIGURATION = ("motor", "dry_mass", "diameter")
 """Questions about the planned configuration."""
 
@@ -83,13 +85,20 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
     if question.name in WEATHER:
         return _weather(ledger, question.name)
     rocket = None if question.name == "rocket" else flight.rocket
-    config = flight.config if question.name == "dry_mass" else None
-    last = ledger.latest(rocket, config)
+    if question.name in BUILD:
+        return _of_last_build(ledger, flight, question.name) or _of_kit(flight.rocket, question.name)
+    last = ledger.latest(rocket)
     if last is None and question.name == "site":
         last = ledger.latest()
-    if last is None and question.name in ("dry_mass", "diameter"):
-        return _of_kit(flight.rocket, question.name)
     return answer_text(last, question.name) if last else ""
+
+
+def _of_last_build(ledger: Ledger, flight: Flight, name: str) -> str:
+    """A figure of the last flight of the rocket that has it, for the dry mass of the same configuration; empty if there
+    is none."""
+    same = (one for one in reversed(ledger.flights(flight.rocket)) if one.number(name) is not None)
+    last = next((one for one in same if name != "dry_mass" or one.config == flight.config), None)
+    return answer_text(last, name) if last else ""
 
 
 def _of_kit(rocket: str, name: str) -> str:
@@ -127,6 +136,18 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
             value = read_answer(question.name, offer(ledger, flight, question, plan))
             flight = flight.with_changes(**{question.name: value})
     return flight
+
+
+def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
+    """A flight with the dry mass and diameter of its planned flight, of the last flight of its rocket, or of its kit,
+    unless they were answered; and the names of those filled in."""
+    plan, filled = planned_answers(ledger), list[str]()
+    for question in QUESTIONS:
+        if question.name in BUILD and question.name not in answered and flight.number(question.name) is None:
+            value = read_answer(question.name, offer(ledger, flight, question, plan))
+            if value is not None:
+                flight, filled = flight.with_changes(**{question.name: value}), [*filled, question.name]
+    return flight, tuple(filled)
 
 
 def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:

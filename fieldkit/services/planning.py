@@ -13,7 +13,7 @@ from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, earlier_surprises, flown, start_of
 from fieldkit.services.kits import kit_of_rocket, kits
-from fieldkit.services.plausible_flights import implausible_flights, plausible
+from fieldkit.services.plausible_flights import excluded_flights, plausible
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
@@ -32,7 +32,7 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),
         shared=fleet_prior(ledger, motors, name),
-        implausible=tuple(implausible_flights(ledger.flights(name), motors)),
+        excluded=tuple(excluded_flights(ledger.flights(name), motors)),
         mount=kit.mount if (kit := kit_of_rocket(name)) else None,
     )
 

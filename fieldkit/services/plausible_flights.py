@@ -1,4 +1,4 @@
-"""The flights that fits may use, each with its motor, and notes on the implausible ones."""
+"""The flights that fits may use, each with its motor, and notes on the others."""
 
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -8,9 +8,12 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import far_from_usual, implausible, middles
 from fieldkit.motors import Catalogue, Found, is_cluster
 from fieldkit.motors.names import tidy
+from fieldkit.quantities import counted
 
 MIN_COMPARED = 3
 """Flights of which a median can say that one is far from the others. [1]"""
+MAX_NAMED_FLIGHTS = 5
+"""Number of flights that a note names; it counts the others. [1]"""
 
 
 def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
@@ -36,6 +39,41 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
         for flight, reason in found
         if reason and flight.clean
     ]
+
+
+def excluded_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+    """Notes on the clean flights that no fit uses: a line for each implausible one, and one for each figure that
+    flights of a rocket lack."""
+    return implausible_flights(flights, motors) + incomplete_flights(flights, motors)
+
+
+def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+    """A line for each rocket and each figure that its clean flights with readouts lack, so that no fit uses them: the
+    dry mass, or a known motor."""
+    lacking: dict[tuple[str, str], list[str]] = {}
+    known: dict[str, Found | None] = {}
+    for flight in flights:
+        if not (flight.clean and flight.readouts()) or is_cluster(flight.motor):
+            continue
+        if flight.motor not in known:
+            known[flight.motor] = _resolved(flight.motor, motors)
+        reason = "no dry mass" if flight.dry_mass is None else "" if known[flight.motor] else "no known motor"
+        if reason:
+            lacking.setdefault((flight.rocket, reason), []).append(flight.flight_id)
+    return [
+        f"{rocket + ': ' if rocket else ''}no fit uses {_named(ids)}: {reason}; edit to add it"
+        for (rocket, reason), ids in lacking.items()
+    ]
+
+
+def _named(ids: Sequence[str]) -> str:
+    """Flights by id, the first few of many: `flights 2, 3, and 40 others`."""
+    if len(ids) == 1:
+        return f"flight {ids[0]}"
+    shown, others = ids[:MAX_NAMED_FLIGHTS], len(ids) - MAX_NAMED_FLIGHTS
+    if others > 0:
+        return f"flights {', '.join(shown)}, and {counted(others, 'other')}"
+    return f"flights {', '.join(shown[:-1])} and {shown[-1]}"
 
 
 def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:

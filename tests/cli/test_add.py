@@ -252,6 +252,18 @@ def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file:
     assert "fieldkit edit" in err
 
 
+def test_a_script_flies_the_mass_and_diameter_of_the_last_flight(add: Add, file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([LAST, LAST.with_changes(flight_id="8", config="B", dry_mass=0.4, diameter=None, apogee=250.0)])
+    status, _, err = add((), "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "270m")
+    assert (status, held(file)[-1].dry_mass, held(file)[-1].diameter) == (0, 0.322, 0.066)
+    assert "note: filled in dry mass 322 g, diameter 66 mm; change with --dry-mass and --diameter" in err
+    for typed, kept in ((("--dry-mass", "330g"), 0.33), (("--dry-mass", "-"), None), (("--config", "C"), None)):
+        status, _, err = add((), "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "271m", *typed)
+        assert (status, held(file)[-1].dry_mass, held(file)[-1].diameter) == (0, kept, 0.066)
+        assert ("no fit uses" in err) is (kept is None)
+
+
 @pytest.mark.parametrize(
     ("options", "found"),
     [

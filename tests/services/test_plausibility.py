@@ -19,7 +19,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
-from fieldkit.services.plausible_flights import followed, outlying, without_delay
+from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
 from fieldkit.units import STANDARD_GRAVITY
 
 CHECK_SHAPES = False
@@ -350,6 +350,29 @@ def test_the_motor_of_each_name_is_looked_up_once(monkeypatch: pytest.MonkeyPatc
 )
 def test_flights_are_compared_on_the_same_motor_with_any_delay(one: str, other: str, same: bool) -> None:
     assert (without_delay(one) == without_delay(other)) == same
+
+
+def test_flights_that_no_fit_can_use_are_named_by_what_they_lack() -> None:
+    lacks_mass = [GOOD.with_changes(flight_id=str(number), dry_mass=None) for number in range(2, 9)]
+    other = GOOD.with_changes(rocket="Bird", flight_id="1", motor="X99-0")
+    unused = [
+        GOOD.with_changes(flight_id="10", dry_mass=None, tags=("cato",)),
+        GOOD.with_changes(flight_id="11", dry_mass=None, apogee=None),
+    ]
+    assert incomplete_flights([GOOD, *lacks_mass, other, *unused], catalogue()) == [
+        "Astra: no fit uses flights 2, 3, 4, 5, 6, and 2 others: no dry mass; edit to add it",
+        "Bird: no fit uses flight 1: no known motor; edit to add it",
+    ]
+
+
+def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fit(told: Told) -> None:
+    rows = season(6)
+    for row in rows[1:3]:
+        row["dry_mass_g"] = ""
+    note = "Astra: no fit uses flights 2 and 3: no dry mass; edit to add it"
+    assert note in " ".join(told(rows=rows)[2].split())
+    for command in ("predict", "loop", "ballast"):
+        assert note in " ".join(told(command, *FITS[command])[2].split()), command
 
 
 def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_one() -> None:

@@ -13,7 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.imports.view import FileView
-from fieldkit.services.plausible_flights import implausible_flights, outlying
+from fieldkit.services.plausible_flights import implausible_flights, incomplete_flights, outlying
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -63,16 +63,17 @@ def take_in(
     motors: Catalogue | None = None,
 ) -> Receipt:
     """Add gathered files to a ledger as one change. `choices` are the column choices used in gathering. With `motors`,
-    notes name new flights that are impossible on their motor."""
+    notes name new flights that are impossible on their motor, and those that no fit can use."""
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
     implausible = tuple(_implausible(sorting.new, motors)) if motors else ()
+    incomplete = incomplete_flights([one.flight for one in sorting.new], motors) if motors else []
     return Receipt(
         added.new,
         added.duplicates + sorting.there,
         (*gathered.rejected, *conflicts),
-        (*gathered.notes, *sorting.notes, *implausible, *_outlying(ledger, sorting.new, set(added.new))),
+        (*gathered.notes, *sorting.notes, *implausible, *incomplete, *_outlying(ledger, sorting.new, set(added.new))),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,

@@ -41,7 +41,7 @@ def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
     for title, lines in _sections(found, system):
         shown = [f"{printable(line)}\n" for line in lines]
         parts += [(f"\n{title}\n", "b $primary"), *shown] if shown else []
-    parts += [f"{printable(line)}\n" for line in found.implausible]
+    parts += [f"{printable(line)}\n" for line in found.excluded]
     parts += [("\nError on held-out flights\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]

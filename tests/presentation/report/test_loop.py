@@ -324,7 +324,7 @@ def test_flights_that_were_left_out_are_named_on_every_medium(found: Findings) -
     from fieldkit.tui.loop.loop_words import verdict
 
     line = "flight 10 of <Astra> is excluded from every fit: no motor lifts 32 kg"
-    one = replace(found, implausible=(line,))
+    one = replace(found, excluded=(line,))
     assert line in "\n".join(report(one))
     assert line in str(verdict(one, "SI"))
     assert loop_document(one)["implausible"] == [line]

@@ -63,7 +63,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
         ],
         "pictures": {name: embedded(svg(name, found, system)) for name in pictures(found)},
         "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.testimony)],
-        "implausible": [f"{_capitalized(line)}." for line in found.implausible],
+        "implausible": [f"{_capitalized(line)}." for line in found.excluded],
         "errors": [
             row
             for title, compared in (("left out", found.left_out), ("forward in time", found.forward))
