@@ -80,7 +80,7 @@ def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "fl
     pull = np.einsum("fot,fop,fp->t", told.slope, told.sharpness[best], shown)
     offset = plain.covariance[best] @ pull
     left = np.zeros(shift.shape)
-    left[:, told.readouts] = (shown - told.slope @ offset) / np.sqrt(np.diagonal(told.noise[best], axis1=1, axis2=2))
+    left[:, told.readouts] = (shown - told.slope @ offset) / np.sqrt(np.diagonal(told.noise()[best], axis1=1, axis2=2))
     return left
 
 

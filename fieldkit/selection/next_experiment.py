@@ -173,7 +173,7 @@ def _forecast(
     (near,) = tangents(ahead, [(terms, at)], launch_angle_slope(ahead, at))
     best = int(np.argmax(side.fit.log_weight))
     mean = near.values + near.slope @ (side.fit.mean[best] - at)
-    shared = near.slope @ np.linalg.solve(side.fit.precision[best], np.swapaxes(near.slope, 1, 2))
+    shared = near.slope @ side.fit.covariance[best] @ np.swapaxes(near.slope, 1, 2)
     return mean, shared + _own(ahead, near, best)
 
 

@@ -119,7 +119,8 @@ def _drawn(
     z = rng.normal(size=(draws, fit.mean.shape[1]))
     terms = fit.mean[scales][which] + np.einsum("dtu,du->dt", roots[which], z)
     off = terms[:, None] - fit.mean[scales]
-    square = np.einsum("dst,stu,dsu->ds", off, fit.precision[scales] / INFLATION, off, optimize=True)
+    precision = np.linalg.inv(fit.covariance[scales]) / INFLATION
+    square = np.einsum("dst,stu,dsu->ds", off, precision, off, optimize=True)
     log_det = 2 * np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))
 

@@ -47,7 +47,8 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     offset = result.mean - prior_mean
     flat = told.slope.reshape(told.miss.size, len(prior_mean))
     spread = (flat @ covariance).reshape(len(covariance), *told.slope.shape)
-    sharper, log_det = inverses(told.noise - spread @ np.swapaxes(told.slope, 1, 2))
+    noise = told.noise()
+    sharper, log_det = inverses(noise - spread @ np.swapaxes(told.slope, 1, 2))
     missed = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
     weighed = _applied(sharper, missed)
     distance = (missed * weighed).sum(axis=-1)
@@ -55,10 +56,8 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     own = -0.5 * (distance + 2 * told.log_det - log_det - constant)
     if result.flight_weight is not None:
         own += log_tail(result.flight_weight, readouts_used(result.data, near), result.model.hyperprior.tail)
-    residual = np.zeros((len(told.noise), *result.data.seen.shape))
-    residual[..., told.readouts] = _applied(told.noise, weighed) / np.sqrt(
-        ((told.noise @ sharper) * told.noise).sum(axis=-1)
-    )
+    residual = np.zeros((len(noise), *result.data.seen.shape))
+    residual[..., told.readouts] = _applied(noise, weighed) / np.sqrt(((noise @ sharper) * noise).sum(axis=-1))
     log_weight = result.log_weight[:, None] - own
 
     apogee = near.slope[:, 0]

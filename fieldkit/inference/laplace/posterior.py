@@ -66,16 +66,20 @@ class FlightEvidence:
 
     Axis `used` runs over the readouts in `readouts`: those observed on any flight, and the apogee. `slope` and `miss`
     are zero for readouts that cannot be compared; `miss` is the difference from the expectation at the prior means.
-    `noise` is the covariance of each flight's readouts given the terms, `sharpness` its inverse, and `log_det` the
-    logarithm of its determinant, with the 2 pi of a normal density and without unobserved readouts.
+    `sharpness` is the inverse of the covariance of each flight's readouts given the terms, and `log_det` the logarithm
+    of the determinant of that covariance, with the 2 pi of a normal density and without unobserved readouts.
     """
 
     readouts: Int[Integers, "used"]
     slope: Float[Array, "flight used term"]
     miss: Float[Array, "flight used"]
-    noise: Float[Array, "scale flight used used"]
     sharpness: Float[Array, "scale flight used used"]
     log_det: Float[Array, "scale flight"]
+
+    def noise(self) -> Float[Array, "scale flight used used"]:
+        """Covariance of each flight's readouts given the terms; computed when asked, because fits are kept by the
+        hundred."""
+        return inverses(self.sharpness)[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +88,8 @@ class Fit:
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of prior weight times
     evidence of each pair (not normalized; its log-sum is the log evidence of the model). `covariance` is the covariance
-    of the terms, `precision` its inverse. `flight_weight` is as in `solve`, with which the log evidence is a lower
-    bound; None for normal flights. `scales` are the pairs of scales of an unfinished fit, None for all.
+    of the terms. `flight_weight` is as in `solve`, with which the log evidence is a lower bound; None for normal
+    flights. `scales` are the pairs of scales of an unfinished fit, None for all.
     """
 
     model: Model
@@ -93,7 +97,6 @@ class Fit:
     tangent: Tangent
     told: FlightEvidence
     mean: Float[Array, "scale term"]
-    precision: Float[Array, "scale term term"]
     covariance: Float[Array, "scale term term"]
     log_weight: Float[Array, "scale"]
     flight_weight: Float[Array, "flight"] | None = None
@@ -130,7 +133,7 @@ def solve(
     unfinished fit.
     """
     told = flight_evidence(model, data, near, flight_weight, which)
-    scales, terms = len(told.noise), len(model.terms)
+    scales, terms = len(told.sharpness), len(model.terms)
     slope, miss = told.slope.reshape(-1, terms), told.miss.ravel()
     weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
     missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
@@ -164,7 +167,7 @@ def _concluded(
     log_prior = model.hyperprior.scales()[2]
     log_weight = log_likelihood + (log_prior if which is None else log_prior[which])
     log_weight += _log_inside(model, mean, covariance)
-    return Fit(model, data, near, told, mean, precision, covariance, log_weight, scales=which)
+    return Fit(model, data, near, told, mean, covariance, log_weight, scales=which)
 
 
 def flight_evidence(
@@ -187,7 +190,7 @@ def flight_evidence(
         wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
         noise *= wider[:, :, None] * wider[:, None, :]
     sharpness, log_det = inverses(noise)
-    return FlightEvidence(readouts, slope, miss, noise, sharpness, log_det + density_constant(seen))
+    return FlightEvidence(readouts, slope, miss, sharpness, log_det + density_constant(seen))
 
 
 def density_constant(seen: Flags) -> Float[Array, "flight"]:

@@ -68,7 +68,7 @@ def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
         width = len(told.readouts)
         for flight in range(FLIGHTS):
             part = slice(flight * width, (flight + 1) * width)
-            blocks[part, part] = told.noise[0, flight]
+            blocks[part, part] = told.noise()[0, flight]
         noise.append(blocks)
     design, seen = np.concatenate(rows), np.concatenate(miss)
     full = np.zeros((len(seen), len(seen)))

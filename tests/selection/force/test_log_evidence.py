@@ -20,6 +20,7 @@ from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
 from fieldkit.selection.force.terms import library
 from fieldkit.selection.force.text import climbs_in_words
+from fieldkit.services import flight_logs
 from fieldkit.services.flight_logs import OLDER_LOGS_NOTE
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
@@ -190,7 +191,7 @@ def log(seed: int) -> tuple[str, dict[str, float]]:
 def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(logs, "MAX_LOGS", 3)
+    monkeypatch.setattr(flight_logs, "MAX_LOGS", 3)
     rows = ["flight_id,rocket,motor,dry_mass_g,diameter_mm,log,apogee_m,top_speed_mps,coast_to_apogee_s"]
     for number in range(4):
         text, readouts = log(number)
