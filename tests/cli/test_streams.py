@@ -114,8 +114,9 @@ def test_settings_that_lead_to_a_device_leave_the_device_alone(tmp_path: Path) -
 def test_a_closed_output_is_reported_in_a_line_and_what_was_done_is_not_denied(ledger: str) -> None:
     done = fieldkit(ledger, ADD, ">&-")
     assert done.returncode == 1
-    saved, line = done.stderr.splitlines()
+    saved, unused, line = done.stderr.splitlines()
     assert saved.startswith("Saved flight 9.")
+    assert "no fit uses flight 9" in unused
     assert line.startswith("the output: found Bad file descriptor")
     assert line.endswith("may have finished, check `fieldkit history`")
     assert flights(ledger) == ["9"]
