@@ -1,24 +1,26 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` runs a few trials of
 everything.
 
-It runs for about two hours, one of which is two laptops working at a realistic pace. `nice -n 19` leaves the cores to
-others, and `--keep FOLDER` resumes an interrupted run. `--minutes` stops after the part that is running at that time,
-and `--only` runs the parts whose names start with a text; these two do not write the page.
+It runs for about an hour: two laptops at a realistic pace on a server of their own, and beside them all other parts.
+`nice -n 19` leaves the cores to others, `--keep FOLDER` resumes an interrupted run, and `--only` runs the parts whose
+names start with a text and writes no page. The page is of one commit: it is written only if the checkout has no other
+files than those of the commit, at the start and at the end, and only the same commit resumes results in a folder.
 """
 
 import argparse
 import json
-import math
+import multiprocessing
 import os
 import platform
 import shutil
+import signal
 import sqlite3
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, replace
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
 from tempfile import mkdtemp
@@ -40,6 +42,10 @@ from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
 SEED = 8
+KILLS = 60
+"""Number of kills of the page. [1]"""
+OTHERS = 8
+"""Size of each other part of the page. [1]"""
 MEMORY = Path("/dev/shm")
 """A file system in memory, if there is one: processes are killed, not the machine, so the results do not depend on what
 has reached a disk, and waiting for a disk would take most of the time."""
@@ -49,13 +55,9 @@ HOURLY_KILLS = 12
 Part = tuple[str, Callable[[], Outcome]]
 
 
-def parts(scratch: Path, *, killed: int, others: int, hours: float) -> Iterator[Part]:
-    """Every part of the bench, run one after the other; `killed` is the total number of kills, `others` the size of
-    each other part.
-
-    `hours` is how long two laptops work at a realistic pace. [h]
-    """
-    _warm(scratch / "warm")
+def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
+    """Every part of the bench but `club`, run one after the other; `killed` is the total number of kills, `others` the
+    size of each other part."""
     folders = (scratch / str(number) for number in range(1000))
     share, rest = divmod(killed, len(kills.CASES))
     for place, case in enumerate(kills.CASES):
@@ -75,7 +77,7 @@ def parts(scratch: Path, *, killed: int, others: int, hours: float) -> Iterator[
     yield "old_schemas", partial(writers.old_schemas, next(folders))
     yield "cut_short", partial(damage.cut_short, next(folders), others, SEED)
     yield "bits_flipped", partial(damage.bits_flipped, next(folders), 2 * others, SEED)
-    yield from _of_a_server(scratch / "server", max(3, others // 16), hours)
+    yield from _of_a_server(scratch / "server", max(3, others // 16))
 
 
 def _of_calls(folder: Path, others: int) -> Iterator[Part]:
@@ -99,7 +101,7 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
     yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 
-def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
+def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
     if not servers.binaries():
         yield "postgres", lambda: Outcome("PostgreSQL", "skipped: there is no PostgreSQL on this machine")
         return
@@ -110,10 +112,6 @@ def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
         commands, beside = min(laptops.HOUR, 80 * trials), folder.with_name
         yield "postgres_laptops", partial(laptops.mixed_work, ours, beside("laptops"), 2, commands, trials, SEED)
-        if hours:
-            commands, kills = round(hours * laptops.HOUR), max(1, round(HOURLY_KILLS * hours))
-            work = partial(laptops.mixed_work, ours, beside("club"), 2, commands, kills, SEED, laptops.EVERY)
-            yield "postgres_club", work
         for seed in range(trials // 3):
             yield (
                 f"postgres_failover_{seed}",
@@ -122,10 +120,44 @@ def _of_a_server(folder: Path, trials: int, hours: float) -> Iterator[Part]:
         yield "postgres_statements", partial(statements.process_killed, ours.url, range(1, 2 + 2 * trials))
 
 
+def club(folder: Path, hours: float) -> Outcome:
+    """Two laptops that work on a server of their own at a realistic pace, for `hours` [h]."""
+    commands, killed = round(hours * laptops.HOUR), max(1, round(HOURLY_KILLS * hours))
+    with at_home(folder / "home"), servers.server(folder / "server") as ours:
+        return laptops.mixed_work(ours, folder / "work", 2, commands, killed, SEED, laptops.EVERY)
+
+
+@contextmanager
+def beside(part: Callable[[], Outcome], file: Path) -> Iterator[Callable[[], Outcome]]:
+    """A part that runs in a process of its own during the block; call the returned function to wait for its result.
+
+    The process ends with the block. Raises RuntimeError if it ended without a result.
+    """
+
+    def work() -> None:
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that a server is stopped too
+        tried(part, file)
+
+    process = multiprocessing.get_context("fork").Process(target=work)
+    process.start()
+
+    def result() -> Outcome:
+        process.join()
+        if process.exitcode:
+            raise RuntimeError(f"{file.stem}: ended with exit status {process.exitcode}")
+        return tried(part, file)
+
+    try:
+        yield result
+    finally:
+        process.terminate()
+        process.join()
+
+
 def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
     """Result of a part, computed now or saved in this file by an earlier run."""
     if not file.exists():
-        _save(file, asdict(replace(part(), commit=_commit())))
+        _save(file, asdict(part()))
     return Outcome(**json.loads(file.read_text(encoding="utf-8")))
 
 
@@ -136,21 +168,30 @@ def _save(file: Path, document: object) -> None:
     new.replace(file)
 
 
-def resumed(keep: Path, sizes: Mapping[str, float]) -> str:
-    """Why results in a folder cannot be resumed with these sizes, empty if they can."""
+def resumed(keep: Path, run: Mapping[str, object]) -> str:
+    """Why results in a folder cannot be resumed by a run of this commit and these sizes, empty if they can."""
     keep.mkdir(parents=True, exist_ok=True)
-    file = keep / "sizes"
+    file = keep / "run"
     if not file.exists():
-        _save(file, sizes)
-    if (found := json.loads(file.read_text(encoding="utf-8"))) != sizes:
-        return f"{keep}: found results of {found}, expected {dict(sizes)} or another folder"
+        _save(file, run)
+    if (found := json.loads(file.read_text(encoding="utf-8"))) != run:
+        return f"{keep}: found results of {found}, expected {dict(run)} or another folder"
     return ""
 
 
-def _commit() -> str:
-    """The commit that is checked out, empty if git cannot determine it."""
-    command = ["git", "rev-parse", "--short", "HEAD"]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
+def commit(root: Path = ROOT) -> str:
+    """The commit that is checked out; empty if a file of the checkout differs from it, or if there is none.
+
+    The page itself does not count, as it is what the bench writes.
+    """
+    changed = _git(root, "status", "--porcelain", "--", ".", f":!{PAGE.relative_to(ROOT)}")
+    return "" if changed is None or changed else _git(root, "rev-parse", "--short", "HEAD") or ""
+
+
+def _git(root: Path, *arguments: str) -> str | None:
+    """Output of git; None if it failed."""
+    done = subprocess.run(["git", *arguments], cwd=root, capture_output=True, text=True)
+    return None if done.returncode else done.stdout.strip()
 
 
 def _warm(folder: Path) -> None:
@@ -160,21 +201,16 @@ def _warm(folder: Path) -> None:
     fieldkit(folder / "ledger.db", "import", str(TABLE), str(LOG), "--set", "rocket=Comet")
 
 
-def page(found: Sequence[Outcome], command: str, others: int) -> str:
-    """The summary, in Markdown."""
+def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
+    """The summary, in Markdown; `of` is the commit that was tried."""
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
-    rows = [
-        f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} | {one.commit} |"
-        for one in found
-    ]
+    rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
     system = f"Python {platform.python_version()}, SQLite {sqlite3.sqlite_version}, {platform.system()}"
-    if commits := list(dict.fromkeys(one.commit for one in found if one.commit)):
-        system += f"; of the commits {', '.join(commits)}"
     text = (ROOT / "bench" / "faults" / "page.md").read_text(encoding="utf-8")
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
-        command=command, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
+        command=command, commit=of, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
         system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
         reads=failing.MAX_READS, others=others, every=f"{laptops.EVERY:g}",
     )  # fmt: skip
@@ -196,44 +232,61 @@ def _scratch() -> Iterator[Path]:
             shutil.rmtree(folder, ignore_errors=True)
 
 
+def run(scratch: Path, keep: Path, given: argparse.Namespace) -> list[Outcome]:
+    """Results of the chosen parts; each is saved in the folder `keep` when it is done."""
+    _warm(scratch / "warm")
+    found: list[Outcome] = []
+    with ExitStack() as stack:
+        hour = None
+        if given.hours and servers.binaries() and "club".startswith(given.only):
+            hour = stack.enter_context(beside(partial(club, scratch / "club", given.hours), keep / "club.json"))
+        for name, part in parts(scratch, killed=given.kills, others=given.others):
+            if name.startswith(given.only):
+                found.append(_told(tried(part, keep / f"{name}.json")))
+        if hour is not None:
+            found.append(_told(hour()))
+    return found
+
+
+def _told(outcome: Outcome) -> Outcome:
+    """Print a result as progress."""
+    now = time.strftime("%H:%M:%S")
+    sys.stderr.write(f"{now} {outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults\n")
+    for fault in outcome.faults[:5]:
+        sys.stderr.write(f"  {fault}\n")
+    return outcome
+
+
 def main() -> int:
     """Run the bench and write the page; the exit status is nonzero if anything was lost."""
     parser = argparse.ArgumentParser(prog="python -m bench.faults", description=__doc__)
-    parser.add_argument("--kills", type=int, default=1000, help="how many processes are killed")
-    parser.add_argument("--others", type=int, default=96, help="the size of each other part")
+    parser.add_argument("--kills", type=int, default=KILLS, help="how many processes are killed")
+    parser.add_argument("--others", type=int, default=OTHERS, help="the size of each other part")
     parser.add_argument("--quick", action="store_true", help="a little of everything, and no page")
     parser.add_argument("--keep", type=Path, help="a folder for the result of each part, to resume from")
     parser.add_argument("--out", type=Path, default=PAGE, help="where the page goes")
-    parser.add_argument("--minutes", type=float, default=math.inf, help="how long to run, with --keep")
     parser.add_argument(
         "--hours", type=float, default=1.0, help="how long two laptops work on one server at their pace"
     )
-    parser.add_argument("--only", default="", help="try the parts whose names begin so, with --keep")
+    parser.add_argument("--only", default="", help="try the parts whose names begin so, and write no page")
     given = parser.parse_args()
-    ends = time.monotonic() + 60 * given.minutes
     if given.quick:
-        given.kills, given.others, given.hours = 24, 8, 0.0
-    found: list[Outcome] = []
+        given.kills, given.others, given.hours = 24, OTHERS, 0.0
+    paged, of = not given.quick and not given.only, commit()
+    if paged and not of:
+        parser.error("the page is of one commit: found changed files or no commit; --quick and --only write no page")
     with _scratch() as scratch, at_home(scratch / "home"):
         keep: Path = given.keep or scratch / "kept"
-        if wrong := resumed(keep, {"kills": given.kills, "others": given.others, "hours": given.hours}):
+        sizes = {"kills": given.kills, "others": given.others, "hours": given.hours}
+        if wrong := resumed(keep, {"commit": of, **sizes}):
             parser.error(wrong)
-        for name, part in parts(scratch, killed=given.kills, others=given.others, hours=given.hours):
-            if not name.startswith(given.only):
-                continue
-            if time.monotonic() > ends:
-                break
-            outcome = tried(part, keep / f"{name}.json")
-            found.append(outcome)
-            sys.stderr.write(f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults\n")
-            for fault in outcome.faults[:5]:
-                sys.stderr.write(f"  {fault}\n")
-    if time.monotonic() > ends:
-        return 1
-    if not given.quick and not given.only:
-        sizes = "" if (given.kills, given.others) == (1000, 96) else f" --kills {given.kills} --others {given.others}"
-        sizes += "" if given.hours == 1.0 else f" --hours {given.hours:g}"
-        given.out.write_text(page(found, f"python -m bench.faults{sizes}", given.others), encoding="utf-8")
+        found = run(scratch, keep, given)
+    if paged and commit() != of:
+        parser.error(f"no page: the files are no longer those of commit {of}")
+    if paged:
+        usual = {"kills": KILLS, "others": OTHERS, "hours": 1.0}
+        options = "".join(f" --{name} {size:g}" for name, size in sizes.items() if size != usual[name])
+        given.out.write_text(page(found, f"python -m bench.faults{options}", of, given.others), encoding="utf-8")
     return any(one.faults for one in found)
 
 

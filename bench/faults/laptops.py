@@ -86,7 +86,9 @@ def _worked(
     context = multiprocessing.get_context("fork")
     running = [
         context.Process(
-            target=_work, args=(urls[1], folder / f"laptop-{place}.txt", place, commands, seed + place, every)
+            target=_work,
+            args=(urls[1], folder / f"laptop-{place}.txt", place, commands, seed + place, every),
+            daemon=True,  # it ends with the bench
         )
         for place in range(laptops)
     ]

@@ -31,8 +31,6 @@ class Outcome:
     tried: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
-    commit: str = ""
-    """Commit of the program under test."""
 
     def saw(self, what: str, fault: str = "") -> None:
         """Count one trial."""

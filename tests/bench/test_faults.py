@@ -1,8 +1,11 @@
-"""Real kills, a few of each kind; `python -m bench.faults` runs a thousand."""
+"""Real kills, a few of each kind; `python -m bench.faults` runs more."""
 
 import os
 import sqlite3
+import subprocess
+import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -212,28 +215,85 @@ def test_a_server_that_dies_in_mid_transaction_loses_that_change_alone(
         assert [change.number for change in ledger.history()] == [1, 2]
 
 
-def test_the_page_says_on_which_commit_each_part_ran() -> None:
-    found = [ledgers.Outcome("kill -9", "add", commit="aaaa111"), ledgers.Outcome("damage", "cut", commit="bbbb222")]
-    page = bench.page(found, "python -m bench.faults", 8)
-    rows = [line.split("|") for line in page.splitlines() if line.startswith(("| kill", "| damage"))]
-    assert [row[-2].strip() for row in rows] == ["aaaa111", "bbbb222"]
-    assert {len(row) for row in rows} == {8}
+def test_the_page_states_its_command_and_one_commit() -> None:
+    page = bench.page([ledgers.Outcome("kill -9", "add", tried=3)], "python -m bench.faults", "aaaa111", 8)
+    assert page.splitlines()[2].startswith("Written by `python -m bench.faults`, which ran from start to end on commit")
+    assert page.count("aaaa111") == 1
+    assert "| kill -9 | add | 3 |  | 0 |\n" in page
 
 
-def test_an_interrupted_run_is_resumed_where_it_was_and_with_its_own_sizes(tmp_path: Path) -> None:
+def test_a_commit_with_changed_files_is_none(tmp_path: Path) -> None:
+    def git(*arguments: str) -> None:
+        subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a", *arguments], cwd=tmp_path, check=True)
+
+    assert bench.commit(tmp_path) == ""
+    page, code = tmp_path / "docs" / "faults.md", tmp_path / "code.py"
+    page.parent.mkdir()
+    for file in (page, code):
+        file.write_text("1")
+    git("init", "-q")
+    git("add", ".")
+    git("commit", "-q", "-m", "One")
+    page.write_text("2")
+    assert len(bench.commit(tmp_path)) >= 7
+    code.write_text("2")
+    assert bench.commit(tmp_path) == ""
+    git("checkout", "-q", "code.py")
+    (tmp_path / "new.py").write_text("1")
+    assert bench.commit(tmp_path) == ""
+
+
+@pytest.mark.parametrize("changed", [True, False])
+def test_no_page_is_written_of_changed_files(
+    changed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    commits = iter(["aaaa111", "" if changed else "aaaa111"])
+    monkeypatch.setattr(bench, "commit", lambda: next(commits))
+    monkeypatch.setattr(bench, "run", lambda *_: [ledgers.Outcome("a part", "of the bench")])
+    monkeypatch.setattr(sys, "argv", ["bench.faults", "--kills", "6", "--out", str(tmp_path / "page.md")])
+    if changed:
+        with pytest.raises(SystemExit):
+            bench.main()
+        assert "no longer those of commit aaaa111" in capsys.readouterr().err
+    else:
+        assert bench.main() == 0
+    assert (tmp_path / "page.md").exists() is not changed
+
+
+def test_a_part_beside_the_others_ends_with_them(tmp_path: Path) -> None:
+    found, started = ledgers.Outcome("a part", "beside the others", tried=3), tmp_path / "started"
+
+    def endless() -> ledgers.Outcome:
+        started.touch()
+        time.sleep(600)
+        return found
+
+    with bench.beside(lambda: found, tmp_path / "one.json") as result:
+        assert result() == found
+    with bench.beside(lambda: 1 // 0, tmp_path / "two.json") as result, pytest.raises(RuntimeError, match="two"):
+        result()
+    began = time.monotonic()
+    with bench.beside(endless, tmp_path / "three.json"):
+        while not started.exists():
+            time.sleep(0.01)
+    assert time.monotonic() - began < 60
+    assert not (tmp_path / "three.json").exists()
+
+
+def test_an_interrupted_run_is_resumed_where_it_was_and_of_its_own_commit(tmp_path: Path) -> None:
     tried: list[int] = []
 
     def part() -> ledgers.Outcome:
         tried.append(1)
         return ledgers.Outcome("a part", "of the bench", tried=3)
 
-    assert not bench.resumed(tmp_path, {"kills": 60, "hours": 1.0})
+    assert not bench.resumed(tmp_path, {"commit": "aaaa111", "kills": 60})
     for _ in range(2):
         assert bench.tried(part, tmp_path / "a_part.json").tried == 3
     assert len(tried) == 1
-    assert not bench.resumed(tmp_path, {"kills": 60, "hours": 1.0})
-    found = bench.resumed(tmp_path, {"kills": 61, "hours": 1.0})
-    assert "expected {'kills': 61, 'hours': 1.0} or another folder" in found
+    assert not bench.resumed(tmp_path, {"commit": "aaaa111", "kills": 60})
+    for other in ({"commit": "aaaa111", "kills": 61}, {"commit": "bbbb222", "kills": 60}):
+        assert f"expected {other} or another folder" in bench.resumed(tmp_path, other)
 
 
 def test_the_bench_sees_a_command_that_loses_its_output_and_says_nothing(tmp_path: Path) -> None:
