@@ -101,12 +101,13 @@ def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> S
 
 
 def _faults() -> tuple[type[Exception], ...]:
-    """Exceptions that pyserial raises when a port fails: mostly OSError, on Unix also termios errors."""
+    """Exceptions that pyserial raises when a port fails: mostly OSError, on Unix also termios errors, and OverflowError
+    for a baud rate that no port has."""
     try:
         from termios import error
     except ImportError:  # Windows
-        return (OSError, ValueError)
-    return (OSError, ValueError, TypeError, error)
+        return (OSError, ValueError, OverflowError)
+    return (OSError, ValueError, OverflowError, TypeError, error)
 
 
 def _reason(error: Exception) -> str:

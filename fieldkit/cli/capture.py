@@ -33,12 +33,16 @@ def capture(
     resume: Annotated[
         bool, typer.Option("--resume", help="Continue a capture; default: the newest unfinished one.")
     ] = False,
-    flight: Annotated[list[int] | None, typer.Option(help="Read only this flight, as listed; can be repeated.")] = None,
+    flight: Annotated[
+        list[int] | None, typer.Option(min=0, help="Read only this flight, as listed; can be repeated.")
+    ] = None,
     live: Annotated[bool, typer.Option("--live", help="Record telemetry instead of reading the memory.")] = False,
     frequency: Annotated[
         float | None, typer.Option(callback=not_negative, metavar="MHZ", help="Frequency to tune a TeleDongle to.")
     ] = None,
-    baud: Annotated[int | None, typer.Option(help="Baud rate, if not the unit's default.")] = None,
+    baud: Annotated[
+        int | None, typer.Option(min=50, max=4_000_000, help="Baud rate, if not the unit's default.")
+    ] = None,
     wait: Annotated[
         float | None,
         typer.Option(callback=not_negative, metavar="SECONDS", help="How long to wait for the first byte."),

@@ -35,7 +35,7 @@ _EDGE: Mapping[str, tuple[float, float]] = {
     "coast_to_apogee": (0, 900),
     "apogee_to_eject": (-900, 900),
     "eject_altitude": (-500, 200_000),
-    "descent_speed": (0, 1000),
+    "descent_speed": (0.1, 1000),
     "duration": (0.1, 86_400),
     "coast_drag": (0.001, 1000),
     "burn_impulse": (0.1, 5000),
@@ -125,7 +125,7 @@ def implausible(flight: Flight, motor: Burning) -> str | None:
     A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
     strongest motor and an altimeter that reads high, so a flight that is merely unusual passes.
     """
-    found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
+    found = (_impossible(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
     return next((reason for reason in found if reason), None)
 
 
@@ -171,10 +171,20 @@ def best_apogee(dry_mass: float, motor: Burning) -> float:
     return float(best_speed(dry_mass, motor) ** 2 / (2 * units.STANDARD_GRAVITY))
 
 
-def _not_a_number(flight: Flight) -> str:
-    """A phrase for the first value that is not finite."""
-    odd = (column for column in COLUMNS if not math.isfinite(flight.number(column.name) or 0.0))
-    return next((f"{column.header}: found {flight.number(column.name)}, expected a number" for column in odd), "")
+def _impossible(flight: Flight) -> str:
+    """A phrase for the first value that is not finite or beyond its limits, as in the ledger of an older program."""
+    for column in COLUMNS:
+        value = flight.number(column.name)
+        try:
+            if value is not None:
+                check(column, value)
+        except BadValue as error:
+            return (
+                f"{column.header}: {error}"
+                if math.isfinite(value or 0.0)
+                else f"{column.header}: found {value}, expected a number"
+            )
+    return ""
 
 
 def _misfit(flight: Flight, motor: Burning) -> str:

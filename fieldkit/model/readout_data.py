@@ -17,6 +17,9 @@ from fieldkit.shapes import Array, Flags, Float
 OBSERVED_READOUTS = READOUTS
 IS_LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED_READOUTS])
 """Whether each is compared by ratio rather than by difference."""
+MAX_SD = 1e3
+"""Largest expected error of a readout as compared; a larger one says nothing about a rocket, and its square may
+overflow. [1] or [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +42,10 @@ def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: 
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         own = own_sd(flights, raw)
         raw = _speed_from_average(raw, recorded(flights, "avg_accel"))
-        seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & np.asarray(used_in_fit, bool)[:, None]
+        sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
+        seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & (sd < MAX_SD)
+        seen &= np.asarray(used_in_fit, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
     return Data(values, np.where(seen, sd, 1.0), seen, np.ones(seen.shape))
 
 

@@ -36,6 +36,7 @@ from fieldkit.capture import (
     resume,
     unfinished,
 )
+from fieldkit.capture.line import PortSettings, open_line
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
 from fieldkit.cli.live import View
@@ -497,3 +498,13 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     assert "-9.0 m/s   coast   received 60 s ago" in shown
     assert "▁█" in shown
     assert "\x1b[31m" not in shown
+
+
+@terminals
+def test_a_baud_rate_that_no_port_has_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with played(devices.deaf) as wire:
+        for baud in (-300, 0, 10**30):
+            assert main(["capture", wire.name, f"--baud={baud}"]) == 2
+            assert "--baud" in capsys.readouterr().err
+        with pytest.raises(PortTrouble, match="cannot be opened"), begin(tmp_path, {}) as tape:
+            open_line(wire.name, "mawd", PortSettings(10**30), tape)

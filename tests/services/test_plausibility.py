@@ -14,9 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bench.faults import session
+from fieldkit import units
 from fieldkit.cli.main import main
+from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
-from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.flight.plausibility import LIMITS, READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
@@ -380,3 +383,33 @@ def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_on
     large = Flight("9", "Comet", motor="Q-Jet D16-6", apogee=400.0)
     assert outlying([*small, large], {"9"}) == []
     assert outlying([*small, large.with_changes(motor="Q-Jet A3-6")], {"9"}) != []
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("end", ["lowest", "next to zero", "highest"])
+def test_no_value_within_its_limits_makes_a_forecast_fail(end: str, told: Told, tmp_path: Path) -> None:
+    """Not even one next to zero, whose logarithm and inverse are large; numpy's warnings are errors here."""
+    told(rows=season(4))
+    odd = []
+    for column in FLIGHT_COLUMNS:
+        if column.name in LIMITS:
+            low, high = LIMITS[column.name]
+            number = {"lowest": low, "next to zero": max(low, 1e-300), "highest": high}[end]
+            value = units.unit(column.quantity, column.unit).to_si(number)
+            odd.append(GOOD.with_changes(flight_id=column.name, config="A", **{column.name: value}))
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(odd)
+    for words in (["predict", "--rocket", "Astra", "--motor", "F24-4W", "--config", "A"], ["loop", "--quick"]):
+        status, out, said = told(*words)
+        assert status == 0, said
+        assert not re.search(r"\bnan\b|\binf\b|Warning", out + said, re.IGNORECASE)
+
+
+def test_a_value_beyond_its_limits_in_an_old_ledger_is_named_and_not_used(told: Told, tmp_path: Path) -> None:
+    told(rows=season(4))
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([GOOD.with_changes(flight_id="odd", config="A", descent_speed=0.0)])
+    status, out, said = told("loop", "--quick")
+    assert status == 0
+    assert "flight odd of Astra is excluded from every fit: descent_speed_mps: found 0 m/s, expected 0.1 to" in said
+    assert "nan" not in out
