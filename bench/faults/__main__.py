@@ -249,9 +249,10 @@ def run(scratch: Path, keep: Path, given: argparse.Namespace) -> list[Outcome]:
 
 
 def _told(outcome: Outcome) -> Outcome:
-    """Print a result as progress."""
-    now = time.strftime("%H:%M:%S")
-    sys.stderr.write(f"{now} {outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults\n")
+    """Print a result as progress, with the processor time so far; that of `club` and of servers does not count."""
+    now, used = time.strftime("%H:%M:%S"), sum(os.times()[:4])
+    what = f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults"
+    sys.stderr.write(f"{now}, {used:.0f} s of processor time: {what}\n")
     for fault in outcome.faults[:5]:
         sys.stderr.write(f"  {fault}\n")
     return outcome
