@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from fieldkit.planning.finals import FinalsRow
 
 app = typer.Typer()
+MIN_AREA = 0.01
+"""Smallest area of a parachute relative to the one flown. [1]"""
 
 ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
 """Line above the safety checks of the finals."""
@@ -156,9 +158,10 @@ def contest(
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     announced = length("--target", target), read_window(window) if window else None
-    if (reefed := _fraction(reef, 0.0)) >= 1:
-        raise typer.BadParameter(f"found --reef {reef}, expected less than 100%: that leaves no parachute")
-    area = _fraction(parachute, 1.0) * (1 - reefed)
+    area = _fraction(parachute, 1.0) * (1 - _fraction(reef, 0.0))
+    if area < MIN_AREA:
+        found = " ".join(f"--{name} {text}" for name, text in (("parachute", parachute), ("reef", reef)) if text)
+        raise typer.BadParameter(f"found {found}, expected at least {MIN_AREA:.0%} of the parachute's area")
     ahead, lines = None, []
     with planning(context, given) as plan:
         last = None if plan.flight.motor else plan.ledger.latest(plan.flight.rocket)
@@ -221,7 +224,7 @@ def _fraction(text: str | None, default: float) -> float:
     if text is None:
         return default
     fraction = parse(text, "fraction", "fraction")
-    if not 0 <= fraction < 10 or (fraction == 0 and default):
+    if not 0 <= fraction < 10:
         raise typer.BadParameter(f"found {text!r}, expected a percentage such as 85%")
     return fraction
 

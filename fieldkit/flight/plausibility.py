@@ -15,6 +15,7 @@ from typing import Protocol
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
+from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -172,18 +173,23 @@ def best_apogee(dry_mass: float, motor: Burning) -> float:
 
 
 def _impossible(flight: Flight) -> str:
-    """A phrase for the first value that is not finite or beyond its limits, as in the ledger of an older program."""
+    """A phrase for the first value that is not a number or beyond its limits: in a text of a recovery column that a fit
+    uses, or in the ledger of an older program."""
     for column in COLUMNS:
         value = flight.number(column.name)
+        if value is not None and not math.isfinite(value):
+            return f"{column.header}: found {value}, expected a number"
         try:
             if value is not None:
                 check(column, value)
         except BadValue as error:
-            return (
-                f"{column.header}: {error}"
-                if math.isfinite(value or 0.0)
-                else f"{column.header}: found {value}, expected a number"
-            )
+            return f"{column.header}: {error}"
+    try:
+        if flight.extra:
+            check_recovery(flight, IN_EVERY_FIT)
+            rail_direction(flight)
+    except BadValue as error:
+        return str(error)
     return ""
 
 

@@ -4,6 +4,7 @@ They are stored as text, like all columns that only some flights have, with the 
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -47,6 +48,8 @@ LIMITS = {
     "wind_aloft_turn": (-2 * math.pi, 2 * math.pi),
 }
 """Lowest and highest possible number of each recovery column of a plan, in SI."""
+IN_EVERY_FIT = ("opening_time", "wind_aloft", "wind_aloft_height", "wind_aloft_turn")
+"""Recovery columns that change the simulated apogee of a past flight."""
 MAX_STABILITY = 100.0
 """A static margin is shorter than a rocket, and this is many times as long as the longest. [body diameters]"""
 STABILITY = "stability_cal"
@@ -92,10 +95,10 @@ def recovery_column(flight: Flight, name: str) -> str | None:
     return None
 
 
-def check_recovery(plan: Flight) -> None:
-    """Raise BadValue for a recovery column whose number is beyond `LIMITS`."""
-    for name, (low, high) in LIMITS.items():
-        value = recovery_figure(plan, name)
+def check_recovery(flight: Flight, names: Iterable[str] = tuple(LIMITS)) -> None:
+    """Raise BadValue for one of these recovery columns that is not a number or is beyond `LIMITS`."""
+    for name in names:
+        (low, high), value = LIMITS[name], recovery_figure(flight, name)
         if value is not None and not low <= value <= high:
             quantity, unit, _ = RECOVERY_COLUMNS[name]
             found, least, most = (f"{units.unit(quantity, unit).from_si(one):g}" for one in (value, low, high))
@@ -129,10 +132,7 @@ def recovery_of(flight: Flight) -> Recovery:
     """Recovery settings of a flight. Raises BadValue for an unknown device, a non-number, or a drogue without a
     main.
     """
-    device = flight.extra.get("recovery", "").strip().lower() or "parachute"
-    found = next((one for one in DEVICES if one == device), None)
-    if found is None:
-        raise BadValue(f"recovery: found {device!r}, expected one of {', '.join(DEVICES)}")
+    found = device_of(flight)
     drogue, main = recovery_figure(flight, "drogue_speed"), recovery_figure(flight, "main_altitude")
     if drogue is not None and main is None:
         raise BadValue(
@@ -146,6 +146,25 @@ def recovery_of(flight: Flight) -> Recovery:
     opening = recovery_figure(flight, "opening_time")
     opens = OPENING_TIME if opening is None else max(opening, 0.0)
     return Recovery(found, drogue, main, opens, speed, diameter)
+
+
+def can_be_read(flight: Flight) -> bool:
+    """Whether the recovery of a past flight is known or not recorded, rather than a text that is something else."""
+    try:
+        recovery_of(flight)
+        check_recovery(flight)
+    except BadValue:
+        return False
+    return True
+
+
+def device_of(flight: Flight) -> Device:
+    """The device of a flight, by default a parachute. Raises BadValue for an unknown one."""
+    device = flight.extra.get("recovery", "").strip().lower() or "parachute"
+    found = next((one for one in DEVICES if one == device), None)
+    if found is None:
+        raise BadValue(f"recovery: found {device!r}, expected one of {', '.join(DEVICES)}")
+    return found
 
 
 def stability(flight: Flight) -> float | None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import Device, Recovery, recovery_of
+from fieldkit.flight.recovery import Device, Recovery, can_be_read, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.descent import PARACHUTE_CD
 from fieldkit.physics.setups import DESCENT_SPEED
@@ -107,7 +107,8 @@ FlownFalls = tuple[Fall | None, Fall | None]
 def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> FlownFalls:
     """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named."""
     wanted = recovery_of(plan) if plan is not None else None
-    used = [(flight, found) for flight, found in history if flight.clean and _same_device(flight, wanted)]
+    known = ((flight, found) for flight, found in history if flight.clean and can_be_read(flight))
+    used = [(flight, found) for flight, found in known if _same_device(flight, wanted)]
     shown = [shown_speeds(flight, found) for flight, found in used]
     drogue = _pooled([one[1] for one in shown], used) if wanted is not None and wanted.dual else None
     return _pooled([one[0] for one in shown], used), drogue

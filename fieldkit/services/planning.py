@@ -3,8 +3,17 @@
 from collections.abc import Sequence
 from typing import Any
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import DEVICES, STABILITY, recovery_column
+from fieldkit.flight.recovery import (
+    DEVICES,
+    STABILITY,
+    check_recovery,
+    device_of,
+    recovery_column,
+    stability,
+)
+from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
 from fieldkit.flight.start import completed
 from fieldkit.forecast.conformal import stretch
 from fieldkit.ledger import Ledger
@@ -85,16 +94,29 @@ OF_ANY_DEVICE = ("recovery", STABILITY)
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
     """A plan with the recovery of its configuration's last flight, unless it has its own; on another device it takes
-    nothing that describes the former one."""
+    nothing that describes the former one. Texts that cannot be read are passed over."""
     own = [flight for flight in reversed(flights) if flight.config == plan.config]
     for names in INHERITED_RECOVERY:
         if any(recovery_column(plan, name) for name in names):
             continue
         like = own if names[0] in OF_ANY_DEVICE else [flight for flight in own if _device(flight) == _device(plan)]
-        last = next((flight for flight in like if any(recovery_column(flight, name) for name in names)), plan)
+        last = next((flight for flight in like if _has(flight, names)), plan)
         found = {key: last.extra[key] for name in names if (key := recovery_column(last, name))}
         plan = plan.with_changes(extra={**plan.extra, **found}) if found else plan
     return plan
+
+
+def _has(flight: Flight, names: Sequence[str]) -> bool:
+    """Whether a flight has one of these recovery columns, and they can be read."""
+    try:
+        check_recovery(flight, [name for name in names if name in RECOVERY_LIMITS])
+        if "recovery" in names:
+            device_of(flight)
+        if STABILITY in names:
+            stability(flight)
+    except BadValue:
+        return False
+    return any(recovery_column(flight, name) for name in names)
 
 
 def _device(flight: Flight) -> str:

@@ -93,9 +93,11 @@ def test_no_option_takes_a_number_that_is_invalid(words: tuple[str, ...], capsys
         assert f"found {number}" in (said := capsys.readouterr().err) or "is not in the range" in said
 
 
-@pytest.mark.parametrize("reef", ["100%", "200%", "-10%", "nan"])
-def test_a_parachute_reefed_to_nothing_is_refused(reef: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["contest", "--season", "2026", "--motor", "F24-4W", f"--reef={reef}"]
+@pytest.mark.parametrize(
+    "area", ["--reef=100%", "--reef=200%", "--reef=-10%", "--reef=nan", "--parachute=0", "--parachute=1e-300"]
+)
+def test_a_parachute_reefed_to_nothing_is_refused(area: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["contest", "--season", "2026", "--motor", "F24-4W", area]
     assert main(["--ledger", ledger, *words]) in (1, 2)
     assert "expected" in capsys.readouterr().err
 

@@ -19,6 +19,7 @@ from fieldkit.cli.main import main
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import LIMITS, READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
@@ -413,3 +414,20 @@ def test_a_value_beyond_its_limits_in_an_old_ledger_is_named_and_not_used(told: 
     assert status == 0
     assert "flight odd of Astra is excluded from every fit: descent_speed_mps: found 0 m/s, expected 0.1 to" in said
     assert "nan" not in out
+
+
+@pytest.mark.parametrize("text", ["x", "nan", "1e300"])
+def test_a_recovery_column_that_cannot_be_read_stops_no_forecast(text: str, told: Told, tmp_path: Path) -> None:
+    """A spreadsheet's own column may have the name of one; only what a fit uses excludes the flight."""
+    told(rows=season(4))
+    names = [recovery_header(name) for name in RECOVERY_NAMES]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([GOOD.with_changes(flight_id=name, config="A", extra={name: text}) for name in names])
+    for words in (["predict", "--rocket", "Astra", "--motor", "F24-4W", "--config", "A"], ["loop", "--quick"]):
+        status, _, said = told(*words)
+        assert status == 0, said
+        assert set(re.findall(r"flight (\w+) of Astra is excluded", said)) <= {
+            *(recovery_header(name) for name in IN_EVERY_FIT),
+            "rail_direction",
+        }
+        assert "is excluded" in said
