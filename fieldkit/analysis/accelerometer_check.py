@@ -148,7 +148,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
-    derived, boost = is_derived(push, seen), seen.fastest - lift.time
+    derived, boost = _is_derived(push, seen), seen.fastest - lift.time
     onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
     return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost, onset)
 
@@ -156,7 +156,8 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
 def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, fastest: float) -> float:
     """Time constant of the rise of an acceleration at lift-off, where thrust rises within hundredths of a second. [s]
 
-    Derivation: a first-order filter rises from 20% to 80% of a step in ln 4 time constants.
+    Infinite if it does not begin with a rest. Derivation: a first-order filter rises from 20% to 80% of a step in ln 4
+    time constants.
     """
     boost = net[(time > lift) & (time < fastest)]
     if boost.size < 3:
@@ -164,10 +165,23 @@ def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, f
     strong = float(np.quantile(boost, 0.6))
     risen = int(np.argmax((net >= 0.8 * strong) & (time > lift - _MAX_SHIFT)))
     low = np.flatnonzero(net[:risen] < 0.2 * strong)
-    return float(time[risen] - time[low[-1] if low.size else 0]) / float(np.log(4))
+    return float(time[risen] - time[low[-1]]) / float(np.log(4)) if low.size else np.inf
 
 
-def is_derived(push: Push, seen: Outline) -> bool:
+def unchecked(push: Push, seen: Outline, lift: Event | None) -> bool:
+    """Whether an acceleration that cannot be compared with the heights was computed, and does not rise like thrust."""
+    if not _is_derived(push, seen):
+        return False
+    begin = lift.time if lift is not None else float(push.time[0])
+    inside = push.time > begin - _MAX_SHIFT
+    time = push.time[inside]
+    if time.size < 2:
+        return True
+    onset = _onset(time, push.felt[inside] - GRAVITY, begin, seen.fastest)
+    return onset > max(MAX_DERIVED_DELAY, _MAX_BLUR * (seen.fastest - begin)) + median_step(time)
+
+
+def _is_derived(push: Push, seen: Outline) -> bool:
     """Whether an acceleration lacks the gravity that a sensor along the axis measures on the way down."""
     after_apogee = push.felt[push.time > seen.top + _HANGING_TIME] - GRAVITY
     return bool(

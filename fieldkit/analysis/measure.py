@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.analysis.accelerometer_check import Agreement, agreement, is_derived
+from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
@@ -29,13 +29,13 @@ from fieldkit.analysis.notes import (
 )
 from fieldkit.analysis.phases import Outline, is_similar, next_flight, outline, rest_in_climb
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
-from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.analysis.satellites import sightings
 from fieldkit.analysis.slanted_flight import SlantedFlight, slanted_flight
 from fieldkit.analysis.unseen_top import silence
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Flags
+from fieldkit.shapes import Array, Flags, Float
 
 _MAX_FILLED_DELAY = 0.1
 """Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
@@ -44,6 +44,8 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
+_SHORTEST_BOOST = 0.15
+"""Duration of the shortest boosts. [s]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
@@ -53,13 +55,21 @@ _MIN_LAG = 0.08
 def rises(clocks: Sequence[Series]) -> bool:
     """Whether something in a log rises like a rocket, from a quick look at its heights.
 
-    True if the log has an accelerometer but no heights, because then this cannot be decided here.
+    In a log without heights, whether an accelerometer felt thrust.
     """
     track = heights(clocks)
     if track is not None:
         return outline(undisturbed(track)) is not None
-    felt = (getattr(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total"))
-    return any(values is not None for values in felt)
+    channels = [(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total")]
+    return any(_feels_thrust(series.time, getattr(series, name)) for series, name in channels)
+
+
+def _feels_thrust(time: Float[Array, "_"], felt: Float[Array, "_"] | None) -> bool:
+    """Whether an acceleration is far from rest for as long as the shortest boost."""
+    if felt is None or time.size < MIN_SAMPLES:
+        return False
+    width = max(3, round(_SHORTEST_BOOST / median_step(time)))
+    return bool((running_median(np.nan_to_num(felt), width | 1) > _THRUST).any())
 
 
 def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
@@ -159,7 +169,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
     found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
-    if push is not None and found is None and is_derived(push, seen):
+    if push is not None and found is None and unchecked(push, seen, rise):
         return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
     if push is None or rise is None:
         return _Trust(push)
