@@ -169,8 +169,11 @@ def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, f
 
 
 def unchecked(push: Push, seen: Outline, lift: Event | None) -> bool:
-    """Whether an acceleration that cannot be compared with the heights was computed, and does not rise like thrust."""
-    if not _is_derived(push, seen):
+    """Whether an acceleration that cannot be compared with the heights was computed, and does not rise like thrust.
+
+    One that includes gravity was measured.
+    """
+    if push.weighs or not _is_derived(push, seen):
         return False
     begin = lift.time if lift is not None else float(push.time[0])
     inside = push.time > begin - _MAX_SHIFT
