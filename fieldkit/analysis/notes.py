@@ -3,6 +3,7 @@
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "no rocket flight in this log: nothing is measured"
 NO_APOGEE = "no apogee: the log ends before it"
+AFTER_END_NOTE = "the log ends just before apogee, which is between {:.0f} m, as recorded, and {:.0f} m, without drag"
 UNSEEN_TOP_NOTE = (
     "the apogee is in a gap of {:.0f} s: between {:.0f} m, as recorded, and {:.0f} m, after a coast without drag"
 )

@@ -312,6 +312,16 @@ def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
     assert "descent_speed" not in recorded.figures
 
 
+@pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
+@pytest.mark.parametrize("early", [0.97, 1.0, 1.03])
+def test_an_apogee_close_to_the_end_of_a_log_is_an_interval(rocket: Rocket, early: float) -> None:
+    recorded, truth = measured(rocket, Logger(early=early))
+    for name in ("apogee", "coast_to_apogee", "time_to_apogee"):
+        assert abs(off(recorded, truth, name)) < 2.5 * recorded.figures[name].sd
+    assert recorded.figures["apogee"].sd < 0.01 * truth.readouts()["apogee"]
+    assert not {"descent_speed", "duration", "apogee_to_eject"} & set(recorded.figures)
+
+
 def test_a_log_that_ends_before_apogee_reports_it() -> None:
     recorded, truth = measured(LARGE, Logger(early=0.8))
     assert not {"apogee", "coast_to_apogee", "descent_speed", "duration", "time_to_apogee"} & set(recorded.figures)
