@@ -118,7 +118,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
 
 def _headings(names: Sequence[str], header_row: int, table: Sequence[TableRow], *, named: bool) -> list[ColumnRole]:
     """The columns of a table, whose names are fieldkit's own if they were `named` by the flyer. Raises DamagedLog."""
-    known_columns = names if named else beside_a_motor(names)
+    known_columns = beside_a_motor(names)
     headings = [
         role if own == name else replace(role, spelled=name.strip(), loose=True)
         for role, own, name in zip(headings_of(known_columns, header_row), known_columns, names, strict=True)

@@ -63,7 +63,8 @@ def read(log: bytes) -> list[Found]:
     log = narrow(log)
     head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel")
     starts, places = _starts(head.names), dict[str, int]()
-    recorded = {head.names[start + 1]: start for start in reversed(starts)}
+    named = [name.replace("_", " ") for name in head.names]
+    recorded = {named[start + 1]: start for start in reversed(starts)}
     for name, (channel, _) in CHANNELS.items():
         if name in recorded:
             places.setdefault(channel, recorded[name])
@@ -71,7 +72,7 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog("found no known channel, expected one such as Baro (Atm)", row=head.row)
     clocks = dict.fromkeys(places.values())
     wanted = [Channel(f"time {start}", start) for start in clocks]
-    wanted += [Channel(name, start + 1, CHANNELS[head.names[start + 1]][1]) for name, start in places.items()]
+    wanted += [Channel(name, start + 1, CHANNELS[named[start + 1]][1]) for name, start in places.items()]
     flags = {str(start): start + 2 for start in clocks}
     whole = b"\n".join(_whole_rows(log, starts, len(head.names), head.separator.encode()))
     table = read_columns(whole, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=flags)

@@ -64,7 +64,8 @@ class Agreement:
 
     `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
     remains after that [1]. `derived` if the channel was computed rather than measured by a sensor. `boost` is the
-    duration of the boost according to the heights [s].
+    duration of the boost according to the heights, `onset` the time constant with which the channel rises at lift-off
+    [s].
     """
 
     scale: float
@@ -75,11 +76,12 @@ class Agreement:
     missed_sd: float = 0.0
     derived: bool = False
     boost: float = 0.0
+    onset: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
         """Whether both recorded the same flight. Widely spaced samples constrain the clock less."""
-        same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
+        same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off and not self.is_smoothed
         return same_scale and self.missed >= 0 and self.misfit < _MAX_MISFIT
 
     @property
@@ -87,19 +89,31 @@ class Agreement:
         """Whether the clocks differ by more than sensor delays explain."""
         latest = MAX_DELAY + self.step
         if self.derived:
-            latest = min(latest, max(MAX_DERIVED_DELAY, _MAX_BLUR * self.boost) + self.step / 2)
+            latest = min(latest, self._most_blur + self.step / 2)
         return not -MAX_LEAD - self.step <= self.late <= latest
+
+    @property
+    def is_smoothed(self) -> bool:
+        """Whether a derived channel rises at lift-off more slowly than its boost allows. A filter that looks ahead, as
+        exporting programs have, smooths without delay."""
+        return self.derived and self.onset > self._most_blur + self.step
+
+    @property
+    def _most_blur(self) -> float:
+        return max(MAX_DERIVED_DELAY, _MAX_BLUR * self.boost)
 
     @property
     def blur(self) -> float:
         """Time over which the filter of a derived channel spreads a change of thrust. [s]"""
-        return max(self.late - self.step / 2, 0.0) if self.derived else 0.0
+        return max(self.late - self.step / 2, self.onset - self.step, 0.0) if self.derived else 0.0
 
     @property
     def why(self) -> str:
         """The reason if they do not agree."""
         if self.is_off:
             return f"is {abs(self.late):.1f} s {'late' if self.late > 0 else 'early'}"
+        if self.is_smoothed:
+            return f"was computed and smoothed over about {self.onset:.1f} s"
         return f"gives {100 / self.scale:.0f}% of the climb that the heights show"
 
 
@@ -135,7 +149,39 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time
-    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost)
+    onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
+    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost, onset)
+
+
+def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, fastest: float) -> float:
+    """Time constant of the rise of an acceleration at lift-off, where thrust rises within hundredths of a second. [s]
+
+    Infinite if it does not begin with a rest. Derivation: a first-order filter rises from 20% to 80% of a step in ln 4
+    time constants.
+    """
+    boost = net[(time > lift) & (time < fastest)]
+    if boost.size < 3:
+        return 0.0
+    strong = float(np.quantile(boost, 0.6))
+    risen = int(np.argmax((net >= 0.8 * strong) & (time > lift - _MAX_SHIFT)))
+    low = np.flatnonzero(net[:risen] < 0.2 * strong)
+    return float(time[risen] - time[low[-1]]) / float(np.log(4)) if low.size else np.inf
+
+
+def unchecked(push: Push, seen: Outline, lift: Event | None) -> bool:
+    """Whether an acceleration that cannot be compared with the heights was computed, and does not rise like thrust.
+
+    One that includes gravity was measured.
+    """
+    if push.weighs or not _is_derived(push, seen):
+        return False
+    begin = lift.time if lift is not None else float(push.time[0])
+    inside = push.time > begin - _MAX_SHIFT
+    time = push.time[inside]
+    if time.size < 2:
+        return True
+    onset = _onset(time, push.felt[inside] - GRAVITY, begin, seen.fastest)
+    return onset > max(MAX_DERIVED_DELAY, _MAX_BLUR * (seen.fastest - begin)) + median_step(time)
 
 
 def _is_derived(push: Push, seen: Outline) -> bool:

@@ -42,6 +42,9 @@ _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Number of equal samples that indicate saturation, and their smallest ratio to the count of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
 """Smallest fraction of zeros in a zero-padded channel [1], and the smallest magnitude of real samples. [m, Pa]"""
+_STALE, _HARDEST, _FIX_NOISE = 2.0, 600.0, 20.0
+"""Shortest time for which a lost receiver repeats its last height [s], the acceleration of the hardest boosts
+[m/s^2], and how far two heights of a receiver in the open differ [m]."""
 _WINDOW = 0.5
 """Length of the running median that reveals spikes. [s]"""
 
@@ -100,6 +103,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
             values = getattr(series, name)
             if values is None or np.isfinite(values).sum() < MIN_SAMPLES:
                 continue
+            values = _without_stale(series.time, values) if name == "gps_altitude_msl" else values
             time, values = _thinned(*_usable(series.time, _without_fill(values)), name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
@@ -176,6 +180,26 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
     if alone.sum() < MIN_SAMPLES or (alone & far).sum() < 0.9 * (~zero[1:-1] & far).sum():
         return values
     return np.where(zero, np.nan, values) if (alone & far).sum() >= MIN_SAMPLES else values
+
+
+def _without_stale(time: Float[Array, "_"], values: Float[Array, "_"]) -> Float[Array, "_"]:
+    """Remove the repetitions of the last fix by a receiver that lost its satellites.
+
+    They end in a jump that no rocket at rest makes from one sample to the next; until when the fix was new, the values
+    do not show.
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    when, height = time[known], values[known]
+    changes = np.flatnonzero(np.diff(height) != 0)
+    if not changes.size:
+        return values
+    begins = np.concatenate(([0], changes[:-1] + 1))
+    lasts, step = when[changes] - when[begins], np.maximum(when[changes + 1] - when[changes], 1e-3)
+    jumps = np.abs(height[changes + 1] - height[changes]) > _HARDEST * step**2 / 2 + _FIX_NOISE
+    kept = values.copy()
+    for begin, end in zip(begins[(lasts > _STALE) & jumps], changes[(lasts > _STALE) & jumps], strict=True):
+        kept[known[begin + 1 : end + 1]] = np.nan
+    return kept
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.notes import (
+    AFTER_END_NOTE,
     LOST_IN_BOOST,
     NO_APOGEE,
     NO_BOOST,
@@ -26,7 +27,7 @@ from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import is_flight, known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, median_step
-from fieldkit.analysis.unseen_top import accelerates, silence, unseen_apogee
+from fieldkit.analysis.unseen_top import accelerates, apogee_after_end, silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
@@ -82,8 +83,12 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     if unseen and gap:
         apogee: tuple[Event, Figure] | None = unseen[:2]
         notes = (UNSEEN_TOP_NOTE.format(gap[1] - gap[0], *unseen[2]),)
+    elif log.seen.down or falls(log.ascent):
+        apogee = apogee_of(log.ascent, log.seen, log.track)
     else:
-        apogee = apogee_of(log.ascent, log.seen, log.track) if log.seen.down or falls(log.ascent) else None
+        after = apogee_after_end(log.track, log.seen, log.ascent) if lift else None
+        apogee = after[:2] if after else apogee_of(log.ascent, log.seen, log.track) if _turned(log.ascent) else None
+        notes = (AFTER_END_NOTE.format(*after[2]),) if after else ()
     end = apogee[0].time if apogee else float(log.ascent.time[-1])
     lift, boost = _boost(log, lift, begin, end)
     burnt = boost.events.get("burnout")
@@ -110,6 +115,11 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         pressed,
         (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible, *unknown),
     )
+
+
+def _turned(ascent: Ascent) -> bool:
+    """Whether nearly all curves that fit the samples come down at their end."""
+    return bool(np.quantile(ascent.speeds[:, -1], 0.95) < 0)
 
 
 def _lost_in_boost(log: FittedLog, lift: Event | None, gap: tuple[float, float]) -> Recorded:

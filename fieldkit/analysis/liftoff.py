@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.hard_boost import checked_by_climb
-from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.phases import LEAST_GAIN, Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -24,7 +24,7 @@ _RIDGE, _TINY = 1e-10, 1e-30
 
 def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     """Lift-off from the accelerometer if possible, otherwise from the rise off the pad; None if neither shows it."""
-    felt = _by_push(push, seen) if push else None
+    felt = _by_push(push, track, seen) if push else None
     if felt is not None:
         return felt
     corner = _by_rise(track, seen)
@@ -48,7 +48,7 @@ def _is_under_way(push: Push, moment: float) -> bool:
     return before.size > 0 and float(before.min()) > _THRUST
 
 
-def _by_push(push: Push, seen: Outline) -> Event | None:
+def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     """Start of the acceleration that lasts until the fastest climb: where it crosses a fifth of its median."""
     about = seen.lift if seen.lift is not None else seen.fastest - 1.5
     near = (push.time > about - 3) & (push.time <= seen.fastest + 0.05)
@@ -68,7 +68,7 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
     crossing = np.flatnonzero(lasting[1:] & (felt[1:] >= bar) & (felt[:-1] < bar))
     if crossing.size == 0:
         return None
-    first = crossing[_sustained(crossing, felt, bar)]
+    first = crossing[_on_pad(_sustained(crossing, felt, bar), time[crossing], track, seen)]
     fraction = (bar - felt[first]) / (felt[first + 1] - felt[first])
     return Event(
         float(time[first] + fraction * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
@@ -81,6 +81,18 @@ def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float
         if np.mean(felt[index + 1 :] > bar) > 0.6:
             return place
     return len(crossing) - 1
+
+
+def _on_pad(chosen: int, crossed: Float[Array, "_"], track: Heights, seen: Outline) -> int:
+    """Index of the lift-off among times at which thrust began, of which one was `chosen`. [s]
+
+    If the heights show that the rocket had left the pad by then, as at the ignition of a second stage, it is the one on
+    the pad closest to the rise.
+    """
+    left = np.interp(crossed, track.time, seen.calm) - seen.pad > max(LEAST_GAIN, 8 * track.noise)
+    if seen.lift is None or not left[chosen] or left[: chosen + 1].all():
+        return chosen
+    return int(np.argmin(np.where(left, np.inf, np.abs(crossed - seen.lift))))
 
 
 def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, spacing: float = _STEP) -> Event | None:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.analysis.accelerometer_check import Agreement, agreement
+from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
-from fieldkit.analysis.channels import Heights, Push, at_its_end, heights, pushes
+from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
@@ -17,6 +17,7 @@ from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.notes import (
     CLIPPED_NOTE,
+    EARLIER_FLIGHT,
     ENDS_IN_BOOST,
     FILLED_NOTE,
     NO_FLIGHT,
@@ -24,16 +25,17 @@ from fieldkit.analysis.notes import (
     OTHER_FLIGHT,
     REJECTED_NOTE,
     SLANTED_NOTE,
+    UNCHECKED,
 )
-from fieldkit.analysis.phases import Outline, next_flight, outline
+from fieldkit.analysis.phases import Outline, is_similar, next_flight, outline, rest_in_climb
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
-from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.analysis.satellites import sightings
 from fieldkit.analysis.slanted_flight import SlantedFlight, slanted_flight
 from fieldkit.analysis.unseen_top import silence
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Flags
+from fieldkit.shapes import Array, Flags, Float
 
 _MAX_FILLED_DELAY = 0.1
 """Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
@@ -42,6 +44,8 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
+_SHORTEST_BOOST = 0.15
+"""Duration of the shortest boosts. [s]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
@@ -51,13 +55,21 @@ _MIN_LAG = 0.08
 def rises(clocks: Sequence[Series]) -> bool:
     """Whether something in a log rises like a rocket, from a quick look at its heights.
 
-    True if the log has an accelerometer but no heights, because then this cannot be decided here.
+    In a log without heights, whether an accelerometer felt thrust.
     """
     track = heights(clocks)
     if track is not None:
         return outline(undisturbed(track)) is not None
-    felt = (getattr(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total"))
-    return any(values is not None for values in felt)
+    channels = [(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total")]
+    return any(_feels_thrust(series.time, getattr(series, name)) for series, name in channels)
+
+
+def _feels_thrust(time: Float[Array, "_"], felt: Float[Array, "_"] | None) -> bool:
+    """Whether an acceleration is far from rest for as long as the shortest boost."""
+    if felt is None or time.size < MIN_SAMPLES:
+        return False
+    width = max(3, round(_SHORTEST_BOOST / median_step(time)))
+    return bool((running_median(np.nan_to_num(felt), width | 1) > _THRUST).any())
 
 
 def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
@@ -76,6 +88,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     seen = outline(track)
     if seen is None:
         return Recorded(notes=(NO_FLIGHT,))
+    track, seen, others = _highest(track, seen)
     later = next_flight(track, seen) if seen.down else None
     if later is not None:
         track, seen = _before(later - _NEXT_MARGIN, track, seen)
@@ -110,7 +123,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
     found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
-    others = () if later is None else (OTHER_FLIGHT.format(later - float(track.time[0])),)
+    others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)
 
 
@@ -155,9 +168,11 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
+    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    if push is not None and found is None and unchecked(push, seen, rise):
+        return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
     if push is None or rise is None:
         return _Trust(push)
-    found = agreement(track, push, seen, rise)
     if found is None or found.is_consistent:
         lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
         return _Trust(replace(push, scale=found.scale, blur=found.blur) if found is not None else push, lag=lag)
@@ -201,6 +216,20 @@ def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline
     lift = None if seen.lift is None else seen.lift - lag
     earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
     return replace(track, time=track.time - lag, lag=lag), earlier
+
+
+def _highest(track: Heights, seen: Outline) -> tuple[Heights, Outline, tuple[str, ...]]:
+    """The highest flight of a log without the ones just before it, and a note if there are any."""
+    rest = rest_in_climb(track, seen)
+    if rest is None:
+        return track, seen, ()
+    place = int(np.searchsorted(track.time, rest))
+    parts = [replace(track, time=track.time[part], height=track.height[part]) for part in np.s_[:place, place:]]
+    earlier, found = (outline(part) if part.time.size >= MIN_SAMPLES else None for part in parts)
+    if found is None:
+        return track, seen, ()
+    flew = earlier is not None and is_similar(earlier, found)
+    return parts[1], found, (EARLIER_FLIGHT.format(rest - float(track.time[0])),) if flew else ()
 
 
 def _before(end: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:

@@ -3,12 +3,16 @@
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "no rocket flight in this log: nothing is measured"
 NO_APOGEE = "no apogee: the log ends before it"
+AFTER_END_NOTE = "the log ends just before apogee, which is between {:.0f} m, as recorded, and {:.0f} m, without drag"
 UNSEEN_TOP_NOTE = (
     "the apogee is in a gap of {:.0f} s: between {:.0f} m, as recorded, and {:.0f} m, after a coast without drag"
 )
 LOST_IN_BOOST = "a gap of {:.0f} s begins in the boost and ends after apogee: no apogee, top speed or burn time"
 OTHER_FLIGHT = (
     "another flight follows {:.0f} s after the start of the log: it is not measured; save it as a log of its own"
+)
+EARLIER_FLIGHT = (
+    "another flight ends about {:.0f} s after the start of the log: it is not measured; save it as a log of its own"
 )
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is missing or distorted: no top speed, burn time or acceleration"
@@ -20,5 +24,6 @@ FILLED_NOTE = (
 )
 ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
 REJECTED_NOTE = "the acceleration {}: it is not used; the boost is measured from heights only"
+UNCHECKED = "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
 SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
 NO_LANDING = "the log ends before landing: no duration"

@@ -30,6 +30,9 @@ _DOWN, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
 """Below this fraction of its climb a rocket is down; the next flight of a log climbs at least by this fraction of the
 climb and of its speed, and has at least so many samples. [1]"""
 
+_BETWEEN_FLIGHTS = 5.0
+"""Shortest rest between two flights; shocks make a rocket appear to fall for less. [s]"""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outline:
@@ -108,6 +111,29 @@ def next_flight(track: Heights, seen: Outline) -> float | None:
     rest = replace(track, time=track.time[begin:end], height=track.height[begin:end])
     found = outline(rest) if rest.time.size >= _MIN_NEXT else None
     return found.lift if found is not None and found.climbs > _LEAST_NEXT * seen.climbs else None
+
+
+def rest_in_climb(track: Heights, seen: Outline) -> float | None:
+    """When the last rest on the ground began after a descent shortly before the highest point; None if there is none.
+
+    The descent of an earlier flight would hide the lift-off of the highest one. [s]
+    """
+    first, top = np.searchsorted(track.time, (seen.top - LONGEST_CLIMB, seen.top))
+    time, calm = track.time[first:top], seen.calm[first:top] - seen.pad
+    high, least = np.maximum.accumulate(calm), max(LEAST_GAIN, 8 * track.noise)
+    down = (high > least) & (calm < _DOWN * high)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], down, [False])).astype(int))).reshape(-1, 2)
+    rests = [slice(*edge) for edge in edges.tolist() if np.ptp(time[slice(*edge)]) > _BETWEEN_FLIGHTS]
+    if not rests:
+        return None
+    ground = calm[rests[-1]]
+    return float(time[rests[-1]][np.argmax(ground < ground.min() + least)])
+
+
+def is_similar(other: Outline, seen: Outline) -> bool:
+    """Whether another climb of a log is high and fast enough, compared with its flight, to be a flight too."""
+    gains = (other.top_height - other.pad, seen.top_height - seen.pad)
+    return gains[0] > _LEAST_NEXT * gains[1] and other.climbs > _LEAST_NEXT * seen.climbs
 
 
 def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Float[Array, "_"]:

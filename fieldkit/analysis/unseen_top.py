@@ -20,6 +20,9 @@ _SILENT, _STEPS = 2.0, 5.0
 """Shortest time without a sample [s], and number of typical sample intervals [1], that form a gap around the top."""
 _MAX_TIME_FROM_SILENCE = 1.0
 """Largest time between the highest smoothed sample and the gap for the gap to contain the top. [s]"""
+_LARGEST_SD, _COASTED = 0.01, 0.5
+"""Largest standard deviation of an apogee after the end of a log, as a fraction of it [1]. Shortest coast that shows
+that the end was not in the boost [s]."""
 _RISING = 3.0
 """If the rocket was slower than this when the gap began, it was already at apogee. [m/s]"""
 _DRAG = 0.35
@@ -55,9 +58,10 @@ def accelerates(ascent: Ascent, moment: float) -> bool:
 
 
 def unseen_apogee(
-    track: Heights, seen: Outline, ascent: Ascent, gap: tuple[float, float]
+    track: Heights, seen: Outline, ascent: Ascent, gap: tuple[float, float], slowest: float = _RISING
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
-    """Apogee in a gap, and the heights that it lies between [m]; None if the rocket had reached its top before.
+    """Apogee in a gap, and the heights that it lies between [m]; None if the rocket had reached its top before: it was
+    slower than `slowest` [m/s].
 
     The figure assumes a coast with the last measured drag; its standard deviation covers both bounds.
     """
@@ -68,7 +72,7 @@ def unseen_apogee(
     if before.sum() < 3:
         return None
     speed = float(np.interp(begin, ascent.time, ascent.speed))
-    if speed < _RISING:
+    if speed < slowest:
         return None
     height = float(np.interp(begin, ascent.time, ascent.height))
     speeds = ascent.speeds[:, before][:, -1]
@@ -83,4 +87,15 @@ def unseen_apogee(
     spread = max(high - top, min(top - low, rise)) / 2
     sd = float(np.sqrt(spread**2 + (speed * speeds.std() / GRAVITY) ** 2 + track.noise**2 + seen.pad_sd**2))
     moment = min(begin + lasts, end)
-    return Event(moment, max(0.2, _DRAG * lasts), track.source), Figure(top, sd, track.source), (low, high)
+    return Event(moment, max(0.2, _DRAG * abs(lasts)), track.source), Figure(top, sd, track.source), (low, high)
+
+
+def apogee_after_end(track: Heights, seen: Outline, ascent: Ascent) -> tuple[Event, Figure, tuple[float, float]] | None:
+    """Apogee of a log that ends shortly before it, or just after, as for one in a gap; None if the rocket may still
+    have gone far."""
+    end = min(float(track.time[-1]), float(ascent.time[-1]))
+    fastest = float(ascent.time[int(np.argmax(ascent.speed))])
+    if end - fastest < _COASTED or accelerates(ascent, end):
+        return None
+    found = unseen_apogee(track, seen, ascent, (end, np.inf), slowest=-_RISING)
+    return found if found is not None and found[1].sd < _LARGEST_SD * found[1].value else None

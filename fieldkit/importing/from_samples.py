@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
-from fieldkit.analysis import NO_FLIGHT, columns, measure, simulated, widened_by_contradictions
+from fieldkit.analysis import NO_FLIGHT, columns, measure, rises, simulated, widened_by_contradictions
 from fieldkit.analysis.channels import MIN_SAMPLES
 from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
@@ -49,6 +49,8 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     samples = max((series.time.size for series in reading.clocks), default=0)
     if NO_HEIGHT in recorded.notes and samples < MIN_SAMPLES and not _states_figures(reading):
         return [DamagedLog(f"found {counted(samples, 'sample')}, expected at least {MIN_SAMPLES}", row=reading.row)]
+    if NO_HEIGHT in recorded.notes and not (reading.part or _states_figures(reading) or rises(reading.clocks)):
+        return [DamagedLog(f"found no flight: {NO_HEIGHT}, and no thrust in an acceleration", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
     if not fields.get("flight_id"):
         when = fields.get("date_time")

@@ -34,7 +34,7 @@ def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, r
 
 
 @pytest.mark.parametrize("fraction", [0.5, 1.3])
-@pytest.mark.parametrize("wait", [120.0, 900.0])
+@pytest.mark.parametrize("wait", [20.0, 120.0, 900.0])
 def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: float, wait: float) -> None:
     truth = fly(SMALL)
     (series,) = log(truth, Logger(start=0.0, wait=wait, rate=10.0), np.random.default_rng(6))
@@ -45,6 +45,7 @@ def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: flo
     assert abs(duration.value - truth.readouts()["duration"]) < 3 * duration.sd
     assert recorded.figures["apogee"].value == pytest.approx(max(fraction, 1.0) * truth.readouts()["apogee"], rel=0.01)
     assert any("another flight follows" in note for note in recorded.notes) == (fraction < 1)
+    assert any("another flight ends" in note for note in recorded.notes) == (fraction > 1 and wait < 60)
 
 
 def test_a_rocket_that_is_carried_up_a_hill_after_landing_is_no_next_flight() -> None:

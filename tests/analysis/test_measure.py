@@ -251,6 +251,28 @@ def test_a_receiver_that_loses_its_way_under_thrust_shows_no_boost() -> None:
     assert "top_speed" in barometer.figures  # the barometer may react to the air there; the rest determines the speed
 
 
+@pytest.mark.parametrize("rate", [1.0, 10.0])
+def test_a_receiver_that_repeats_its_last_fix_has_not_measured_it(rate: float) -> None:
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(rate=rate, noise=0.5, wait=30.0), np.random.default_rng(2))
+    assert series.altitude is not None
+    since = series.time - 100
+    lost = np.where((since > -2) & (since < 9), series.altitude[np.searchsorted(since, -2)], series.altitude)
+    recorded = measure((Series(time=series.time, gps_altitude_msl=lost + 900),))
+    assert "top_speed" not in recorded.figures
+    assert abs(off(recorded, truth, "apogee")) < 3
+    duration = recorded.figures.get("duration")
+    assert duration is None or abs(off(recorded, truth, "duration")) < 2 * duration.sd
+
+
+@pytest.mark.parametrize("rest", [2.5, 3.0, 4.0])
+def test_a_log_that_ends_a_few_seconds_after_landing_has_it(rest: float) -> None:
+    truth = flown(SMALL)
+    recorded = measure(log(truth, Logger(rest=rest), np.random.default_rng(3)))
+    assert abs(off(recorded, truth, "duration")) < 2 * recorded.figures["duration"].sd
+    assert abs(off(recorded, truth, "descent_speed")) < 2 * recorded.figures["descent_speed"].sd
+
+
 def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
     (series,) = log(flown(LARGE), Logger(late=3.0), np.random.default_rng(1))
     assert series.altitude is not None
@@ -288,6 +310,16 @@ def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
     recorded = measure((Series(time=series.time[there], altitude=series.altitude[there]),))
     assert abs(off(recorded, truth, "apogee")) < 3 * recorded.figures["apogee"].sd
     assert "descent_speed" not in recorded.figures
+
+
+@pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
+@pytest.mark.parametrize("early", [0.97, 1.0, 1.03])
+def test_an_apogee_close_to_the_end_of_a_log_is_an_interval(rocket: Rocket, early: float) -> None:
+    recorded, truth = measured(rocket, Logger(early=early))
+    for name in ("apogee", "coast_to_apogee", "time_to_apogee"):
+        assert abs(off(recorded, truth, name)) < 2.5 * recorded.figures[name].sd
+    assert recorded.figures["apogee"].sd < 0.01 * truth.readouts()["apogee"]
+    assert not {"descent_speed", "duration", "apogee_to_eject"} & set(recorded.figures)
 
 
 def test_a_log_that_ends_before_apogee_reports_it() -> None:

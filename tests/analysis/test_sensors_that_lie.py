@@ -345,6 +345,33 @@ def test_an_acceleration_that_was_worked_out_and_comes_late_is_left_out(late: fl
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "avg_accel")
 
 
+@pytest.mark.parametrize("wait", [0.1, 0.3, 2.0])
+def test_a_computed_acceleration_that_is_smoothed_without_delay_is_left_out(wait: float) -> None:
+    truth = flown(SMALL)
+    series, *_ = recording(truth, seed=3, wait=wait, rate=10.0)
+    falls = np.where(truth.time > truth.ejection, 0.0, truth.acceleration)
+    smooth = np.convolve(np.interp(series.time, truth.time, falls, left=0.0, right=0.0), np.ones(9) / 9, "same")
+    recorded = measure((replace(series, acceleration=smooth),))
+    assert any("was computed" in note for note in recorded.notes)
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
+    assert recorded.figures["top_speed"].source == "barometric altitude"
+
+
+@pytest.mark.parametrize("coast", [0.8, 1.8])
+def test_lift_off_of_two_stages_is_that_of_the_first(coast: float) -> None:
+    burns, step, lift = (1.2, 2.0), 0.01, 3.0
+    time = np.arange(0.0, 90.0, step)
+    flies = time - lift
+    second = burns[0] + coast
+    thrust = (flies >= 0) & (flies < burns[0]) | (flies >= second) & (flies < second + burns[1])
+    net = np.where(flies < 0, 0.0, np.where(thrust, 70.0, -12.0))
+    speed = np.maximum(np.cumsum(net) * step, np.where(flies < 0, 0.0, -12.0))
+    height = np.maximum(np.cumsum(speed) * step, 0.0) + np.random.default_rng(1).normal(0, 0.4, time.size)
+    recorded = measure((Series(time=time, altitude=height, felt=net + GRAVITY),))
+    assert recorded.events["liftoff"].time == pytest.approx(lift, abs=0.1)
+    assert recorded.figures["burn_time"].value == pytest.approx(second + burns[1], abs=0.1)
+
+
 def test_an_accelerometer_that_flies_past_the_top_is_not_believed() -> None:
     truth = flown(LARGE)
     series, *_ = recording(truth, wait=2.0)

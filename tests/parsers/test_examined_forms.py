@@ -116,6 +116,16 @@ def test_radio_that_heard_no_flight_is_no_flight_of_a_few_meters_a_second() -> N
     assert only.apogee == pytest.approx(MADE.apogee, rel=0.03)
 
 
+@pytest.mark.parametrize("boost", [0.0, 0.05, 1.0])
+def test_a_log_of_accelerations_alone_is_a_flight_only_if_it_feels_thrust(boost: float) -> None:
+    time = np.arange(0, 60, 0.01)
+    felt = np.where((time > 20) & (time < 20 + boost), 8.0, 1.0) + np.random.default_rng(2).normal(0, 0.05, time.size)
+    lines = (f"{when:.2f},{one:.3f}" for when, one in zip(time.tolist(), felt.tolist(), strict=True))
+    intake = read("\n".join(["time (s),acceleration (g)", *lines]).encode(), "felt.csv", any_motor)
+    assert len(intake.flights) == (boost > 0.5)
+    assert bool(intake.rejected) == (boost < 0.5)
+
+
 def live_radio(height: str) -> bytes:
     """The live form of AltOS CSV as a ground station's program writes it, whose own height it calls by another name."""
     time = np.arange(-5, MADE.time[-1], 0.1)

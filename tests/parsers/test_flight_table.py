@@ -564,6 +564,23 @@ def test_a_mere_number_does_not_identify_a_flight_and_a_number_of_its_own_does()
     assert flight("Date,Flight,Motor,Apogee (ft)", "2024-05-01,A-3,C6-5,812").flight_id == "A-3"
 
 
+@pytest.mark.parametrize("column", ["Wind", "Wind (mph)", "wind [mph]"])
+def test_a_mapping_of_one_column_leaves_the_others_as_they_are_without_it(column: str) -> None:
+    log = b"Flight #,Model,Motor Used,Alt (ft),Wind (mph)\nA7,Astra,C6-5,812,10\n"
+    (plain,) = (item for item in open_log(log, "log.csv", None).found if isinstance(item, Reading))
+    choice = read_choice([f"wind={column}"])
+    (mapped,) = (item for item in open_log(log, "log.csv", None, [choice]).found if isinstance(item, Reading))
+    assert mapped.stated == plain.stated
+    assert {"rocket", "motor", "apogee", "wind"} <= plain.stated.keys()
+
+
+def test_headers_in_other_languages_are_known() -> None:
+    log = "fusée;moteur;masse au décollage (g);apogée (m);vitesse max (m/s);vent (m/s)\nAstra;C6-5;95;247;70;2\n"
+    (reading,) = (item for item in open_log(log.encode(), "vols.csv", None).found if isinstance(item, Reading))
+    assert {"rocket", "motor", "apogee", "top_speed", "wind"} <= reading.stated.keys()
+    assert reading.liftoff_mass == pytest.approx(0.095)
+
+
 def test_an_apogee_without_a_unit_is_named_as_the_problem() -> None:
     assert complaint("Motor,Alt", "C6-5,812").startswith("Alt: found '812' without a unit")
 

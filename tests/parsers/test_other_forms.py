@@ -49,6 +49,11 @@ def underscores(log: bytes) -> bytes:
     return log.replace(b"filteredAltitudeAGL,filteredAcceleration", b"filtered_altitude_AGL,filtered_acceleration")
 
 
+def underscores_for_spaces(log: bytes) -> bytes:
+    names, rows = log.split(b"\n", 1)
+    return names.replace(b" ", b"_") + b"\n" + rows
+
+
 def named_sensors(log: bytes) -> bytes:
     return re.sub(rb"^([-\d.]+),(\d),", rb"\1,BARO\2,", log, flags=re.MULTILINE)
 
@@ -75,6 +80,7 @@ def with_a_comment(log: bytes) -> bytes:
         ("perfectflite_table__tabs.txt", with_a_comment),
         ("raven_fip__edited_by_hand.csv", with_a_column),
         ("raven_fip__channels_that_end_early.csv", with_a_column),
+        ("raven_fip__channels_that_end_early.csv", underscores_for_spaces),
         ("altos_eeprom__easymini.eeprom", flights_among_settings),
         ("altos_eeprom__telemetrum_2_with_damage.eeprom", flights_among_settings),
         ("altos_eeprom__telemetrum_1_among_commands.eeprom", oldest),

@@ -52,7 +52,8 @@ def check_number(cell: str, column: Column, unit: str, mark: str) -> None:
     if len(cell) > 40:
         raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not unit and cell[-1].isdigit():
-        raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
+        whole = f"--map '{column.name}=its column [{column.unit}]' for all rows"
+        raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}, or {whole}")
 
 
 def number_of(cell: str, column: Column, unit: str, mark: str) -> float:

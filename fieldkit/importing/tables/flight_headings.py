@@ -89,7 +89,9 @@ def _places(names: Sequence[str], wanted: str) -> list[int]:
     """Indices of the columns with a name, or with a number such as `#3`."""
     if re.fullmatch(r"#\d{1,3}", wanted) and 1 <= int(wanted[1:]) <= len(names):
         return [int(wanted[1:]) - 1]
-    return [place for place, name in enumerate(names) if plain(name) == plain(wanted)]
+    same = [place for place, name in enumerate(names) if plain(name) == plain(wanted)]
+    without_unit = (plain(name).removesuffix(f"_{stated_unit(name)}") for name in names)
+    return same or [place for place, name in enumerate(without_unit) if name == plain(wanted)]
 
 
 def stated_unit(name: str) -> str:
