@@ -71,6 +71,18 @@ def test_a_known_delay_counts_when_the_descent_is_fitted(delay: float) -> None:
     assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
 
 
+def test_the_timers_of_a_contest_are_a_duration() -> None:
+    """They come before that of an altimeter, which notices a landing late; a timer that is not a number is none."""
+    flight = flown(6.0, 6.0)
+    timed = {"timer_1_s": f"{flight.duration or 0.0:.2f}", "timer_2_s": f"{flight.duration or 0.0:.2f}"}
+    for duration in (None, 90.0):
+        fall = fall_of([(flight.with_changes(duration=duration, extra=timed), FOUND)])
+        assert fall.flights == 1
+        assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
+    typo = fall_of([(flight.with_changes(extra={"timer_1_s": "late"}), FOUND)])
+    assert speed_of(typo) == pytest.approx(6.0, rel=0.02)
+
+
 def test_an_ejection_height_that_was_read_stands_for_a_delay_that_is_not_known() -> None:
     known = flown(6.0, 10.0)
     up = fly(field_setup([known], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
