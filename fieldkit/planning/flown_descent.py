@@ -65,7 +65,7 @@ def _timed(flight: Flight) -> float | None:
     """The duration of a flight: by the timers of a contest if it has them, else its own. [s]"""
     try:
         return judged_duration(flight)
-    except BadValue:  # a timer that is not a number: the contest says so
+    except BadValue:  # a timer that is not a number, which scoring the flight reports
         return flight.duration
 
 
