@@ -166,11 +166,14 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
         row = rule.row(governed_by.build.impulse, governed_by.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
+        why = ""
+        if rule.pad_inside and (round_pad := 2 * _people_distance(governed_by)) > needed:
+            needed, why = round_pad, ", twice the distance of people from a pad in its middle"
         if size is None:
-            text = f"the code requires {length(needed)} across; field size not given"
+            text = f"the code requires {length(needed)} across{why}; field size not given"
             return _check("field size", "unknown", text, rule, row)
         wanted, own = lengths(needed, size)
-        text = f"the code requires {wanted} across"
+        text = f"the code requires {wanted} across{why}"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(governed_by)) and size >= small.rows[0].value - 1e-6:
             told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
@@ -180,6 +183,13 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
     wanted = governed_by.rules("field size")
     wanted.sort(key=lambda rule: -(rule.least(governed_by.build.impulse, governed_by.altitude) or math.inf))
     return _line("field size", wanted, judge)
+
+
+def _people_distance(governed_by: Governed) -> float:
+    """The distance that the codes require from the pad to the people at the launch; 0 without one. [m]"""
+    build, rules = governed_by.build, governed_by.rules("pad distance")
+    needed = (rule.least(build.impulse, governed_by.altitude, complex_rocket=build.complex) for rule in rules)
+    return max((distance or 0.0 for distance in needed), default=0.0)
 
 
 def _small_field(governed_by: Governed) -> Rule | None:
