@@ -41,6 +41,7 @@ from fieldkit.planning.check import (
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.governed import governed
 from fieldkit.planning.landing import Landing, landing
 from fieldkit.planning.landing_speed import landing_speed_line
 from fieldkit.planning.limits import Limit, Limits
@@ -105,7 +106,7 @@ def safety_lines(
     build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
     day = plan.date_time.date() if plan.date_time else None
     sets = known_rules() if rules is None else rules
-    governed_by = rule_lines.governed(build, three(prediction.true_apogee)[2], site, sets, day)
+    governed_by = governed(build, three(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
     lines = [
         _rail(prediction.rail_speed, plan, limits),

@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.planning import rule_lines
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
-from fieldkit.planning.rule_lines import Governed, governed
+from fieldkit.planning.governed import Governed, governed
 from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
 from fieldkit.services.sites import keep_site, put_site, site_of
 from fieldkit.units import FOOT
