@@ -387,6 +387,7 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
         ({"main_speed_mps": "10.5"}, "caution", "1.5 times as wide lands at 7.0 m/s"),
         ({"main_speed_mps": "35"}, "unsafe", "J if it lands in one piece"),
         ({"recovery": "streamer", "main_speed_mps": "10.5"}, "caution", "at most 9.1 m/s"),
+        ({"drogue_speed_mps": "20", "main_altitude_m": "4", "main_speed_mps": "5"}, "caution", "opens too low"),
     ],
 )
 def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
@@ -396,7 +397,17 @@ def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
     line = next(one for one in planned_flight(NEW, plan, FOUND, Site(), limits()).lines if one.name == "landing speed")
     assert line.verdict == verdict, line.text
     assert said_of_it in line.text
-    assert ("as wide" in line.text) == (verdict in ("caution", "unsafe") and "recovery" not in typed)
+    wrong_size = verdict in ("caution", "unsafe") and not {"recovery", "main_altitude_m"} & set(typed)
+    assert ("as wide" in line.text) == wrong_size
+
+
+def test_a_main_above_the_apogee_opens_there_and_the_landing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
+    words = "chance of an apogee below that: the main opens at apogee"
+    for height, above in (("900m", True), ("60m", False)):
+        dual = ["--drogue-speed", "20m/s", "--main-altitude", height]
+        assert main(["--ledger", str(tmp_path / "ledger.db"), "landing", *body, *dual]) == 0
+        assert (words in capsys.readouterr().out) == above
 
 
 def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> None:
