@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, say_wrapped, system
-from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
+from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -56,15 +56,13 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
 
-    motors = MotorCheck()
-    flight = Flight().with_changes(**read_settings(changes, motors))
+    weighed = {} if lift_off_mass is None else {LIFT_OFF: lift_off_mass}
+    flight = Flight().with_changes(**read_settings(changes | weighed, MotorCheck()))
     if not flight.rocket:
         raise BadValue("rocket: found nothing, expected the rocket's name")
-    if lift_off_mass is None:
-        return flight
-    if flight.dry_mass is not None:
-        raise BadValue("found --dry-mass and --lift-off-mass, expected one of them")
-    return _without_motor(flight, lift_off_mass, motors)
+    if weighed:
+        note_dry_mass(flight)
+    return flight
 
 
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "Flight":
@@ -81,18 +79,6 @@ def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "Fl
         ]
         options = " and ".join(f"--{one.replace('_', '-')}" for one in filled)
         complain(f"note: filled in {', '.join(values)}; change with {options}")
-    return flight
-
-
-def _without_motor(flight: "Flight", lift_off_mass: str, motors: MotorCheck) -> "Flight":
-    """A flight with the dry mass that follows from a typed lift-off mass, which is printed. Raises BadValue."""
-    from fieldkit.flight import BY_NAME
-    from fieldkit.importing.manual_entry import read_lift_off_mass
-    from fieldkit.quantities import measure
-    from fieldkit.services.manual_entry import weighed
-
-    flight = weighed(motors.catalogue, flight, read_lift_off_mass(lift_off_mass))
-    complain(f"note: dry mass {measure(BY_NAME['dry_mass'], flight.dry_mass, system())}, without {flight.motor}")
     return flight
 
 
@@ -130,7 +116,8 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
         raise typer.Exit(1)
     flight = with_offers(ledger, conversation.flight, set(conversation.answers))
     if typed := conversation.answers.get(LIFT_OFF_MASS.name):  # in the draft of the app
-        flight = _without_motor(flight, typed, conversation.motors)
+        flight = flight.with_changes(dry_mass=dry_mass(conversation.motors.catalogue, flight, typed))
+        note_dry_mass(flight)
     return flight, DRAFT if conversation.keeps else None
 
 

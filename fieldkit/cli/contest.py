@@ -80,7 +80,8 @@ def finals(
         prediction = ends[-1][0]
     chosen = system()
     heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
-    notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in rule.by_hand), rule.caveat]
+    by_eye = [*([("finals", rule.finals)] if rule.finals else []), *rule.by_hand]
+    notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in by_eye), rule.caveat]
     if card is not None:
         below = [*filter(None, [finals_failures(lines)]), *notes]
         files.write(card, finals_card(heading, rows, card.suffix.lower(), below, chosen), force=force)

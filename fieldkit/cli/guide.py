@@ -49,9 +49,10 @@ def print_guide(
         names = {motor: _called(motor, plan.motors) for motor in motors}
         weak = [motor for motor in motors if not lifts(motor, mass)] if strong is not motors else []
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
-    advice = None if season is None else _advice(plan, found, season)
-    if season is not None and target is None:
-        target = season_rule(season).target
+    advice = None
+    if season is not None:
+        found, advice = _in_season(plan, found, season)
+        target = target or season_rule(season).target
     choices = by_closeness(found, target)
     if json:
         _print_json(plan, wanted, target, choices, [motor.designation for motor in weak], advice)
@@ -75,16 +76,17 @@ def print_guide(
     say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
 
 
-def _advice(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "MotorAdvice":
-    """The motors by the points of a season, against the one that the rocket last flew on."""
+def _in_season(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "tuple[list[MotorChoice], MotorAdvice]":
+    """The motors held to the limits of a season, and by its points against the one that the rocket last flew on."""
     from fieldkit.paths import data_file
     from fieldkit.planning.contest_limits import approved_motors
-    from fieldkit.planning.motor_advice import motor_advice
+    from fieldkit.planning.motor_advice import in_season, motor_advice
     from fieldkit.planning.motor_guide import label
 
+    rule, approved = season_rule(year), approved_motors(year, data_file("seasons"))
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
-    approved = approved_motors(year, data_file("seasons"))
-    return motor_advice(found, season_rule(year), label(last) if last is not None else None, approved)
+    held = [in_season(one, rule, approved) for one in found]
+    return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":

@@ -5,8 +5,11 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
+import typer
+
 from fieldkit.cli.options import FIELD
 from fieldkit.cli.screen import complain, system
+from fieldkit.cli.session import LIFT_OFF, dry_mass
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -30,7 +33,7 @@ def kit_named(given: Given) -> "Kit | None":
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
     """The flight described by the options; rocket, configuration, mass, rail and site are by default as last flown.
 
-    Raises BadValue.
+    Raises BadValue, BadParameter.
     """
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
     from fieldkit.flight.recovery import (
@@ -48,6 +51,8 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
+    if given.get("dry_mass") and given.get(LIFT_OFF):
+        raise typer.BadParameter("found --dry-mass and --lift-off-mass, expected one of them")
     changes = {
         name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
     }
@@ -67,8 +72,9 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
         plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
         if plan.motor:
             check_mount(kit, motors.resolve_several(plan.motor).motor)
-    if given.get("lift_off_mass"):
-        plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
+    if lift_off := given.get(LIFT_OFF):
+        on_pad = plan.with_changes(motor=plan.motor or (last.motor if last else ""))
+        plan = plan.with_changes(dry_mass=dry_mass(motors, on_pad, lift_off))
     typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
     plan = plan.with_changes(extra={**plan.extra, **typed})
     plan = completed_plan(ledger, motors, plan, read_settings())
@@ -101,16 +107,3 @@ def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given)
     with suppress(UnknownMotor):
         if plan.motor and (odd := implausible(plan, motors.resolve_several(plan.motor).motor)):
             yield in_system(odd, system())
-
-
-def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float | None:
-    """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
-    from fieldkit.errors import BadValue
-    from fieldkit.importing.manual_entry import read_lift_off_mass
-    from fieldkit.services.manual_entry import weighed
-
-    flown = plan.with_changes(motor=plan.motor or (last.motor if last else ""))
-    try:
-        return weighed(motors, flown, read_lift_off_mass(text)).dry_mass
-    except BadValue as error:
-        raise BadValue(f"lift_off_mass: {error}") from error

@@ -8,7 +8,7 @@ import typer
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
-from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
@@ -151,12 +151,15 @@ def edit(
     """Change columns of a flight.
 
     A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
+    lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
     """
     settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)
         after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
+    if LIFT_OFF in settings:
+        note_dry_mass(after)
     say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"Flight {id} unchanged")
 
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
 
+LIFT_OFF = "lift_off_mass"
+"""Typed in place of the dry mass for a rocket weighed with its motor."""
 REMARKS = 5
 """Excluded flights that a command names; the others are counted. [1]"""
 
@@ -61,17 +63,47 @@ def split_settings(arguments: Sequence[str]) -> dict[str, str]:
 def read_settings(
     settings: Mapping[str, str], check_motor: "MotorCheck", flight: "Flight | None" = None
 ) -> dict[str, object]:
-    """Fields and values for columns and texts, of a flight if it is known. Raises BadValue."""
+    """Fields and values for columns and texts, of a flight if it is known; `lift_off_mass` gives the dry mass.
+
+    Raises BadValue.
+    """
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.motors import is_cluster
 
-    values = read_changes(flight or Flight(), settings)
+    columns = {name: text for name, text in settings.items() if name != LIFT_OFF}
+    values = read_changes(flight or Flight(), columns)
     motor = str(values.get("motor", ""))
     if motor and not is_cluster(motor) and (complaint := check_motor(motor)):
         raise BadValue(f"motor: {complaint}")
+    if LIFT_OFF in settings:
+        if "dry_mass" in values:
+            raise BadValue("found a dry mass and a lift-off mass, expected one of them")
+        weighed = (flight or Flight()).with_changes(**values)
+        values["dry_mass"] = dry_mass(check_motor.catalogue, weighed, settings[LIFT_OFF])
     return values
+
+
+def dry_mass(motors: "Catalogue", flight: "Flight", text: str) -> float | None:
+    """The dry mass of a rocket weighed with its motor, as typed. Raises BadValue, UnknownMotor. [kg]"""
+    from fieldkit.errors import BadValue
+    from fieldkit.importing.manual_entry import read_lift_off_mass
+    from fieldkit.services.manual_entry import weighed
+
+    try:
+        return weighed(motors, flight, read_lift_off_mass(text)).dry_mass
+    except BadValue as error:
+        raise BadValue(f"{LIFT_OFF}: {error}") from error
+
+
+def note_dry_mass(flight: "Flight") -> None:
+    """Print the dry mass that followed from a typed lift-off mass."""
+    from fieldkit.cli.screen import complain, system
+    from fieldkit.flight import BY_NAME
+    from fieldkit.quantities import measure
+
+    complain(f"note: dry mass {measure(BY_NAME['dry_mass'], flight.dry_mass, system())}, without {flight.motor}")
 
 
 class MotorCheck:

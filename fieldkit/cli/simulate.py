@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 BODY = ("motor", "dry_mass", "diameter")
-"""Columns that both simulators need, as typer names them: without the unit."""
+"""Columns that both simulators take, as typer names them: without the unit."""
 
 
 class Physics(StrEnum):
@@ -37,6 +37,10 @@ def simulate(
     physics: Annotated[
         Physics, typer.Option(help="fieldkit's simulator (field), or the reference paper's.")
     ] = Physics.field,
+    lift_off_mass: Annotated[
+        str | None,
+        typer.Option(help="Mass on the pad with all motors and stages: 620g, 22oz; in place of the dry mass."),
+    ] = None,
     booster_mass: Annotated[
         str | None,
         typer.Option(
@@ -54,20 +58,24 @@ def simulate(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Simulate one flight from motor, dry mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
+    """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
+    from fieldkit.services.manual_entry import dry_mass_under
 
     options = {name: text for name, text in given.items() if text is not None}
-    for name in BODY:
+    if bool(lift_off_mass) == ("dry_mass" in options):
+        raise typer.BadParameter("found both or none of --dry-mass and --lift-off-mass, expected one of them")
+    for name in ("motor", "diameter"):
         if name not in options:
             raise typer.BadParameter(f"found no --{_dashed(name)}, expected one")
     unused = [f"--{_dashed(name)}" for name in options if name not in BODY]
+    unused += ["--lift-off-mass"] if lift_off_mass else []
     if physics is Physics.paper and unused:
         raise BadValue(
-            f"{', '.join(unused)}: found a value, expected none: the paper's physics has no delay and no conditions"
+            f"{', '.join(unused)}: found a value, expected none: the paper's physics takes motor, dry mass and diameter"
         )
     plan = Flight().with_changes(**read_changes(Flight(), options))
     if physics is Physics.paper:
@@ -76,6 +84,9 @@ def simulate(
         found = known_motors().resolve_several(plan.motor, _boosters(booster_mass, booster_cd, cd))
         for note in found.notes:
             complain(f"note: {note}")
+        if lift_off_mass:
+            weighed = typed("--lift-off-mass", lift_off_mass, "mass", "g")
+            plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
         result = field_flight(plan, found, cd, alpha)
     if json:
         print_json(result)

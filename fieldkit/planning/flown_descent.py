@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import Recovery, recovery_of
 from fieldkit.motors import Found
@@ -15,6 +16,7 @@ from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
 from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
+from fieldkit.planning.contest_flight import judged_duration
 from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -45,17 +47,26 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
     A duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it is preferred over
     a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
     """
-    if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
+    duration = _timed(flight)
+    if duration is None or flight.apogee is None or flight.dry_mass is None:
         return flight.descent_speed, None
     recovery = recovery_of(flight)
     path = _path(flight, found, recovery)
-    left, air = flight.duration - path.rise - path.free, air_at_pads([flight])
+    left, air = duration - path.rise - path.free, air_at_pads([flight])
     if left <= 0:
         return flight.descent_speed, None
     devices = _devices(flight, found, recovery)
     if not recovery.dual or recovery.main_altitude is None:
         return _one_device(path, air, left), None
     return _two_devices(flight, devices, path, air, left)
+
+
+def _timed(flight: Flight) -> float | None:
+    """The duration of a flight: by the timers of a contest if it has them, else its own. [s]"""
+    try:
+        return judged_duration(flight)
+    except BadValue:  # a timer that is not a number, which scoring the flight reports
+        return flight.duration
 
 
 def _one_device(path: "_Path", air: Air, left: float) -> float:

@@ -12,11 +12,16 @@ from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.limits import Limits
 
 NAME = "landing speed"
+STILL_SLOWING = 1.2
+"""Ratio of the landing speed to the speed under the open device above which it opened too low to slow the rocket, and
+not because of its size. [1]"""
 
 
-def landing_speed_line(down: DescentResult, device: Device, mass: float, fall: Fall, limits: Limits) -> SafetyCheck:
-    """The median speed under the last device of a rocket of a landing mass [kg] against guidance; unknown if no flight
-    shows it and none is entered."""
+def landing_speed_line(
+    down: DescentResult, device: Device, mass: float, density: float, fall: Fall, limits: Limits
+) -> SafetyCheck:
+    """The median speed under the last device of a rocket of a landing mass [kg], in air of a density at the pad
+    [kg/m^3], against guidance; unknown if no flight shows it and none is entered."""
     opened, slow, most = down.ballistic < 1, limits["landing_speed_slow"], limits["landing_speed"]
     if down.ballistic.mean() >= UNSAFE_RISK:
         return SafetyCheck(NAME, "unsafe", "probably hits the ground before anything opens", most.source)
@@ -29,7 +34,11 @@ def landing_speed_line(down: DescentResult, device: Device, mass: float, fall: F
         return SafetyCheck(NAME, "unknown", text, most.source)
     if slow.value <= found <= most.value:
         return SafetyCheck(NAME, "ok", f"{speed(found)}; {bounds}", most.source)
-    text = f"{speed(found)}; {bounds}{_remedy(found, limits) if device == 'parachute' else ''}"
+    if found > STILL_SLOWING * np.exp(fall.log_mean) * np.sqrt(mass / density):
+        remedy = f": the {device} opens too low to slow it down"
+    else:
+        remedy = _remedy(found, limits) if device == "parachute" else ""
+    text = f"{speed(found)}; {bounds}{remedy}"
     if found < slow.value:
         return SafetyCheck(NAME, "caution", text, slow.source)
     return _too_fast(text, mass * found**2 / 2, limits)

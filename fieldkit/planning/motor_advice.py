@@ -1,7 +1,7 @@
 """Rank motors for a contest by their expected points; a change is recommended only if it is significant."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -71,15 +71,18 @@ class MotorAdvice:
         }
 
 
-def motor_advice(
-    choices: Sequence[MotorChoice], rule: Season, current: str | None, approved: frozenset[str] | None = None
-) -> MotorAdvice:
-    """The points of motors under a season's rules; `current` is the `label` of the current motor.
+def in_season(choice: MotorChoice, rule: Season, approved: frozenset[str] | None = None) -> MotorChoice:
+    """A motor held to the limits of a season and to the flyer's copy of its list of motors, if there is one."""
+    lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
+    return replace(choice, beyond_season=tuple(line for line in lines if line.verdict == "unsafe"))
+
+
+def motor_advice(choices: Sequence[MotorChoice], rule: Season, current: str | None) -> MotorAdvice:
+    """The points of motors `in_season` under its rules; `current` is the `label` of the current motor.
 
     All motors share the same draws, so their differences are known better than the points themselves.
     """
-    usable = [one for one in choices if one.fits and _legal(one, rule, approved)]
-    ranked = sorted((MotorPoints(one, _points(one, rule)) for one in usable), key=lambda one: one.mean)
+    ranked = sorted((MotorPoints(one, _points(one, rule)) for one in choices if one.fits), key=lambda one: one.mean)
     flown = next((one for one in choices if label(one.motor) == current), None)
     now = None if flown is None else MotorPoints(flown, _points(flown, rule))
     if now is None or not ranked:
@@ -87,12 +90,6 @@ def motor_advice(
     saved = now.points - ranked[0].points
     flights = max(now.choice.prediction.rests_on, 1)
     return MotorAdvice(tuple(ranked), now, float(saved.mean()), float(saved.std() / np.sqrt(flights)))
-
-
-def _legal(choice: MotorChoice, rule: Season, approved: frozenset[str] | None) -> bool:
-    """Whether no known limit of a season is exceeded."""
-    lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
-    return not any(line.verdict == "unsafe" for line in lines)
 
 
 def _points(choice: MotorChoice, rule: Season) -> Float[Array, "draw"]:

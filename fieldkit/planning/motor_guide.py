@@ -96,7 +96,7 @@ class MotorChoice:
 
     `ejections` are its delays for sale, and the expected time after apogee at which each would fire [s], negative
     before it; `flown` is whether this rocket has flown it. Thrust to weight is for the first half second and for the
-    average. [1]
+    average [1]. `beyond_season` are the limits of a contest season that it breaks, if one was named.
     """
 
     motor: Motor
@@ -109,6 +109,7 @@ class MotorChoice:
     lines: tuple[SafetyCheck, ...]
     fall: Fall
     """The basis of the descent."""
+    beyond_season: tuple[SafetyCheck, ...] = ()
 
     @property
     def apogee(self) -> float:
@@ -122,12 +123,14 @@ class MotorChoice:
 
     @property
     def why_not(self) -> list[SafetyCheck]:
-        """Why a motor does not fit: too weak, slow off the rail, no suitable delay, too high, or too small a field."""
-        return [line for line in self.lines if line.name in FIT_CHECKS and line.verdict == "unsafe"]
+        """Why a motor does not fit: too weak, slow off the rail, no suitable delay, too high, too small a field, or
+        beyond a limit of the season."""
+        unsafe = [line for line in self.lines if line.name in FIT_CHECKS and line.verdict == "unsafe"]
+        return [*unsafe, *self.beyond_season]
 
     @property
     def fits(self) -> bool:
-        """Whether a motor is safe and sensible for this rocket, as far as known."""
+        """Whether a motor is safe and sensible for this rocket, and allowed in the season, as far as known."""
         return not self.why_not
 
     @property

@@ -4,81 +4,15 @@ If several sets have a rule for the same item, the line is that of the strictest
 line is never worse than caution.
 """
 
-import datetime
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
-from fieldkit.flight.site import Site
 from fieldkit.planning.check import SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
-from fieldkit.planning.classification import Build, legal_class, why_high_power
-from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
+from fieldkit.planning.governed import Governed
+from fieldkit.planning.rules import Rule, RuleRow
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
 
-FIGURE_RULES = (
-    "ground wind",
-    "launch angle",
-    "mass",
-    "propellant",
-    "impulse",
-    "weight over thrust",
-    "field size",
-    "small high power field",
-    "pad distance",
-    "complex rocket",
-    "bystanders",
-    "certification",
-)
-"""Rules that a value of the plan is checked against; all others become reminders."""
 NO_RULE = "no rule in the chosen sets"
-
-
-@dataclass(frozen=True, slots=True)
-class Governed:
-    """A build under the rule sets that govern it: why it is high power, if it is, its legal class, and its rules."""
-
-    build: Build
-    sets: tuple[RuleSet, ...]
-    why: str
-    legal: int | None
-    law: RuleSet | None
-    altitude: float
-
-    def rules(self, check: str) -> list[Rule]:
-        """The rules of one kind that apply to this build."""
-        return [
-            rule
-            for one in self.sets
-            for rule in one.rules
-            if rule.check == check and rule.rows and (not rule.classes or self.legal in rule.classes)
-        ]
-
-    def reminders(self) -> list[Rule]:
-        """The rules that no value of a plan can be checked against."""
-        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES or not rule.rows]
-        burned = {motor.propellant for motor in self.build.motors}
-        return [
-            rule
-            for rule in every
-            if (not rule.classes or self.legal in rule.classes)
-            and (not rule.propellants or burned & set(rule.propellants))
-        ]
-
-
-def governed(
-    build: Build, altitude: float, site: Site, sets: Sequence[RuleSet], day: datetime.date | None = None
-) -> Governed:
-    """The rules for a build with an expected altitude [m], at a site, on a day (today by default).
-
-    Raises BadValue for an authority without rule sets.
-    """
-    authorities, day = read_authorities(site.rules), day or datetime.date.today()
-    own = [one for one in sets if one.authority.casefold() in {name.casefold() for name in authorities}]
-    why = why_high_power(build, [*own, *sets])
-    chosen = governing(sets, authorities, bool(why), day)
-    law = next((one for one in chosen if one.classes), None)
-    legal = legal_class(build, law.classes) if law else None
-    return Governed(build, tuple(chosen), why, legal, law, altitude)
 
 
 def _line(
@@ -166,11 +100,14 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
         row = rule.row(governed_by.build.impulse, governed_by.altitude)
         if needed is None:
             return _check("field size", "unknown", "beyond the table of the code", rule)
+        why = ""
+        if rule.pad_inside and (round_pad := 2 * governed_by.people_distance()) > needed:
+            needed, why = round_pad, ", twice the distance of people from a pad in its middle"
         if size is None:
-            text = f"the code requires {length(needed)} across; field size not given"
+            text = f"the code requires {length(needed)} across{why}; field size not given"
             return _check("field size", "unknown", text, rule, row)
         wanted, own = lengths(needed, size)
-        text = f"the code requires {wanted} across"
+        text = f"the code requires {wanted} across{why}"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(governed_by)) and size >= small.rows[0].value - 1e-6:
             told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"

@@ -81,7 +81,8 @@ class Rule:
 
     `propellants` are those of the motors it applies to, empty for all. `most` is whether values are upper or lower
     limits; `of_altitude` is the lower limit as a fraction of the expected altitude [1]. A rule without rows is only
-    text. `only` are bounds on its applicability.
+    text. `only` are bounds on its applicability. `pad_inside` is whether the edges of a field must be as far from the
+    pad as people.
     """
 
     check: str
@@ -94,6 +95,7 @@ class Rule:
     text: RuleText
     of: str
     propellants: tuple[str, ...] = ()
+    pad_inside: bool = False
 
     def row(self, impulse: float, altitude: float) -> RuleRow | None:
         """The row for an installed impulse [N s] and an expected altitude [m]; None beyond the table."""
@@ -253,4 +255,5 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
         text=text,
         of=printable(title),
         propellants=texts(table.get("propellants", ()), "propellants"),
+        pad_inside=bool(table.get("pad_inside", False)),
     )

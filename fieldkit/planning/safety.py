@@ -40,7 +40,8 @@ from fieldkit.planning.check import (
 )
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.flown_descent import air_at_pads, landing_mass
+from fieldkit.planning.governed import governed
 from fieldkit.planning.landing import Landing, landing
 from fieldkit.planning.landing_speed import landing_speed_line
 from fieldkit.planning.limits import Limit, Limits
@@ -105,8 +106,10 @@ def safety_lines(
     build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
     day = plan.date_time.date() if plan.date_time else None
     sets = known_rules() if rules is None else rules
-    governed_by = rule_lines.governed(build, three(prediction.true_apogee)[2], site, sets, day)
+    governed_by = governed(build, three(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
+    device, mass = recovery_of(plan).device, landing_mass(plan, prediction.found)
+    density = float(air_at_pads([plan]).density[0])
     lines = [
         _rail(prediction.rail_speed, plan, limits),
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
@@ -117,7 +120,7 @@ def safety_lines(
         rule_lines.distance_line(governed_by, site.people),
         rule_lines.bystander_line(governed_by, site.bystanders),
         _ejection(prediction, limits),
-        landing_speed_line(down.down, recovery_of(plan).device, landing_mass(plan, prediction.found), fall, limits),
+        landing_speed_line(down.down, device, mass, density, fall, limits),
         _temperature(plan, limits),
         rule_lines.mass_line(governed_by),
         rule_lines.class_line(governed_by),

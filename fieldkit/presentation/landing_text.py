@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from fieldkit.flight.recovery import Recovery, recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
@@ -41,6 +43,8 @@ def landing_in_words(
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
     yield f"  landing   at {falls}; {_device(recovery, shown)}"
+    if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
+        yield f"            {above:.0%} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall)}"
@@ -104,6 +108,11 @@ def _held(wind: float, shown: ShownUnits) -> str:
 def _device(recovery: Recovery, shown: ShownUnits) -> str:
     height = recovery.main_altitude
     return f"drogue at apogee, main at {shown.length(height)}" if height else f"one {recovery.device}"
+
+
+def _main_above_apogee(prediction: Prediction, recovery: Recovery) -> float:
+    """The chance that a main is set to open higher than the rocket flies. [1]"""
+    return float(np.mean(prediction.true_apogee < (recovery.main_altitude or 0.0)))
 
 
 def descent_in_words(fall: Fall) -> str:

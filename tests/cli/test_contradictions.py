@@ -18,6 +18,7 @@ LINES = {
     "predict --flights plans.csv --wind 20mph": "--wind with --flights",
     "predict --flights plans.csv --motor F24-4W": "--motor with --flights",
     "predict --flights plans.csv --kit Bertha --dry-mass 900": "--dry-mass, --kit with --flights",
+    "predict --motor F24-4W --dry-mass 322g --lift-off-mass 385g": "--dry-mass and --lift-off-mass",
     "daysheet --flights plans.csv --rocket Astra --out sheet.pdf": "--rocket with --flights",
     "remeasure 1 --rocket Astra": "flights and --rocket",
     "motors F24 --fit Astra": "--fit and a search",

@@ -328,6 +328,19 @@ def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
     assert "unchanged" in full("edit", "1", "apogee=").out
 
 
+def test_edit_takes_the_mass_weighed_with_the_motor(full: Run) -> None:
+    said = full("edit", "1", "lift_off_mass=395g")
+    assert "note: dry mass 332 g, without F24-4W" in said.err
+    assert full("show", "1", "--json").document["dry_mass_g"] == pytest.approx(332, abs=1)
+    for wrong, why in (
+        (("lift_off_mass=60g",), "alone weighs 63 g"),
+        (("lift_off_mass=1", "dry_mass=2"), "one of them"),
+    ):
+        said = full("edit", "1", *wrong)
+        assert said.status == 1
+        assert why in said.err
+
+
 @pytest.mark.parametrize(
     ("change", "found"),
     [

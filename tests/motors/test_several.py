@@ -204,6 +204,27 @@ def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[s
     assert "--booster-mass" in capsys.readouterr().err
 
 
+def test_a_rocket_is_simulated_from_the_mass_of_all_its_stages(capsys: pytest.CaptureFixture[str]) -> None:
+    stages = [
+        "simulate",
+        "--motor",
+        "D12-0/C6-7",
+        "--booster-mass",
+        "60g",
+        "--diameter",
+        "30mm",
+        "--cd",
+        "0.6",
+        "--json",
+    ]
+    motors = [catalogue().resolve(name).motor.loaded_mass * 1e3 for name in ("Estes D12", "Estes C6")]
+    apogees = []
+    for weighed in (["--dry-mass", "100g"], ["--lift-off-mass", f"{100 + 60 + sum(motors):.6f}g"]):
+        assert main([*stages, *weighed]) == 0
+        apogees.append(json.loads(capsys.readouterr().out)["apogee_m"])
+    assert apogees[0] == pytest.approx(apogees[1], rel=1e-6)
+
+
 def test_a_cluster_is_planned_as_a_complex_rocket(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
     body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]

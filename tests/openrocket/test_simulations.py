@@ -22,7 +22,8 @@ from fieldkit.motors.several import Booster, resolve_several
 from fieldkit.openrocket import read_design
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
-from fieldkit.physics.state import FlightResult
+from fieldkit.physics.state import FlightResult, Force, State
+from fieldkit.shapes import Array
 from tests.openrocket.designs import Example, design, examples
 
 CHECK_SHAPES = False
@@ -49,18 +50,24 @@ high-power one, whose upper motor is stored with a delay of 0 s."""
 DRAG_BELOW = {"Pods--powered with recovery deployment": 1.256 / 0.583}
 """Drag of the whole rocket over that of its upper stage, from the Cd of simulations of the same design in which
 nothing drops. [1]"""
-SLOWER_THAN_ITS_CD = {("Base drag hack (short-wide)", 1): 0.03, ("Base drag hack (short-wide)", 2): 0.04}
-"""Simulations whose top speed is 1 and 3 % below what their own mass, curve and Cd come to in straight flight, so that
-their apogee is below it by up to this fraction. [1]
+DRAG_GROWS = {"Base drag hack (short-wide)": (0.207, 0.49)}
+"""Designs whose Cd grows with speed, so that its medians over burn and coast, which are stored, are below what acts at
+the top speed: c0 and c1 of c0 + c1 M^2 at Mach number M. [1]
 
-On the lighter C11 the same design agrees. Drag by an angle of attack is not in the Cd that is stored; a short rocket
-with a heavy motor swings longer. Without the design that is a guess.
+The least-squares fit to the medians of all simulations of a design. OpenRocket's pressure drag of a nose rises with a
+power of the Mach number, and the nose of a short and wide rocket is blunt.
+"""
+FASTER = {("Base drag hack (short-wide)", 2): 0.025}
+"""Simulations that fieldkit flies higher, by up to this fraction. [1]
+
+What remains after `DRAG_GROWS` is 2% in the speed at burnout. The medians leave open how much more the Cd grows above
+their own speeds: with M^3, which fits them nearly as well, the apogee is 1.6% high.
 """
 FLOWN = [
     (name, place)
     for name, rows in EXAMPLES.items()
     for place in range(len(rows))
-    if (name, place) not in NOT_FLOWN.keys() | SLOWER_THAN_ITS_CD.keys()
+    if (name, place) not in NOT_FLOWN.keys() | FASTER.keys()
 ]
 OTHER_WINDS = {"Pods--airframes and winglets": 2.235}
 """Mean winds other than 2 m/s. [m/s]"""
@@ -152,12 +159,10 @@ def simulated(
     place: int,
     delay: float | None = None,
     booster_mass: float | None = None,
-    cd_under_thrust: float | None = None,
 ) -> FlightResult:
     """A simulation by the physics of the field; the delay is the motor's own unless one is given [s].
 
-    Boosters weigh what `_booster_mass` says unless a mass is given [kg], and the Cd under thrust is the stored one
-    unless one is given [1].
+    Boosters weigh what `_booster_mass` says unless a mass is given [kg].
     """
     row, found = EXAMPLES[name][place], _motor(name, place, booster_mass)
     cd = read_design(design(name, EXAMPLES[name], dry_mass=0.1), "example.ork").simulations[place].cd
@@ -172,23 +177,32 @@ def simulated(
         delay=delay,
         extra={"opening_time_s": "0"},
     )
-    burning = float(row["cd_thrust"]) if cd_under_thrust is None else cd_under_thrust
+    burning = float(row["cd_thrust"])
     if _staged(name, place) and 2 * found.motor.parts[-1].time[-1] < found.motor.time[-1]:
         burning = cd  # the median of the burn is that of the stages below
+    grows: tuple[tuple[Force, Array], ...] = ()
+    if name in DRAG_GROWS:
+        burning = cd = DRAG_GROWS[name][0]
+        grows = ((_more_drag, np.array([DRAG_GROWS[name][1] / cd])),)
     setup = field_setup([plan], [found], np.array([burning * np.pi / 4 * plan.diameter**2]))
     even_wind = {"wind": np.array([OTHER_WINDS.get(name, 2.0)]), "wind_power": np.zeros(1)}
-    return fly(setup.with_changes(power_off_drag=np.array([cd / burning]), **even_wind))
+    return fly(setup.with_changes(power_off_drag=np.array([cd / burning]), forces=grows, **even_wind))
+
+
+def _more_drag(state: State, strength: Array) -> Array:
+    """The part of the drag that grows with the square of the Mach number."""
+    return np.asarray(-strength * (state.speed / state.air.sound_speed(state.height)) ** 2 * state.drag)
 
 
 def test_what_is_not_flown_and_why() -> None:
     every = {(name, place) for name, rows in EXAMPLES.items() for place in range(len(rows))}
     assert len(every) == 60
-    assert every >= NOT_FLOWN.keys() | SLOWER_THAN_ITS_CD.keys()
-    assert len(FLOWN) == 56
+    assert every >= NOT_FLOWN.keys() | FASTER.keys()
+    assert len(FLOWN) == 57
     page = " ".join((Path(__file__).parents[2] / "docs" / "planning.md").read_text(encoding="utf-8").split())
     assert f"{len(FLOWN)} are within {APOGEE_GATE:.0%} in apogee" in page
-    assert f"{len(FLOWN) + len(SLOWER_THAN_ITS_CD) - 1} within {DELAY_GATE} s in the delay" in page
-    outside = {name for name, _ in NOT_FLOWN.keys() | SLOWER_THAN_ITS_CD.keys() | {PARTS_EARLY}}
+    assert f"{len(FLOWN) + len(FASTER) - 1} within {DELAY_GATE} s in the delay" in page
+    outside = {name for name, _ in NOT_FLOWN.keys() | FASTER.keys() | {PARTS_EARLY}}
     assert all(name.split(" (")[0] in page for name in outside)
 
 
@@ -199,7 +213,7 @@ def test_a_simulation_reaches_its_apogee(name: str, place: int) -> None:
     assert float(simulated(name, place).apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=APOGEE_GATE)
 
 
-@pytest.mark.parametrize(("name", "place"), [*FLOWN, *SLOWER_THAN_ITS_CD])
+@pytest.mark.parametrize(("name", "place"), [*FLOWN, *FASTER])
 def test_the_delay_that_brings_the_charge_to_apogee_is_that_of_its_simulation(name: str, place: int) -> None:
     """OpenRocket counts it from the end of the thrust curve."""
     row = EXAMPLES[name][place]
@@ -210,28 +224,40 @@ def test_the_delay_that_brings_the_charge_to_apogee_is_that_of_its_simulation(na
     assert best == pytest.approx(float(row["best_delay_s"]), abs=DELAY_GATE)
 
 
-@pytest.mark.parametrize(("name", "place"), SLOWER_THAN_ITS_CD)
-def test_two_simulations_are_slower_than_their_own_figures(name: str, place: int) -> None:
+@pytest.mark.parametrize(("name", "place"), FASTER)
+def test_one_simulation_is_slower_than_its_own_figures(name: str, place: int) -> None:
     row, flown = EXAMPLES[name][place], simulated(name, place)
-    assert float(flown.top_speed[0]) > 1.005 * float(row["top_speed_mps"])
-    assert float(flown.apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=SLOWER_THAN_ITS_CD[name, place])
+    assert float(flown.top_speed[0]) > 1.015 * float(row["top_speed_mps"])
+    apogee = float(row["apogee_m"])
+    assert APOGEE_GATE < float(flown.apogee[0]) / apogee - 1 < FASTER[name, place]
 
 
-@pytest.mark.parametrize("place", range(3))
-def test_what_makes_them_slower_is_drag_under_thrust(place: int) -> None:
-    """All three motors of the design need 5 to 11% more Cd under thrust than the median stored for it to reach their
-    stored top speed, and with it they reach their apogee; the coast is that of the stored Cd."""
-    name = next(iter(SLOWER_THAN_ITS_CD))[0]
-    row = EXAMPLES[name][place]
-    stored = float(row["cd_thrust"])
+@pytest.mark.parametrize("name", DRAG_GROWS)
+def test_drag_that_grows_with_speed_has_the_medians_that_are_stored(name: str) -> None:
+    """Those of all its simulations, in burn and coast, to within a third of what the best single Cd leaves."""
+    stored = np.array([(float(row["cd_thrust"]), float(row["cd_coast"])) for row in EXAMPLES[name]])
+    medians = np.array([_medians(name, place, *DRAG_GROWS[name]) for place in range(len(stored))])
+    assert np.abs(medians - stored).max() < np.ptp(stored) / 2 / 3
 
-    def faster(cd: float) -> float:
-        return float(simulated(name, place, cd_under_thrust=cd).top_speed[0]) - float(row["top_speed_mps"])
 
-    needed = float(brentq(faster, 0.8 * stored, 1.5 * stored, xtol=1e-4))
-    assert 1.05 < needed / stored < 1.11
-    flown = simulated(name, place, cd_under_thrust=needed)
-    assert float(flown.apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=APOGEE_GATE)
+def _medians(name: str, place: int, c0: float, c1: float) -> tuple[float, float]:
+    """Medians of Cd over the burn, and over the coast above 30% of the top speed, of a vertical flight by Euler's
+    method, which is none of fieldkit's."""
+    row, motor = EXAMPLES[name][place], _motor(name, place).motor
+    area, step = np.pi / 4 * (float(row["diameter_mm"]) / 1e3) ** 2, 5e-3
+    burning = np.arange(0.0, motor.time[-1], step)
+    thrust = np.interp(burning, motor.time, motor.thrust)
+    masses = float(row["lift_off_kg"]) - motor.propellant_mass * np.cumsum(thrust) / thrust.sum()
+    speeds, speed, count = [], 0.0, 0
+    while count < len(burning) or speed > 0:
+        force, mass = (thrust[count], masses[count]) if count < len(burning) else (0.0, masses[-1])
+        drag = 0.5 * 1.2 * speed**2 * area * (c0 + c1 * (speed / 340.0) ** 2)
+        speed = max(speed + step * ((force - drag) / mass - 9.81), 0.0)
+        speeds.append(speed)
+        count += 1
+    flown = np.array(speeds)
+    cd, coast = c0 + c1 * (flown / 340.0) ** 2, np.arange(count) >= len(burning)
+    return float(np.median(cd[~coast])), float(np.median(cd[coast & (flown > 0.3 * flown.max())]))
 
 
 def test_the_curve_of_the_older_test_has_the_figures_of_its_file() -> None:

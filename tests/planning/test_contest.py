@@ -454,6 +454,8 @@ def test_the_card_of_finals_is_one_picture(tmp_path: Path, capsys: pytest.Captur
     assert main([*ledger, *plan, *weighed]) == 0
     assert [row["target_ft"] for row in json.loads(capsys.readouterr().out)["finals"]] == pytest.approx([775, 780, 785])
     assert (tmp_path / "card.png").read_bytes().startswith(b"\x89PNG")
+    assert main([*ledger, *plan[:-1], *weighed[:4]]) == 0
+    assert f"finals: {season(2027).finals}" in " ".join(capsys.readouterr().out.split())
 
 
 def test_checks_of_finals_are_those_of_flights_in_the_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

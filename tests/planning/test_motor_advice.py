@@ -11,7 +11,7 @@ from fieldkit.motors import catalogue
 from fieldkit.planning.contest import season
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_advice import motor_advice
+from fieldkit.planning.motor_advice import in_season, motor_advice
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
 from fieldkit.presentation.planning_text import advice_in_words
 
@@ -28,14 +28,21 @@ def choices() -> list[MotorChoice]:
 
 def test_the_fewest_points_come_first_and_what_the_season_forbids_is_left_out(choices: list[MotorChoice]) -> None:
     """A G of 97 N s is beyond the 80 N s of a season."""
-    advice = motor_advice(choices, RULE, None)
+    advice = motor_advice([in_season(one, RULE) for one in choices], RULE, None)
     names = [one.choice.motor.designation for one in advice.ranked]
     assert "G40W" not in names
     means = [one.mean for one in advice.ranked]
     assert means == sorted(means)
     assert (advice.current, advice.gain, advice.clear) == (None, None, False)
-    listed = motor_advice(choices, RULE, None, frozenset({"f24w"}))
-    assert len(listed.ranked) <= 1
+    held = {one.motor.designation: in_season(one, RULE, frozenset({"f24w"})) for one in choices}
+    reasons = {name: [line.name for line in one.beyond_season] for name, one in held.items()}
+    assert reasons["F24W"] == []
+    assert reasons["F39T"] == ["contest motor list"]
+    assert reasons["G40W"] == ["contest impulse", "contest motor list"]
+    assert not held["F39T"].fits
+    assert {"contest impulse", "contest motor list"} <= set(held["G40W"].json()["why_not"])
+    listed = motor_advice(list(held.values()), RULE, None)
+    assert [one.choice.motor.designation for one in listed.ranked] == [name for name, one in held.items() if one.fits]
 
 
 def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice]) -> None:

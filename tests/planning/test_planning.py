@@ -53,6 +53,7 @@ NAMES = [
     "certification",
     "complex rocket",
     "sky",
+    "recovery",
     "misfire",
     "more than ten at once",
 ]

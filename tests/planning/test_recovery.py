@@ -71,6 +71,18 @@ def test_a_known_delay_counts_when_the_descent_is_fitted(delay: float) -> None:
     assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
 
 
+def test_the_timers_of_a_contest_are_a_duration() -> None:
+    """They come before that of an altimeter, which notices a landing late; a timer that is not a number is none."""
+    flight = flown(6.0, 6.0)
+    timed = {"timer_1_s": f"{flight.duration or 0.0:.2f}", "timer_2_s": f"{flight.duration or 0.0:.2f}"}
+    for duration in (None, 90.0):
+        fall = fall_of([(flight.with_changes(duration=duration, extra=timed), FOUND)])
+        assert fall.flights == 1
+        assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
+    typo = fall_of([(flight.with_changes(extra={"timer_1_s": "late"}), FOUND)])
+    assert speed_of(typo) == pytest.approx(6.0, rel=0.02)
+
+
 def test_an_ejection_height_that_was_read_stands_for_a_delay_that_is_not_known() -> None:
     known = flown(6.0, 10.0)
     up = fly(field_setup([known], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
@@ -375,6 +387,7 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
         ({"main_speed_mps": "10.5"}, "caution", "1.5 times as wide lands at 7.0 m/s"),
         ({"main_speed_mps": "35"}, "unsafe", "J if it lands in one piece"),
         ({"recovery": "streamer", "main_speed_mps": "10.5"}, "caution", "at most 9.1 m/s"),
+        ({"drogue_speed_mps": "20", "main_altitude_m": "4", "main_speed_mps": "5"}, "caution", "opens too low"),
     ],
 )
 def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
@@ -384,7 +397,17 @@ def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
     line = next(one for one in planned_flight(NEW, plan, FOUND, Site(), limits()).lines if one.name == "landing speed")
     assert line.verdict == verdict, line.text
     assert said_of_it in line.text
-    assert ("as wide" in line.text) == (verdict in ("caution", "unsafe") and "recovery" not in typed)
+    wrong_size = verdict in ("caution", "unsafe") and not {"recovery", "main_altitude_m"} & set(typed)
+    assert ("as wide" in line.text) == wrong_size
+
+
+def test_a_main_above_the_apogee_opens_there_and_the_landing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
+    words = "chance of an apogee below that: the main opens at apogee"
+    for height, above in (("900m", True), ("60m", False)):
+        dual = ["--drogue-speed", "20m/s", "--main-altitude", height]
+        assert main(["--ledger", str(tmp_path / "ledger.db"), "landing", *body, *dual]) == 0
+        assert (words in capsys.readouterr().out) == above
 
 
 def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> None:

@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.planning import rule_lines
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
-from fieldkit.planning.rule_lines import Governed, governed
+from fieldkit.planning.governed import Governed, governed
 from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
 from fieldkit.services.sites import keep_site, put_site, site_of
 from fieldkit.units import FOOT
@@ -136,6 +136,7 @@ def test_the_distances_of_other_codes_are_those_of_their_tables(
         ("nar_model", "misfire", "wait 60 seconds"),
         ("nar_model", "more than ten at once", "1.5 times the maximum expected altitude"),
         ("nar_model", "sky", "into clouds, near airplanes"),
+        ("nar_model", "recovery", "streamer or parachute that is undamaged, and flame-resistant wadding"),
         ("nar_high_power", "misfire", "countdown of 5 s"),
         ("nar_high_power", "misfire", "within 25 ft"),
         ("nar_high_power", "three or more at once", "2,000 ft"),
@@ -183,6 +184,17 @@ def test_the_law_of_classes_2_and_3_is_in_its_words() -> None:
     for part in ("five-tenths cloud", "five miles", "sunset and sunrise", "five nautical miles", "18 years"):
         assert part in words
     assert rule("faa", "bystanders").classes == rule("faa", "sky").classes == (2, 3)
+
+
+def test_the_edge_of_a_high_power_field_is_no_nearer_than_people_may_stand() -> None:
+    """An N keeps people 1,000 ft away: to 2,000 ft high it needs 2,000 ft across, not the 1,500 of its altitude."""
+    low, high = (held("N1000W", 20.0, altitude=feet * FOOT) for feet in (2000.0, 9000.0))
+    verdicts = [rule_lines.field_line(low, feet * FOOT).verdict for feet in (1500.0, 1990.0, 2000.0)]
+    assert verdicts == ["unsafe", "unsafe", "ok"]
+    assert "twice the distance of people" in rule_lines.field_line(low, None).text
+    assert "twice" not in rule_lines.field_line(high, None).text
+    assert rule_lines.field_line(high, 4490.0 * FOOT).verdict == "unsafe"
+    assert rule_lines.field_line(held("H128W", 0.9), 1500.0 * FOOT).verdict == "ok"
 
 
 def test_what_makes_a_rocket_high_power_are_the_figures_of_the_pages() -> None:

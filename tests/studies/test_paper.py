@@ -271,7 +271,8 @@ def test_simulate_flies_the_field_with_its_conditions(run: Run) -> None:
 @pytest.mark.parametrize(
     ("more", "status", "words"),
     [
-        (("--physics", "paper", "--wind-mps", "3"), 1, "the paper's physics has no delay and no conditions"),
+        (("--physics", "paper", "--wind-mps", "3"), 1, "the paper's physics takes motor, dry mass and diameter"),
+        (("--lift-off-mass", "385g"), 2, "both or none of --dry-mass and --lift-off-mass"),
         (("--dry-mass-g", "99999"), 1, "does not lift"),
         (("--dry-mass-g", "x"), 1, "expected a number"),
         (("--motor", "Q0"), 1, "found a class above O"),

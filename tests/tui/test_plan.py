@@ -100,6 +100,22 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
 
+async def test_flights_timed_by_a_stopwatch_or_without_a_score_are_named_as_such(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        flown = ledger.flight("12")
+        timed = flown.with_changes(flight_id="13", extra={"timer_1_s": "38.21"})
+        ledger.add([timed, flown.with_changes(flight_id="14", extra={"eggs": "cracked"})])
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        await front(pilot, "Contest")
+        seen = said(pilot)
+        assert "fitted to 2 flights" in seen
+        assert "no score, count as attempts: 14 (eggs: cracked)" in seen
+        alone = seen.partition("altitude only, no duration:")[2].split()
+        assert "12" in alone
+        assert "13" not in alone
+
+
 async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")

@@ -18,6 +18,7 @@ from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.check import SafetyCheck, safety_text
 from fieldkit.planning.contest import Season, declared_score, outlook, score, season
 from fieldkit.planning.contest_day import Day
+from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors
 from fieldkit.planning.delay import delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
@@ -137,8 +138,12 @@ class Decision:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
         told = [(one, own) for one, own in last if isfinite(own)]
-        alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        alone = [one.flight_id for one, _ in told if judged_duration(one) is None]
+        none = [f"{one.flight_id} ({why_no_score(one)})" for one, own in last if not isfinite(own)]
+        if told:
+            yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        if none:
+            yield f"            no score, count as attempts: {', '.join(none)}"
         if alone:
             yield f"            altitude only, no duration: {', '.join(alone)}"
         if not day.declared:

@@ -1,0 +1,79 @@
+"""A rocket under the rule sets that govern it: model or high power, its legal class, and the rules that apply."""
+
+import datetime
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.flight.site import Site
+from fieldkit.planning.classification import Build, legal_class, why_high_power
+from fieldkit.planning.rules import Rule, RuleSet, governing, read_authorities
+
+FIGURE_RULES = (
+    "ground wind",
+    "launch angle",
+    "mass",
+    "propellant",
+    "impulse",
+    "weight over thrust",
+    "field size",
+    "small high power field",
+    "pad distance",
+    "complex rocket",
+    "bystanders",
+    "certification",
+)
+"""Rules that a value of the plan is checked against; all others become reminders."""
+
+
+@dataclass(frozen=True, slots=True)
+class Governed:
+    """A build under the rule sets that govern it: why it is high power, if it is, its legal class, and its rules."""
+
+    build: Build
+    sets: tuple[RuleSet, ...]
+    why: str
+    legal: int | None
+    law: RuleSet | None
+    altitude: float
+
+    def rules(self, check: str) -> list[Rule]:
+        """The rules of one kind that apply to this build."""
+        return [
+            rule
+            for one in self.sets
+            for rule in one.rules
+            if rule.check == check and rule.rows and (not rule.classes or self.legal in rule.classes)
+        ]
+
+    def people_distance(self) -> float:
+        """The distance that the codes require from the pad to the people at the launch; 0 without one. [m]"""
+        rules, several = self.rules("pad distance"), self.build.complex
+        needed = (rule.least(self.build.impulse, self.altitude, complex_rocket=several) for rule in rules)
+        return max((distance or 0.0 for distance in needed), default=0.0)
+
+    def reminders(self) -> list[Rule]:
+        """The rules that no value of a plan can be checked against."""
+        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES or not rule.rows]
+        burned = {motor.propellant for motor in self.build.motors}
+        return [
+            rule
+            for rule in every
+            if (not rule.classes or self.legal in rule.classes)
+            and (not rule.propellants or burned & set(rule.propellants))
+        ]
+
+
+def governed(
+    build: Build, altitude: float, site: Site, sets: Sequence[RuleSet], day: datetime.date | None = None
+) -> Governed:
+    """The rules for a build with an expected altitude [m], at a site, on a day (today by default).
+
+    Raises BadValue for an authority without rule sets.
+    """
+    authorities, day = read_authorities(site.rules), day or datetime.date.today()
+    own = [one for one in sets if one.authority.casefold() in {name.casefold() for name in authorities}]
+    why = why_high_power(build, [*own, *sets])
+    chosen = governing(sets, authorities, bool(why), day)
+    law = next((one for one in chosen if one.classes), None)
+    legal = legal_class(build, law.classes) if law else None
+    return Governed(build, tuple(chosen), why, legal, law, altitude)
