@@ -3,7 +3,7 @@
 A false name sends a flyer to fix what is not broken. A missed name costs less, because forecasts average over all
 probable effects. A false name is assumed to cost twice as much as a missed one. The expected cost is then lowest if
 exactly the effects with more than `NAMING_PROBABILITY` are named. An effect that is not named is denied only if its
-absence has more than `NAMING_PROBABILITY`; in between the flights do not decide, and the verdict says so.
+absence has more than `NAMING_PROBABILITY`; in between the flights do not decide, and `also` lists it.
 """
 
 from collections.abc import Sequence
