@@ -49,7 +49,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
         return _named(posterior, group[:1], tuple(group[1:]), posterior.any_of(group))
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
-        return Verdict(UNEXPLAINED, something, _unexplained(posterior))
+        return Verdict(UNEXPLAINED, something, _unexplained(posterior), tuple(_undecided(posterior)))
     return Verdict("none", posterior.nothing, _nothing_named(posterior))
 
 
@@ -70,11 +70,19 @@ def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
     return []
 
 
+def _undecided(posterior: SetPosterior) -> list[str]:
+    """The effects that are too probable to deny, the most probable first; some of them may be probable enough to
+    name."""
+    return [
+        name for name, chance in posterior.inclusion.items() if chance > 1 - NAMING_PROBABILITY and name != UNEXPLAINED
+    ]
+
+
 def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, ...]:
     """What these flights do not distinguish from the named effects: effects that replace them in the credible sets,
     then those of these sets that have several effects, and those that add only undecided effects to the named."""
     total, singles, joined = 0.0, [], []
-    undecided = {name for name, chance in posterior.inclusion.items() if chance > 1 - NAMING_PROBABILITY}
+    undecided = set(_undecided(posterior))
     for members, chance in posterior.sets.items():
         if total > CREDIBLE:
             break

@@ -57,7 +57,7 @@ def posterior(weights: dict[str, float]) -> SetPosterior:
         ({"": 0.1, "wind+wear": 0.8, "wind": 0.1}, "wind+wear", 0.8, ()),
         ({"": 0.1, "wind": 0.5, "wear": 0.4}, "wind", 0.9, ("wear",)),
         ({"": 0.2, "unexplained": 0.7, "wind": 0.1}, "unexplained", 0.8, ()),
-        ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ()),
+        ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ("wind",)),
     ],
 )
 def test_what_is_probable_enough_is_named(
