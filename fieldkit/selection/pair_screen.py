@@ -67,7 +67,8 @@ def _tried(families: Sequence[Sequence[Candidate]]) -> Iterator[_Tried]:
 def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array, "tried other"]:
     """Log Bayes factor of the model with two effects against the one without, for every pair. [nat]
 
-    Determinant and inverse of the 2 x 2 precision of the strengths are written out.
+    Determinant and inverse of the 2 x 2 precision of the strengths are written out. Each score is that of the row's
+    effect with the column's at its expected strength.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     slope, expected = stacked([(one.candidate, one.start) for one in tried], columns, near)
@@ -76,19 +77,17 @@ def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array,
     own, other = slice(1, count + 1), slice(count + 1, None)
     sds = np.array([one.candidate.terms[0].sd for one in tried])
     found = np.full((count, count), -np.inf)
-    for number, product in enumerate(products):
+    for scale, product in zip(scales, products, strict=True):
         told, moved, both = product[own, own], product[own, other], product[other, other]
-        score = product[own, 0] - np.diagonal(moved)
-        first = score[:, None] - moved  # of the one, with the other's expected effect taken off
-        second = first.T
+        score = (product[own, 0] - np.diagonal(moved))[:, None] - moved
         precision = np.diagonal(told) + 1 / sds**2
         det = np.multiply.outer(precision, precision) - told**2
-        raised = (precision * first**2 - 2 * told * first * second + precision[:, None] * second**2) / det
-        shift = 2 * product[0, other] - np.diagonal(both)
-        left = shift[:, None] + shift - 2 * both
-        log_det = np.log(det) + 2 * np.log(sds)[:, None] + 2 * np.log(sds)
-        np.logaddexp(found, near.log_weight[scales[number]] + 0.5 * (left + raised - log_det), out=found)
-    return found - near.log_evidence
+        one = precision * score**2
+        raised = (one + one.T - 2 * told * score * score.T) / det
+        shift = product[0, other] - np.diagonal(both) / 2
+        gain = shift[:, None] + shift - both + 0.5 * (raised - np.log(det))
+        np.logaddexp(found, near.log_weight[scale] + gain, out=found)
+    return found - near.log_evidence - np.log(np.multiply.outer(sds, sds))
 
 
 def _products(
