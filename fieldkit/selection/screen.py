@@ -35,11 +35,12 @@ class Screened:
     """The candidates of every effect to fit, each with its promising starts.
 
     `steps` are the readouts around each of these starts, by place, from the smaller model and the separate simulation
-    of the effect, so that the first step of a fit needs no further simulations.
+    of the effect, so that the first step of a fit needs no further simulations. `columns` are these simulations.
     """
 
     families: dict[str, list[Candidate]]
     steps: dict[tuple[Place, float], Tangent]
+    columns: Columns
 
 
 def screened(
@@ -58,9 +59,8 @@ def screened(
         if worth is None or whole > worth.get(name, -np.inf):
             found[name] = _worth_a_fit(scored, float(whole))
     kept = [one for family in found.values() for one in family]
-    return Screened(
-        found, {(one.place, start): _about(one, start, columns, near) for one in kept for start in one.starts}
-    )
+    steps = {(one.place, start): _about(one, start, columns, near) for one in kept for start in one.starts}
+    return Screened(found, steps, columns)
 
 
 def _about(one: Candidate, start: float, columns: Columns, near: Fit) -> Tangent:
@@ -164,7 +164,7 @@ def _gains_of_size(pairs: Sequence[tuple[Candidate, float]], columns: Columns, n
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
-    slope, expected = _stacked(pairs, columns, near)
+    slope, expected = stacked(pairs, columns, near)
     flights, used, count, own = slope.shape
     absorbed = told.slope.reshape(flights * used, -1).T
     entries = (sharpness @ slope.reshape(flights, used, -1)).reshape(len(scales), flights * used, -1)
@@ -192,7 +192,7 @@ def _gains_of_size(pairs: Sequence[tuple[Candidate, float]], columns: Columns, n
     return np.asarray(np.logaddexp.reduce(near.log_weight[scales, None] + gain, axis=0) - near.log_evidence)
 
 
-def _stacked(
+def stacked(
     pairs: Sequence[tuple[Candidate, float]], columns: Columns, near: Fit
 ) -> tuple[Float[Array, "flight used pair own"], Float[Array, "flight used pair"]]:
     """The derivatives of the used readouts with respect to the terms of each candidate, and their shift at the means of

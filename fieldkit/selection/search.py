@@ -4,7 +4,7 @@ The search only decides which sets are tried (Occam's window: Madigan and Rafter
 Association 89, 1994). Sets that are not tried get no probability; the others get theirs from their evidence.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import log
 
@@ -20,6 +20,7 @@ from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior, members_of, prior_of
+from fieldkit.selection.pair_screen import pair_weights
 from fieldkit.selection.prior import UNEXPLAINED, log_prior_odds
 from fieldkit.selection.screen import screened
 from fieldkit.selection.trial import Trial, fitted_again, try_all
@@ -57,7 +58,7 @@ def explore(
     model: Model, data: Data, families: Families, on_progress: ReportProgress = no_op, *, pairs: bool = True
 ) -> SetPosterior:
     """The posterior over everything that was tried; without `pairs` each effect alone."""
-    plain, singles = _singles(model, data, families, part(on_progress, 0.0, 0.5))
+    plain, singles, couples = _singles(model, data, families, part(on_progress, 0.0, 0.5))
     sets = {frozenset[str](): [Hypothesis((), plain)]}
     for name in families:
         members = frozenset({name or UNEXPLAINED})
@@ -65,6 +66,13 @@ def explore(
         if not own:
             continue
         sets[members] = [Hypothesis((t.candidate,), t.fit, prior_of([t.candidate])) for t in own]
+
+    def extend(parent: Members, names: Iterable[str]) -> None:
+        others = {name: families[name] for name in names if (name or UNEXPLAINED) not in parent}
+        _add(sets, _expanded(sets[parent], data, others, _weight(sets[_best(sets)])))
+
+    for single, partners in _hidden(sets, couples).items() if pairs else ():
+        extend(single, partners)
     done: set[Members] = set()
     for number in range(MAX_EXPANSIONS if pairs else 0):
         parent = _next(sets, done)
@@ -72,11 +80,7 @@ def explore(
             break
         done.add(parent)
         on_progress(f"{'+'.join(sorted(parent))} and others", 0.5 + 0.3 * number / MAX_EXPANSIONS)
-        others = {name: own for name, own in families.items() if (name or UNEXPLAINED) not in parent}
-        for wider, found in _expanded(sets[parent], data, others, _weight(sets[_best(sets)])).items():
-            known = sets.get(wider)
-            if known is None or _weight(found) > _weight(known):
-                sets[wider] = found
+        extend(parent, families)
     every = SetPosterior(tuple(one for some in sets.values() for one in some))
     return checked(every, part(on_progress, 0.8, 0.2))
 
@@ -132,8 +136,11 @@ def _borrowed(members: Members, lent: Mapping[Members, float]) -> float:
     return min(lent[own] for own, count in shared.items() if count == max(shared.values()))
 
 
-def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:
-    """The plain fit, which the trials may improve, and every candidate added to it."""
+def _singles(
+    model: Model, data: Data, families: Families, on_progress: ReportProgress
+) -> tuple[Fit, list[Trial], dict[Members, float]]:
+    """The plain fit, which the trials may improve, every candidate added to it, and the log weight of every pair
+    according to its screening."""
     plain = fit(model, data, outlier_flights=True)
     count = sum(len(family) for family in families.values())
     for turn in range(MAX_SEARCHES):
@@ -141,13 +148,34 @@ def _singles(model: Model, data: Data, families: Families, on_progress: ReportPr
         def report(share: float, turn: int = turn) -> None:
             on_progress(f"{counted(count, 'candidate')}", (turn + share) / MAX_SEARCHES)
 
-        trials = try_all(model, data, screened(families, plain), plain, on_progress=report)
-        better = fitted_again(model, data, plain, trials)
-        settled = better.log_evidence < plain.log_evidence + SETTLED_CHANGE
-        plain = better
-        if settled:
+        worthy, near = screened(families, plain), plain
+        trials = try_all(model, data, worthy, near, on_progress=report)
+        plain = fitted_again(model, data, near, trials)
+        if plain.log_evidence < near.log_evidence + SETTLED_CHANGE:
             break
-    return plain, trials
+    couples = {pair: near.log_evidence + odds for pair, odds in pair_weights(families, worthy.columns, near).items()}
+    return plain, trials, couples
+
+
+def _hidden(sets: Mapping[Members, Sequence[Hypothesis]], couples: Mapping[Members, float]) -> dict[Members, list[str]]:
+    """The partners of effects that the search would not extend, in pairs that are probable according to their
+    screening: two effects may hide each other."""
+    least = _weight(sets[_best(sets)]) - SIMPLER_WINDOW - SCREENING_ERROR
+    found: dict[Members, list[str]] = {}
+    for pair, weight in couples.items():
+        alone = sorted(
+            (one for name in pair if (one := frozenset({name})) in sets), key=lambda one: -_weight(sets[one])
+        )
+        if weight > least and alone and not any(_is_open(one, sets) for one in alone):
+            found.setdefault(alone[0], []).extend(pair - alone[0])
+    return found
+
+
+def _add(sets: dict[Members, list[Hypothesis]], more: Mapping[Members, list[Hypothesis]]) -> None:
+    """Keep the more probable hypotheses of each set."""
+    for members, found in more.items():
+        if members not in sets or _weight(found) > _weight(sets[members]):
+            sets[members] = found
 
 
 def _weight(some: Sequence[Hypothesis]) -> float:
@@ -160,15 +188,15 @@ def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
 
 def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
     """The most probable set that is not yet extended; None if none is probable enough."""
-    weight = {members: _weight(some) for members, some in sets.items()}
-    least = max(weight.values()) - WINDOW
+    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and _is_open(one, sets)]
+    return max(found, key=lambda one: _weight(sets[one]), default=None)
 
-    def open_to_more(one: Members) -> bool:
-        simpler = max(own for other, own in weight.items() if other < one)
-        return weight[one] > max(least, simpler - SIMPLER_WINDOW)
 
-    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and open_to_more(one)]
-    return max(found, key=lambda one: weight[one], default=None)
+def _is_open(one: Members, sets: Mapping[Members, Sequence[Hypothesis]]) -> bool:
+    """Whether a set is probable enough to be extended."""
+    least = _weight(sets[_best(sets)]) - WINDOW
+    simpler = max(_weight(own) for other, own in sets.items() if other < one)
+    return _weight(sets[one]) > max(least, simpler - SIMPLER_WINDOW)
 
 
 def _expanded(

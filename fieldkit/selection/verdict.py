@@ -2,7 +2,8 @@
 
 A false name sends a flyer to fix what is not broken. A missed name costs less, because forecasts average over all
 probable effects. A false name is assumed to cost twice as much as a missed one. The expected cost is then lowest if
-exactly the effects with more than `NAMING_PROBABILITY` are named.
+exactly the effects with more than `NAMING_PROBABILITY` are named. An effect that is not named is denied only if its
+absence has more than `NAMING_PROBABILITY`; in between the flights do not decide, and `also` lists it.
 """
 
 from collections.abc import Sequence
@@ -48,7 +49,7 @@ def verdict(posterior: SetPosterior) -> Verdict:
         return _named(posterior, group[:1], tuple(group[1:]), posterior.any_of(group))
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
-        return Verdict(UNEXPLAINED, something, _unexplained(posterior))
+        return Verdict(UNEXPLAINED, something, _unexplained(posterior), tuple(_undecided(posterior)))
     return Verdict("none", posterior.nothing, _nothing_named(posterior))
 
 
@@ -69,17 +70,29 @@ def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
     return []
 
 
+def _undecided(posterior: SetPosterior) -> list[str]:
+    """The effects that are too probable to deny, the most probable first; some of them may be probable enough to
+    name."""
+    return [
+        name for name, chance in posterior.inclusion.items() if chance > 1 - NAMING_PROBABILITY and name != UNEXPLAINED
+    ]
+
+
 def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, ...]:
-    """Effects, then whole sets of several, that replace the named ones in the credible sets."""
+    """What these flights do not distinguish from the named effects: effects that replace them in the credible sets,
+    then those of these sets that have several effects, and those that add only undecided effects to the named."""
     total, singles, joined = 0.0, [], []
+    undecided = set(_undecided(posterior))
     for members, chance in posterior.sets.items():
         if total > CREDIBLE:
             break
         total += chance
         known = members - {UNEXPLAINED}
-        if not known or set(named) <= known:
+        others = known - set(named)
+        if not set(named) <= known:
+            singles += sorted(others)
+        elif not others or not others <= undecided:
             continue
-        singles += sorted(known - set(named))
         if len(known) > 1:
             joined.append("+".join(sorted(known)))
     return tuple(dict.fromkeys([*singles, *joined]))

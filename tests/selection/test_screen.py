@@ -2,17 +2,21 @@
 
 from dataclasses import replace
 from datetime import datetime
+from itertools import combinations, product
 
 import numpy as np
 import pytest
 
 from fieldkit.inference.laplace.fit import fit, probable_scales
 from fieldkit.inference.laplace.linearization import tangents
+from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
 from fieldkit.selection import screen
 from fieldkit.selection.candidates import Candidate, effect_candidates
 from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.pair_screen import pair_weights
+from fieldkit.selection.prior import log_prior_odds
 from fieldkit.selection.screen import MAX_PLACES, screened
 from fieldkit.selection.trial import by_effect, try_all
 from tests.selection.test_verdict import measured, season
@@ -45,6 +49,41 @@ def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect(monkey
         chosen = {one.place: one.log_share for one in kept[name]}
         few = [t.fit.log_evidence + chosen[t.candidate.place] for t in own if t.candidate.place in chosen]
         assert float(np.logaddexp.reduce(few)) == pytest.approx(fitted, abs=0.4)
+
+
+def test_the_closed_form_of_a_pair_is_the_linear_model_with_both_effects() -> None:
+    plain, some = families()
+    worthy = screened(some, plain)
+    pair = {name: [worthy.families[name][0]] for name in ("mass_offset", "motor_thrust")}
+    ones = [one for (one,) in pair.values()]
+    steps = [worthy.steps[one.place, one.starts[0]] for one in ones]
+    near = replace(
+        plain.tangent,
+        at=np.concatenate([plain.tangent.at, *(step.at[-1:] for step in steps)]),
+        values=sum(step.values for step in steps) - plain.tangent.values,
+        slope=np.concatenate([plain.tangent.slope, *(step.slope[..., -1:] for step in steps)], axis=-1),
+    )
+    both = solve(plain.model.with_terms(*(one.terms[0] for one in ones)), plain.data, near, plain.flight_weight)
+    odds = log_prior_odds(pair) + sum(one.log_share for one in ones)
+    (found,) = pair_weights(pair, worthy.columns, plain).values()
+    assert found == pytest.approx(both.log_evidence - plain.log_evidence + odds, abs=0.01)
+
+
+def test_the_weight_of_a_pair_is_summed_over_places_and_is_that_of_the_best_start() -> None:
+    plain, some = families()
+    names = ("mass_offset", "motor_thrust", "wear")
+    columns = screened(some, plain).columns
+    whole = pair_weights({name: some[name] for name in names}, columns, plain)
+    assert whole.keys() == {frozenset(two) for two in combinations(names, 2)}
+    for two in whole:
+        kinds = [[replace(one, starts=(start,)) for one in some[name] for start in one.starts] for name in sorted(two)]
+        parts: dict[tuple[str, ...], float] = {}
+        for one, other in product(*kinds):
+            (weight,) = pair_weights({"mass_offset": [one], "wear": [other]}, columns, plain).values()
+            key = (str(one.place), str(other.place))
+            parts[key] = max(weight, parts.get(key, -np.inf))
+        odds = log_prior_odds(two) - log_prior_odds(("mass_offset", "wear"))
+        assert whole[two] == pytest.approx(np.logaddexp.reduce(list(parts.values())) + odds)
 
 
 def test_an_effect_below_its_worth_is_not_fitted() -> None:

@@ -15,12 +15,14 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import effects
 from fieldkit.selection import search
-from fieldkit.selection.candidates import Candidate, Place
+from fieldkit.selection.candidates import Candidate, Place, effect_candidates, effect_terms
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
-from fieldkit.selection.search import checked
-from fieldkit.selection.trial import Trial, strength_moments
+from fieldkit.selection.search import checked, explore
+from fieldkit.selection.trial import Trial, by_effect, strength_moments
 from tests.seasons import season
+from tests.selection.test_verdict import measured
+from tests.selection.test_verdict import season as two_configurations
 
 pytestmark = pytest.mark.fast
 
@@ -87,6 +89,35 @@ def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch
     )
     found = checked(SetPosterior(tuple(hypothesis(name) for name in linear)), window=5.2)
     assert [one.correction for one in found.hypotheses] == [15.0, 4.0, 1.0, 1.0, 1.0, 1.0]
+
+
+def test_two_effects_that_hide_each_other_are_found() -> None:
+    """A rocket wears while its days become calmer: neither effect alone improves the model."""
+    calmer = two_configurations(wind=[8.0 - 0.5 * number for number in range(16)])
+    true = (("wear", 0.02), ("wind", 0.5))
+    terms = (replace(effect_terms(Place(name), calmer)[0], mean=strength) for name, strength in true)
+    flown = measured(calmer.with_terms(*terms), seed=4)
+    model, every = replace(rocket_model(flown.flights, flown.found), coarse=True), np.ones(16, bool)
+    known = by_effect(list(effect_candidates(model, every)))
+    tried = {name: known[name] for name in ("wear", "wind", "mass_offset")}
+    found = explore(model, observe(flown.flights, every), tried)
+    assert found.sets[frozenset({"wear"})] < found.nothing > found.sets[frozenset({"wind"})]
+    assert found.sets[frozenset({"wear", "wind"})] > 0.8
+
+
+def test_a_pair_is_tried_for_itself_only_if_its_screening_is_probable_and_neither_effect_is_extended() -> None:
+    sets = {frozenset[str](): [Hypothesis((), fitted(0.0))]}
+    weights = {"wear": -2.6, "wind": -3.5, "motor_thrust": 0.5}
+    for name, weight in weights.items():
+        sets[frozenset({name})] = [Hypothesis((candidate(name),), fitted(weight))]
+    couples = {
+        ("wear", "wind"): -2.0,
+        ("motor_thrust", "wear"): -2.0,
+        ("wind", "tip_off"): -2.0,
+        ("wear", "flutter"): -9.0,
+    }
+    found = search._hidden(sets, {frozenset(pair): weight for pair, weight in couples.items()})
+    assert found == {frozenset({"wear"}): ["wind"], frozenset({"wind"}): ["tip_off"]}
 
 
 @pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])

@@ -51,11 +51,13 @@ def posterior(weights: dict[str, float]) -> SetPosterior:
         ({"": 0.6, "wind": 0.4}, "none", 0.6, ()),
         ({"": 0.2, "wind": 0.76, "wear": 0.04}, "wind", 0.76, ()),
         ({"": 0.05, "wind": 0.7, "wear": 0.25}, "wind", 0.7, ("wear",)),
-        ({"": 0.1, "wind+wear": 0.5, "wind": 0.4}, "wind", 0.9, ()),
+        ({"": 0.1, "wind+wear": 0.5, "wind": 0.4}, "wind", 0.9, ("wear+wind",)),
+        ({"": 0.1, "wind+wear": 0.3, "wind": 0.6}, "wind", 0.9, ()),
+        ({"wind+wear": 0.2, "wind+wear+unexplained": 0.2, "wind": 0.6}, "wind", 1.0, ("wear+wind",)),
         ({"": 0.1, "wind+wear": 0.8, "wind": 0.1}, "wind+wear", 0.8, ()),
         ({"": 0.1, "wind": 0.5, "wear": 0.4}, "wind", 0.9, ("wear",)),
         ({"": 0.2, "unexplained": 0.7, "wind": 0.1}, "unexplained", 0.8, ()),
-        ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ()),
+        ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ("wind",)),
     ],
 )
 def test_what_is_probable_enough_is_named(

@@ -1,0 +1,102 @@
+"""Screening of pairs of effects, with readouts linear around a smaller model, for the search's choice of sets.
+
+Two effects may cancel, such as wear and wind on days that become calmer, so that neither improves the model alone. The
+change in evidence from both follows in closed form as from one (a normal linear model with two more parameters; Bishop,
+Pattern Recognition and Machine Learning, 2006, section 3.5), from products that all pairs share.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.physics.effect import Effect
+from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.hypotheses import Members
+from fieldkit.selection.prior import log_prior_odds
+from fieldkit.selection.screen import NEGLIGIBLE_SCALE_WEIGHT, Columns, stacked
+from fieldkit.shapes import Array, Float, Int, Integers
+
+
+class _Tried(NamedTuple):
+    """An effect with one strength in one place, around one start; `place` and `family` number its place and effect."""
+
+    candidate: Candidate
+    start: float
+    place: int
+    family: int
+
+
+def pair_weights(families: Mapping[str, Sequence[Candidate]], columns: Columns, near: Fit) -> dict[Members, float]:
+    """Log posterior weight of every pair of effects with one strength each, summed over their places, against the
+    model without them. [nat]"""
+    names = [name for name, family in families.items() if any(_has_one_strength(one) for one in family)]
+    tried = list(_tried([families[name] for name in names]))
+    if len(names) < 2:
+        return {}
+    share = np.array([one.candidate.log_share for one in tried])
+    weight = _gains(tried, columns, near) + share[:, None] + share
+    places, kinds = ([one.place for one in tried], [one.family for one in tried])
+    first_of_place = np.unique(places, return_index=True)[1]
+    for axis in (0, 1):
+        weight = np.maximum.reduceat(weight, first_of_place, axis=axis)
+    first_of_kind = np.unique(np.array(kinds)[first_of_place], return_index=True)[1]
+    for axis in (0, 1):
+        weight = np.logaddexp.reduceat(weight, first_of_kind, axis=axis)
+    return {
+        frozenset((one, other)): float(weight[i, i + 1 + j]) + log_prior_odds([one, other])
+        for i, one in enumerate(names)
+        for j, other in enumerate(names[i + 1 :])
+    }
+
+
+def _has_one_strength(one: Candidate) -> bool:
+    return len(one.terms) == 1 and isinstance(one.terms[0].bends, Effect)
+
+
+def _tried(families: Sequence[Sequence[Candidate]]) -> Iterator[_Tried]:
+    place = 0
+    for number, family in enumerate(families):
+        for one in family:
+            if _has_one_strength(one):
+                yield from (_Tried(one, start, place, number) for start in one.starts)
+                place += 1
+
+
+def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array, "tried other"]:
+    """Log Bayes factor of the model with two effects against the one without, for every pair. [nat]
+
+    Determinant and inverse of the 2 x 2 precision of the strengths are written out. Each score is that of the row's
+    effect with the column's at its expected strength.
+    """
+    scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    slope, expected = stacked([(one.candidate, one.start) for one in tried], columns, near)
+    count = len(tried)
+    products = _products(np.concatenate([near.told.miss[..., None], slope[..., 0], expected], axis=-1), scales, near)
+    own, other = slice(1, count + 1), slice(count + 1, None)
+    sds = np.array([one.candidate.terms[0].sd for one in tried])
+    found = np.full((count, count), -np.inf)
+    for scale, product in zip(scales, products, strict=True):
+        told, moved, both = product[own, own], product[own, other], product[other, other]
+        score = (product[own, 0] - np.diagonal(moved))[:, None] - moved
+        precision = np.diagonal(told) + 1 / sds**2
+        det = np.multiply.outer(precision, precision) - told**2
+        one = precision * score**2
+        raised = (one + one.T - 2 * told * score * score.T) / det
+        shift = product[0, other] - np.diagonal(both) / 2
+        gain = shift[:, None] + shift - both + 0.5 * (raised - np.log(det))
+        np.logaddexp(found, near.log_weight[scale] + gain, out=found)
+    return found - near.log_evidence - np.log(np.multiply.outer(sds, sds))
+
+
+def _products(
+    columns: Float[Array, "flight used column"], scales: Int[Integers, "scale"], near: Fit
+) -> Float[Array, "scale column column"]:
+    """Inner products of columns of readouts, weighted by the noise of the flights, after the smaller model's terms are
+    refitted."""
+    told, flat = near.told, columns.reshape(-1, columns.shape[-1])
+    absorbed = told.slope.reshape(len(flat), -1).T
+    weighed = (told.sharpness[scales] @ columns).reshape(len(scales), *flat.shape)
+    pull = absorbed @ weighed
+    return np.asarray(flat.T @ weighed - np.swapaxes(pull, 1, 2) @ (near.covariance[scales] @ pull))
