@@ -103,7 +103,8 @@ def calibration(card: dict) -> Iterator[str]:
     yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are uniform if the posterior is"
     yield "right; the table has the fullest and the emptiest bin relative to a uniform one. The last columns are the"
     yield "fraction of flights whose truth is among the 10, 50 and 90% of the posterior nearest to a random point"
-    yield "(TARP). "
+    yield "(TARP)."
+    yield ""
     rows = []
     for name, one in card["test"].items():
         ranks = [

@@ -1,6 +1,6 @@
 """The force along a climb in the published logs: `python tools/real_forces.py LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was measured, what
+LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: the source of its acceleration, what
 is known of rocket and motor, and whether a missing force can be computed. If mass and motor are known: the law from
 this flight alone, with a free drag. For every coast: drag area over mass, which needs neither.
 """
@@ -63,9 +63,9 @@ def main() -> None:
         known = next((one for start, one in KNOWN.items() if path.name.startswith(start)), Known())
         shown = judged(path.stem, said, known)
         why = shown if isinstance(shown, str) else "usable" + (f", but {known.caveat}" if known.caveat else "")
-        push, area = (said.forces.source, drag_area(said.forces)) if said.forces else ("none", "")
+        source, area = (said.forces.source, drag_area(said.forces)) if said.forces else ("none", "")
         mass = f"{known.dry_mass:.3f} kg" if known.dry_mass else "unknown"
-        rows.append(f"| {path.stem} | {push} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
+        rows.append(f"| {path.stem} | {source} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
         if isinstance(shown, FlightForce):
             laws += ["", *section(shown)]
     arguments.out.write_text("\n".join([*HEAD, *rows, *laws, ""]), encoding="utf-8")
@@ -79,9 +79,9 @@ HEAD = [
     "neither; the table has its median and central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts. A",
     "law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are single",
     "flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only heights were",
-    "recorded, the push is their second derivative, and the spread is that of the smoothing.",
+    "recorded, the acceleration is their second derivative, and the spread is that of the smoothing.",
     "",
-    "| log | push from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
+    "| log | acceleration from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
     "|---|---|---|---|---|---|",
 ]
 

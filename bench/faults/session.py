@@ -30,7 +30,7 @@ MORE = (
     "predict --flights planned.csv",
     "daysheet --flights planned.csv --out planned.pdf",
     "loop --rocket Astra --effect motor_thrust",
-    "loop --rocket Astra --look --report loop.html",
+    "loop --rocket Astra --dry-run --report loop.html",
     "loop --rocket Astra --decline wind",
     "score --rocket Astra --out score.png",
     "motors --import own.eng",

@@ -136,7 +136,7 @@ def mass_line(governed_by: Governed) -> SafetyCheck:
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
             own, most = compared(value, limit, unit)
             shown = f"{name} unknown" if math.isnan(value) else f"{own}{what}"
-            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {most}{what}", rule))
+            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {most}", rule))
     if not lines:
         return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
     last = worst(lines)

@@ -352,9 +352,12 @@ def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str)
 
 
 def test_tags_come_and_go(full: Run) -> None:
-    assert full("tag", "1", "Off-axis", "mine").out == "1: off_axis; mine\n"
-    assert full("untag", "1", "off axis").out == "1: mine\n"
-    assert full("untag", "1", "mine").out == "1: no tags\n"
+    assert (
+        full("tag", "1", "Off-axis", "mine").out == "Flight 1 has the tags off_axis; mine. `fieldkit undo` to undo.\n"
+    )
+    assert full("tag", "1", "mine").out == "Flight 1 has the tags off_axis; mine\n"
+    assert full("untag", "1", "off axis").out == "Flight 1 has the tag mine. `fieldkit undo` to undo.\n"
+    assert full("untag", "1", "mine").out == "Flight 1 has no tags. `fieldkit undo` to undo.\n"
     said = full("untag", "1", "mine")
     assert (said.status, said.err) == (1, "1 has no tag 'mine', it has none\n")
 

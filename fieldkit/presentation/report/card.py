@@ -119,7 +119,7 @@ def left_out(found: Findings, system: str) -> dict[tuple[str, str], CardForecast
     """The loop's leave-one-out forecasts of a rocket's flights, by rocket and flight_id, in the units of a system."""
     diagnosis = found.diagnosis
     forecasts, rng = diagnosis.forecasts_after, np.random.default_rng(0)
-    by = "no saved prediction; from its other flights the loop forecasts "
+    by = "no saved forecast; from its other flights the loop forecasts "
     known = {}
     for number, flight in enumerate(diagnosis.model.flights):
         weight = np.maximum(forecasts.weight[:, number], 0.0)
@@ -140,7 +140,7 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
     low, middle, high = (float(x) for x in made.apogee_quantiles())
     shown = ShownUnits(system).length(middle)
     others = counted(made.rests_on, "other clean flight")
-    words = f"no saved prediction; from {others} it would have been {shown}"
+    words = f"no saved forecast; from {others} it would have been {shown}"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 

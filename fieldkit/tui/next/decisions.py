@@ -162,7 +162,7 @@ class Decision:
 
 def _missed(found: ScoreReport, system: str) -> Iterator[str]:
     """The error of each method, and the fraction of flights in the intervals, as a table."""
-    yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
+    yield f"{'median':>6}{'mean':>7}{'mean':>9}  error of"
     for way in found.ways:
         mean = measure(cards.APOGEE, way.mae, system)
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
