@@ -94,22 +94,22 @@ def draw(rng: np.random.Generator, needs: Needs) -> Season:
 
 def scattered(flown: Flown) -> Launch:
     """The launch with its random draws."""
-    launch, luck = flown.launch, flown.scatter
-    lean = np.array([launch.tilt * np.cos(launch.heading), launch.tilt * np.sin(launch.heading)]) + luck.lean
+    launch, random_draw = flown.launch, flown.scatter
+    lean = np.array([launch.tilt * np.cos(launch.heading), launch.tilt * np.sin(launch.heading)]) + random_draw.lean
     motor = replace(
         launch.motor,
-        time=launch.motor.time * luck.stretch,
-        thrust=launch.motor.thrust * luck.thrust / luck.stretch,
+        time=launch.motor.time * random_draw.stretch,
+        thrust=launch.motor.thrust * random_draw.thrust / random_draw.stretch,
     )
     return replace(
         launch,
         motor=motor,
-        dry_mass=launch.dry_mass + luck.mass,
-        drag=replace(launch.drag, cd=launch.drag.cd * luck.drag),
-        air=replace(launch.air, wind=launch.air.wind * luck.wind),
+        dry_mass=launch.dry_mass + random_draw.mass,
+        drag=replace(launch.drag, cd=launch.drag.cd * random_draw.drag),
+        air=replace(launch.air, wind=launch.air.wind * random_draw.wind),
         tilt=float(np.hypot(*lean)),
         heading=float(np.arctan2(lean[1], lean[0])),
-        delay=launch.delay * luck.delay,
+        delay=launch.delay * random_draw.delay,
     )
 
 

@@ -92,8 +92,8 @@ def fresh(card: dict) -> Iterator[str]:
     yield ""
     both = card["test_held_out"], card["test_peers"]
     ratios = {name: one["cd_mae"] / both[1][name]["cd_mae"] - 1 for name, one in both[0].items()}
-    said = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
-    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {said}."
+    changes = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
+    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {changes}."
     yield ""
 
 

@@ -214,8 +214,8 @@ def _first_words(name: str) -> str:
     """The first paragraph of a module's docstring, on one line."""
     folder = ROOT / "fieldkit" / name
     file = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
-    said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-    return " ".join(said.split("\n\n")[0].split()).replace("|", "\\|")
+    docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return " ".join(docstring.split("\n\n")[0].split()).replace("|", "\\|")
 
 
 def pages() -> Iterator[tuple[Path, str]]:

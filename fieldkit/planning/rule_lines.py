@@ -90,10 +90,10 @@ def _line(
 
 
 def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | None = None) -> SafetyCheck:
-    told = (row or rule).text
-    verdict = "caution" if verdict == "unsafe" and told.unverified else verdict
-    words = f"{told.words} ({row.stated})" if row is not None and row.stated else told.words
-    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", words, told.mark)
+    text_of_rule = (row or rule).text
+    verdict = "caution" if verdict == "unsafe" and text_of_rule.unverified else verdict
+    words = f"{text_of_rule.words} ({row.stated})" if row is not None and row.stated else text_of_rule.words
+    return SafetyCheck(name, verdict, text, f"{rule.of}; {text_of_rule.origin()}", words, text_of_rule.mark)
 
 
 def wind_line(governed_by: Governed, wind: float | None) -> SafetyCheck:

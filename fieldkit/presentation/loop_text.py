@@ -142,7 +142,7 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
 
 def climbs(found: Findings) -> Iterator[str]:
     """The missing force that the logs of the climbs show."""
-    yield from climbs_in_words(found.testimony)
+    yield from climbs_in_words(found.log_evidence)
 
 
 def in_next_flight(one: NextFlight, system: str = "SI") -> str:

@@ -129,7 +129,6 @@ def test_forecasts_of_two_builds_differ_in_their_configuration(home: Path, capsy
     capsys.readouterr()
     assert main(["predictions"]) == 0
     said = capsys.readouterr().out
-    assert "config" in said
     assert " heavy " in said
 
 

@@ -97,10 +97,10 @@ class _Weights:
 
 
 def _weights(fit: Fit) -> _Weights:
-    told = fit.told
-    used, sharp, slope = told.readouts, told.sharpness, told.slope
+    flights = fit.evidence
+    used, sharp, slope = flights.readouts, flights.sharpness, flights.slope
     prior_mean = np.array([term.mean for term in fit.model.terms])
-    miss = told.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    miss = flights.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
     usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
     return _Weights(
         fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence

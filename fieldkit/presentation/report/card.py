@@ -223,9 +223,11 @@ def _trace(recordings: FlightRecordings, id: str) -> HeightTrace | None:
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
     """For the cards with a saved prediction and an apogee: their number, the mean absolute error [m], and the number
     inside the interval."""
-    told = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
+    scored = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
     inside = sum(
-        one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2] for one in told if one.forecast
+        one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2]
+        for one in scored
+        if one.forecast
     )
-    miss = float(np.mean([abs(one.miss) for one in told if one.miss is not None])) if told else float("nan")
-    return len(told), miss, inside
+    miss = float(np.mean([abs(one.miss) for one in scored if one.miss is not None])) if scored else float("nan")
+    return len(scored), miss, inside

@@ -136,9 +136,9 @@ class Decision:
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
-        told = [(one, own) for one, own in last if isfinite(own)]
+        per_flight = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in per_flight)}"
         if alone:
             yield f"            altitude only, no duration: {', '.join(alone)}"
         if not day.declared:
@@ -149,12 +149,12 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
+    def _beside(self, prediction: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety checks, with a fraction of the parachute's area. [1]"""
-        fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
-        lines = safety_lines(said, self.site, fall, self.limits)
+        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
+        lines = safety_lines(prediction, self.site, fall, self.limits)
         return (
-            *conditions_in_words(said.plan, self.rocket.starts, self.system),
+            *conditions_in_words(prediction.plan, self.rocket.starts, self.system),
             "",
             *safety_text(worst_first([*lines, *more]), self.system),
         )
@@ -170,9 +170,11 @@ def _missed(found: ScoreReport, system: str) -> Iterator[str]:
     yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
-def _limits_of(rule: Season, said: Prediction, day: Day) -> list[SafetyCheck]:
+def _limits_of(rule: Season, prediction: Prediction, day: Day) -> list[SafetyCheck]:
     """The season's limits on a plan, with the flyer's own list of approved motors."""
-    return allowed(rule, said.plan, said.found, day.length, approved_motors(rule.year, data_file("seasons")))
+    return allowed(
+        rule, prediction.plan, prediction.found, day.length, approved_motors(rule.year, data_file("seasons"))
+    )
 
 
 def rule_of(year: int) -> Season:

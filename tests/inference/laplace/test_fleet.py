@@ -59,7 +59,7 @@ def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
     means = np.array([PRIOR[name][0] if name in PRIOR else PRIOR["drag"][0] for name in names])
     rows, miss, noise = [], [], []
     for i, result in enumerate(fits):
-        told = result.told
+        told = result.evidence
         design = np.zeros((told.miss.size, len(names)))
         design[:, [0, 1, 2 + i]] = told.slope.reshape(told.miss.size, -1)
         rows.append(design)

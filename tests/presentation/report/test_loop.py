@@ -130,9 +130,9 @@ def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found:
     """The last flight's apogee is absurd, which must not change any earlier forecast."""
 
     def spoilt(one: Hypothesis) -> Hypothesis:
-        miss = one.fit.told.miss.copy()
+        miss = one.fit.evidence.miss.copy()
         miss[-1] += 1.0
-        return replace(one, fit=replace(one.fit, told=replace(one.fit.told, miss=miss)))
+        return replace(one, fit=replace(one.fit, evidence=replace(one.fit.evidence, miss=miss)))
 
     later = ahead(SetPosterior(tuple(spoilt(one) for one in diagnosis.posterior.hypotheses)))
     assert later.chosen == found.ahead.chosen
