@@ -42,8 +42,8 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A coefficient's mean over the flights and its standard deviation: `observed` from their variation, and `expected` its
-    lower bound, from the scatter of single flights."""
+    """A coefficient's mean over the flights and its standard deviation: `observed` from their variation, and `expected`
+    its lower bound, from the scatter of single flights."""
 
     value: float
     observed: float

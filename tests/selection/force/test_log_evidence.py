@@ -14,7 +14,7 @@ from fieldkit.cli.main import main
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
-from fieldkit.selection.force.log_evidence import LogEvidence, _says, document
+from fieldkit.selection.force.log_evidence import LogEvidence, _comparison, document
 from fieldkit.selection.force.one_flight import missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
@@ -135,13 +135,13 @@ def test_a_log_without_a_climb_says_why() -> None:
     ],
 )
 def test_the_law_is_put_beside_the_verdict(verdict: str, says: str) -> None:
-    assert _says(verdict, shared("base drag", 0.4), FLIGHTS) == says
-    assert _says(verdict, (), 1) == ""
+    assert _comparison(verdict, shared("base drag", 0.4), FLIGHTS) == says
+    assert _comparison(verdict, (), 1) == ""
 
 
 def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
-    assert _says("base_drag", (), FLIGHTS) == "nothing of it"
-    assert _says("wind", (), FLIGHTS) == ""
+    assert _comparison("base_drag", (), FLIGHTS) == "nothing of it"
+    assert _comparison("wind", (), FLIGHTS) == ""
 
 
 def test_without_a_log_nothing_is_reported() -> None:
