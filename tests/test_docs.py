@@ -22,7 +22,7 @@ from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
-from tests.pressing import opened, press, told
+from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
 from tools import field_report, history_report
@@ -267,9 +267,9 @@ def test_what_the_manual_says_that_the_program_says_is_in_the_program() -> None:
     sources = [path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")]
     program = "".join(re.sub(r'"\s+f?"', "", path.read_text(encoding="utf-8")) for path in sources)  # parted texts
     heads = re.findall(r"^\*\*(.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
-    said = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
-    missing = [words for words in said if re.sub(r"^(1|the file is) ", "", words) not in program]
-    assert len(said) > 8
+    quotes = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
+    missing = [words for words in quotes if re.sub(r"^(1|the file is) ", "", words) not in program]
+    assert len(quotes) > 8
     assert missing == ["fieldkit: command not found"], "a shell's own words"
 
 
@@ -345,7 +345,7 @@ async def test_the_screen_of_the_manual_shows_the_wind(tmp_path: Path, monkeypat
         page.pages.cache_clear()
         async with opened(tmp_path / "ledger.db") as pilot:
             await press(pilot, "8")
-            assert told(pilot, "#body Static") == "Astra 1: 3.5 m/s"
+            assert text_of(pilot, "#body Static") == "Astra 1: 3.5 m/s"
     finally:
         page.pages.cache_clear()
         sys.modules.pop(f"{screens.__name__}.weather", None)

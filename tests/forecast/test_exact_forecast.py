@@ -73,8 +73,8 @@ def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
     drawn = weighed(result, rng)
     assert 1 / (drawn.weight**2).sum() > effective * DRAWS
     apogees = np.log(next_apogees(model, drawn.terms))
-    said, exact = quantiles(apogees, np.full(DRAWS, 1 / DRAWS)), quantiles(apogees, drawn.weight)
-    np.testing.assert_allclose(exact, said, atol=off * (said[2] - said[0]))
+    forecast, exact = quantiles(apogees, np.full(DRAWS, 1 / DRAWS)), quantiles(apogees, drawn.weight)
+    np.testing.assert_allclose(exact, forecast, atol=off * (forecast[2] - forecast[0]))
 
 
 def next_apogees(model: Model, terms: Array) -> Array:
