@@ -7,7 +7,7 @@ from pathlib import Path
 from bench.faults.ledgers import Outcome, fieldkit, put, season
 from fieldkit.ledger.backups import folder_of
 
-SAID = (
+DAMAGE_MESSAGES = (
     "the file is damaged",
     "is not a ledger",
     "the file is empty",
@@ -77,7 +77,7 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
             faults.append(f"{what}: {arguments[0]} raised {type(error).__name__}: {error}")
             continue
         if status:
-            known = any(one in message for one in SAID) and "fieldkit backups restore" in message
+            known = any(one in message for one in DAMAGE_MESSAGES) and "fieldkit backups restore" in message
             came.append("reported, backup offered")
             faults += [] if known else [f"{what}: {arguments[0]} said {message.strip()!r}"]
         elif out == answer:

@@ -173,8 +173,10 @@ def best_apogee(dry_mass: float, motor: Burning) -> float:
 
 def _not_a_number(flight: Flight) -> str:
     """A phrase for the first value that is not finite."""
-    odd = (column for column in COLUMNS if not math.isfinite(flight.number(column.name) or 0.0))
-    return next((f"{column.header}: found {flight.number(column.name)}, expected a number" for column in odd), "")
+    not_finite = (column for column in COLUMNS if not math.isfinite(flight.number(column.name) or 0.0))
+    return next(
+        (f"{column.header}: found {flight.number(column.name)}, expected a number" for column in not_finite), ""
+    )
 
 
 def _misfit(flight: Flight, motor: Burning) -> str:

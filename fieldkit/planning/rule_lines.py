@@ -173,8 +173,8 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
         text = f"the code requires {wanted} across"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(governed_by)) and size >= small.rows[0].value - 1e-6:
-            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
-            return _check("field size", "caution", told, small)
+            text_small = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
+            return _check("field size", "caution", text_small, small)
         return _check("field size", verdict, f"{text}; this field is {own}", rule, row)
 
     wanted = governed_by.rules("field size")

@@ -65,7 +65,9 @@ def test_a_table_narrows_forecasts_of_designs_on_high_power_motors(tmp_path: Pat
 
 
 def test_the_command_keeps_the_rest_of_the_card(run_command: Run, tmp_path: Path) -> None:
-    status, _, _ = run_command("learn", "--high-power", str(table(tmp_path, *ROWS)), "--out", str(tmp_path / "card.json"))
+    status, _, _ = run_command(
+        "learn", "--high-power", str(table(tmp_path, *ROWS)), "--out", str(tmp_path / "card.json")
+    )
     card = json.loads((tmp_path / "card.json").read_text())
     assert status == 0
     assert card["sds"] == dict(learned().sds)

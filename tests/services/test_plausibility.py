@@ -116,7 +116,9 @@ def run_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 @pytest.mark.parametrize(
     "what", [pytest.param(WHOLLY[0], marks=pytest.mark.thorough), *(what for what in IMPOSSIBLE if what != WHOLLY[0])]
 )
-def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(what: str, run_command: Run) -> None:
+def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(
+    what: str, run_command: Run
+) -> None:
     rows = IMPOSSIBLE[what]
     implausible_count = len(rows) if what.startswith("all") else 1
     _, out, err = run_command(rows=rows)

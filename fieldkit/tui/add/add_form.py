@@ -103,8 +103,8 @@ def beside(question: Question, answered: Answered, unit: str, system: str) -> st
     """The note next to an answer: why it cannot be read, what is implausible, or its unit and its value in another."""
     if question.name in answered.wrong:
         return f"✗ {answered.wrong[question.name]}"
-    if odd := implausible_answers(answered.flight, question.name, answered.usual, system):
-        return f"! {odd[0]}"
+    if reason := implausible_answers(answered.flight, question.name, answered.usual, system):
+        return f"! {reason[0]}"
     column = question.column
     value = answered.number(question) if column else None
     return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
@@ -230,12 +230,12 @@ class Draft:
                 self.flight += 1
         except FieldkitError as error:
             return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
-        odd = implausible_flights([flight], self._resources.motors) if added.new else []
+        excluded = implausible_flights([flight], self._resources.motors) if added.new else []
         return Saved(
             added.new[0] if added.new else "",
             flight,
             lacks=lacks(typed),
-            trouble=in_system("; ".join(odd), self._resources.settings.units),
+            trouble=in_system("; ".join(excluded), self._resources.settings.units),
         )
 
     def _question(self, flight: Flight) -> str:

@@ -62,5 +62,5 @@ class Hand(Horizontal):
 def _meaning(question: Question, answer: str, answered: Answered, system: str) -> str:
     """Why an answer cannot be read, what is implausible about it, or the meaning of the question."""
     trouble = answered.wrong.get(question.name)
-    odd = implausible_answers(answered.flight, question.name, answered.usual, system)
-    return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help
+    reason = implausible_answers(answered.flight, question.name, answered.usual, system)
+    return f"✗ {trouble}" if trouble and answer else f"! {reason[0]}" if reason else question.help

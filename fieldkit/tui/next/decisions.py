@@ -78,20 +78,20 @@ class Decision:
             return Answer(("No target yet. Press g on the Next page to set one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
-        said = best.advised
-        more = _limits_of(rule, said, day) if rule else ()
-        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
+        prediction = best.advised
+        more = _limits_of(rule, prediction, day) if rule else ()
+        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(prediction, more))
         answer = large_figures.of_ballast(answer, best, self.system)
-        return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
+        return decision_plots.of_apogee(answer, prediction.apogee, goal.target, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
-        said = ahead.forecast
+        prediction = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
-        answer = Answer(words, self._beside(said, _limits_of(rule, said, day), area))
+        answer = Answer(words, self._beside(prediction, _limits_of(rule, prediction, day), area))
         points = ahead.points.ravel()
         return decision_plots.of_points(large_figures.of_points(answer, points), points)
 
@@ -114,8 +114,8 @@ class Decision:
             return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
-            said = one.made.payload
-            words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
+            payload = one.made.payload
+            words += ["", f"{one.state}: {payload.get('motor', '')} {payload.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one, self.system)]
         return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
@@ -127,8 +127,8 @@ class Decision:
             return Answer(("Needs two clean flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
         words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
-        said = (*_missed(found, self.system), "", *against_the_bar(found))
-        answer = Answer((*words, *said), tuple(histogram(found.calibration)))
+        scores = (*_missed(found, self.system), "", *against_the_bar(found))
+        answer = Answer((*words, *scores), tuple(histogram(found.calibration)))
         return decision_plots.of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
