@@ -77,8 +77,8 @@ class FlightEvidence:
     log_det: Float[Array, "scale flight"]
 
     def noise(self) -> Float[Array, "scale flight used used"]:
-        """Covariance of each flight's readouts given the terms, in the units of `miss`; computed when asked, because
-        fits are kept by the hundred."""
+        """Covariance of each flight's readouts given the terms, in the units of `miss`, squared; computed on request,
+        because hundreds of fits are in memory."""
         return inverses(self.sharpness)[0]
 
 
